@@ -1,0 +1,57 @@
+# make demo   set up, then drive a robot across the built-in warehouse
+# make test   set up, then run the tests
+# make check  lint, types, layers
+# make build  rebuild the C++ kernels (an editable install does not do so on import)
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+UV := $(shell command -v uv 2>/dev/null)
+
+ifeq ($(UV),)
+  CREATE := $(PYTHON) -m venv $(VENV)
+  INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+else
+  CREATE := $(UV) venv --quiet --allow-existing --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
+  INSTALL := VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --python $(BIN)/python -c constraints.txt
+endif
+
+SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*.hpp) CMakeLists.txt
+
+.PHONY: demo test check build setup dev clean
+
+demo: setup
+	$(BIN)/trundle demo
+
+test: dev
+	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+check: dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+setup: $(VENV)/.trundle
+dev: $(VENV)/.trundle-dev
+
+$(VENV)/.tools: scripts/check_tools.py
+	@$(PYTHON) scripts/check_tools.py
+	@mkdir -p $(VENV) && touch $@
+
+$(VENV)/.trundle: pyproject.toml constraints.txt $(SOURCES) | $(VENV)/.tools
+	@test -x $(BIN)/python || $(CREATE)
+	@echo "Setting up trundle in $(VENV) (builds the C++ kernels; about a minute)"
+	@$(INSTALL) -e .
+	@touch $@
+
+$(VENV)/.trundle-dev: $(VENV)/.trundle
+	@$(INSTALL) $$($(BIN)/python scripts/dev_requirements.py)
+	@touch $@
+
+build: | $(VENV)/.tools
+	@test -x $(BIN)/python || $(CREATE)
+	@$(INSTALL) -e .
+	@touch $(VENV)/.trundle
+
+clean:
+	rm -rf $(VENV) build dist

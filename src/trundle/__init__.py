@@ -1,0 +1,75 @@
+"""trundle: from a map to a moving robot.
+
+Every public name has one canonical place; the common ones are also reachable from here, imported on first use.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from trundle.costmap import Costmap
+    from trundle.errors import InputError, PlanningError, TrundleError
+    from trundle.geometry import Pose2D, Twist2D
+    from trundle.maps import OccupancyGrid
+    from trundle.mission import Episode, Outcome, Scenario, run
+    from trundle.navigation import Navigator
+    from trundle.path import Path
+    from trundle.robots import Robot
+    from trundle.sim import RobotState, simulate
+    from trundle.worlds import World
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Costmap": "trundle.costmap",
+    "Episode": "trundle.mission",
+    "InputError": "trundle.errors",
+    "Navigator": "trundle.navigation",
+    "OccupancyGrid": "trundle.maps",
+    "Outcome": "trundle.mission",
+    "Path": "trundle.path",
+    "PlanningError": "trundle.errors",
+    "Pose2D": "trundle.geometry",
+    "Robot": "trundle.robots",
+    "RobotState": "trundle.sim",
+    "Scenario": "trundle.mission",
+    "TrundleError": "trundle.errors",
+    "Twist2D": "trundle.geometry",
+    "World": "trundle.worlds",
+    "run": "trundle.mission",
+    "simulate": "trundle.sim",
+}
+
+__all__ = [
+    "Costmap",
+    "Episode",
+    "InputError",
+    "Navigator",
+    "OccupancyGrid",
+    "Outcome",
+    "Path",
+    "PlanningError",
+    "Pose2D",
+    "Robot",
+    "RobotState",
+    "Scenario",
+    "TrundleError",
+    "Twist2D",
+    "World",
+    "__version__",
+    "run",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> object:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'trundle' has no attribute {name!r}")
+    return getattr(importlib.import_module(home), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

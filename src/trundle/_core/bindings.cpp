@@ -1,0 +1,11 @@
+// The Python module `trundle._core._kernels`. Each kernel file declares its functions in a `bind_*` of its own.
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+void bind_inflation(nb::module_ &m);
+
+NB_MODULE(_kernels, m) {
+  m.doc() = "Kernels of trundle: arrays in, arrays out.";
+  bind_inflation(m);
+}

@@ -1,0 +1,115 @@
+"""The exceptions of trundle.
+
+Everything that trundle raises on purpose derives from `TrundleError`. Bad input derives from `InputError`, which is a
+`ValueError` too. Not reaching a goal, a collision and a time-out are outcomes (data), not exceptions.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class TrundleError(Exception):
+    """Base of everything that trundle raises on purpose."""
+
+
+class InputError(TrundleError, ValueError):
+    """An argument, a file or a setting that cannot be used; the message says what, where and what to do."""
+
+
+class MapError(InputError):
+    """A map file or an occupancy grid that cannot be used."""
+
+
+class RobotError(InputError):
+    """A robot description that cannot be used."""
+
+
+class WorldError(InputError):
+    """A world that cannot be used."""
+
+
+class ScenarioError(InputError):
+    """A scenario or a mission that cannot be used."""
+
+
+class OutputError(TrundleError):
+    """A result that cannot be written where it was asked for."""
+
+
+class SimulationError(TrundleError):
+    """A simulator that cannot go on, or was used after it was closed."""
+
+
+class UnknownNameError(InputError):
+    """A name that is in no registry.
+
+    Attributes:
+        name: What was asked for.
+        choices: What there is, sorted.
+    """
+
+    def __init__(self, kind: str, name: str, choices: Iterable[str]) -> None:
+        self.name = name
+        self.choices = tuple(sorted(choices))
+        nearest = difflib.get_close_matches(name, self.choices, n=1)
+        hint = f" Did you mean {nearest[0]!r}?" if nearest else ""
+        super().__init__(f"unknown {kind} {name!r}.{hint} There are: {', '.join(self.choices) or 'none'}.")
+
+
+class MissingExtraError(TrundleError, ImportError):
+    """A library that is needed for this and not installed; the message gives the install line."""
+
+    def __init__(self, purpose: str, package: str, install: str) -> None:
+        super().__init__(f"{purpose} needs {package}, which is not installed. Install it with: {install}")
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class PlanningError(TrundleError):
+    """No path was found.
+
+    Attributes:
+        pose: The pose [m, m, rad] in the map frame that the message is about, or None.
+        cell: Its (row, col) on the costmap, or None.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        pose: tuple[float, float, float] | None = None,
+        cell: tuple[int, int] | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.pose = pose
+        self.cell = cell
+
+
+class OutsideMapError(PlanningError):
+    """A start or goal that lies outside the map."""
+
+
+class BlockedPoseError(PlanningError):
+    """A start or goal where the robot cannot stand.
+
+    Attributes:
+        nearest_free_m: Distance to the nearest cell where it could, or None where there is none.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        pose: tuple[float, float, float] | None = None,
+        cell: tuple[int, int] | None = None,
+        nearest_free_m: float | None = None,
+    ) -> None:
+        super().__init__(message, pose=pose, cell=cell)
+        self.nearest_free_m = nearest_free_m
+
+
+class NoPathError(PlanningError):
+    """Start and goal are free, and no path joins them."""

@@ -1,0 +1,191 @@
+"""Poses, twists and angles: SI units, radians, REP-103 axes (x forward, y left, z up, yaw counter-clockwise)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def wrap_angle(angle: float) -> float:
+    """Wrap an angle [rad] to (−π, π]."""
+    wrapped = math.remainder(angle, 2.0 * math.pi)
+    return math.pi if wrapped == -math.pi else wrapped
+
+
+def wrap_angles(angles: npt.ArrayLike) -> FloatArray:
+    """Wrap angles [rad], any shape, to (−π, π]."""
+    values = np.asarray(angles, dtype=np.float64)
+    return -((-values + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2D:
+    """A pose in the plane: x, y [m], yaw [rad] wrapped to (−π, π]. As a transform it reads right to left: `T_map_base`.
+
+    Raises:
+        InputError: If a number is NaN or infinite.
+    """
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        x, y, yaw = float(self.x), float(self.y), float(self.yaw)
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
+            raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
+        object.__setattr__(self, "x", x)
+        object.__setattr__(self, "y", y)
+        object.__setattr__(self, "yaw", wrap_angle(yaw))
+
+    @classmethod
+    def of(cls, value: Pose2D | Sequence[float]) -> Pose2D:
+        """Take a pose, or (x, y), or (x, y, yaw)."""
+        if isinstance(value, Pose2D):
+            return value
+        numbers = [float(number) for number in value]
+        if len(numbers) not in (2, 3):
+            raise InputError(f"a pose is (x, y) or (x, y, yaw), got {len(numbers)} numbers: {numbers}")
+        return cls(*numbers)
+
+    def as_tuple(self) -> tuple[float, float, float]:
+        """Return (x, y, yaw)."""
+        return (self.x, self.y, self.yaw)
+
+    def __matmul__(self, other: Pose2D) -> Pose2D:
+        """Compose: `T_a_c = T_a_b @ T_b_c`."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(
+            self.x + cos * other.x - sin * other.y,
+            self.y + sin * other.x + cos * other.y,
+            self.yaw + other.yaw,
+        )
+
+    def inverse(self) -> Pose2D:
+        """Return `T_b_a` of `T_a_b`."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
+
+    def transform_points(self, points: npt.ArrayLike) -> FloatArray:
+        """Transform points [m], shape (N, 2), from this pose's frame to the frame it is given in."""
+        array = np.asarray(points, dtype=np.float64)
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return array @ np.array([[cos, sin], [-sin, cos]]) + (self.x, self.y)
+
+    def distance_to(self, other: Pose2D) -> float:
+        """Distance [m] between the two positions."""
+        return math.hypot(other.x - self.x, other.y - self.y)
+
+
+@dataclass(frozen=True, slots=True)
+class Twist2D:
+    """A planar twist in base_link: v [m/s] forward, w [rad/s] counter-clockwise.
+
+    Raises:
+        InputError: If a number is NaN or infinite.
+    """
+
+    v: float = 0.0
+    w: float = 0.0
+
+    def __post_init__(self) -> None:
+        v, w = float(self.v), float(self.w)
+        if not (math.isfinite(v) and math.isfinite(w)):
+            raise InputError(f"a twist needs finite numbers, got v={v}, w={w}")
+        object.__setattr__(self, "v", v)
+        object.__setattr__(self, "w", w)
+
+    def integrate(self, pose: Pose2D, dt: float) -> Pose2D:
+        """Return the pose after driving this twist for `dt` [s] from `pose`, along the exact arc."""
+        x, y, yaw = integrate_twist(pose.x, pose.y, pose.yaw, self.v, self.w, dt)
+        return Pose2D(x, y, yaw)
+
+
+def integrate_twist(
+    x: float, y: float, yaw: float, v: float, w: float, dt: float
+) -> tuple[float, float, float]:
+    """Drive a constant twist (v [m/s], w [rad/s]) for `dt` [s] along its exact arc; the yaw is not wrapped."""
+    turn = w * dt
+    # sin(a)/a and (1 - cos(a))/a, by series where they would cancel.
+    if abs(turn) < 1e-6:
+        along, across = 1.0 - turn * turn / 6.0, turn / 2.0
+    else:
+        along, across = math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    step = v * dt
+    return x + step * (cos * along - sin * across), y + step * (sin * along + cos * across), yaw + turn
+
+
+@dataclass(frozen=True, slots=True)
+class Pose3D:
+    """A pose in space: position [m] and unit quaternion (w, x, y, z).
+
+    Raises:
+        InputError: If a number is NaN or infinite, or the quaternion is zero.
+    """
+
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        x, y, z = (float(number) for number in self.position)
+        qw, qx, qy, qz = (float(number) for number in self.quaternion)
+        norm = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
+        if not (math.isfinite(x + y + z) and math.isfinite(norm) and norm > 1e-12):
+            raise InputError(f"not a pose: position {self.position}, quaternion {self.quaternion}")
+        object.__setattr__(self, "position", (x, y, z))
+        object.__setattr__(self, "quaternion", (qw / norm, qx / norm, qy / norm, qz / norm))
+
+    @classmethod
+    def planar(cls, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose3D:
+        """Upright at (x, y, z) [m], turned by yaw [rad]."""
+        return cls((x, y, z), (math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
+
+    def rotation(self) -> FloatArray:
+        """Rotation matrix, shape (3, 3)."""
+        w, x, y, z = self.quaternion
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+    def transform_points(self, points: npt.ArrayLike) -> FloatArray:
+        """Transform points [m], shape (N, 3), from this pose's frame to the frame it is given in."""
+        return np.asarray(points, dtype=np.float64) @ self.rotation().T + np.asarray(self.position)
+
+    def is_upright(self, tolerance: float = 1e-9) -> bool:
+        """Whether the pose only turns about z."""
+        _, x, y, _ = self.quaternion
+        return x * x + y * y <= tolerance * tolerance
+
+    def yaw(self) -> float:
+        """Yaw [rad] of the x axis seen from above."""
+        w, x, y, z = self.quaternion
+        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def path_length(points: npt.ArrayLike) -> float:
+    """Length [m] of a polyline, shape (N, 2) or more columns (the first two count)."""
+    array = np.asarray(points, dtype=np.float64)
+    if len(array) < 2:
+        return 0.0
+    steps = np.diff(array[:, :2], axis=0)
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def readonly(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[np.generic]:
+    """Copy an array and make the copy read-only, for frozen values."""
+    copy = np.array(array, dtype=dtype, order="C", copy=True)
+    copy.flags.writeable = False
+    return copy

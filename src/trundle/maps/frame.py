@@ -1,0 +1,55 @@
+"""Where a grid's cells lie in the map frame."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray, Pose2D
+
+CellArray: TypeAlias = npt.NDArray[np.int64]
+
+
+class GridFrame(ABC):
+    """The geometry that every grid shares.
+
+    Attributes:
+        resolution: Edge of a cell [m].
+        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw turns the whole grid.
+    """
+
+    __slots__ = ()
+    resolution: float
+    origin: Pose2D
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, int]:
+        """(rows, cols)."""
+
+    def world_to_cell(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[CellArray, CellArray]:
+        """Cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside."""
+        dx, dy = (
+            np.asarray(x, dtype=np.float64) - self.origin.x,
+            np.asarray(y, dtype=np.float64) - self.origin.y,
+        )
+        cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
+        col = np.floor((cos * dx + sin * dy) / self.resolution).astype(np.int64)
+        row = np.floor((cos * dy - sin * dx) / self.resolution).astype(np.int64)
+        return row, col
+
+    def cell_to_world(self, row: npt.ArrayLike, col: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Centres x, y [m] in the map frame of cells (row, col), of any one shape."""
+        along = (np.asarray(col, dtype=np.float64) + 0.5) * self.resolution
+        across = (np.asarray(row, dtype=np.float64) + 0.5) * self.resolution
+        cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
+        return self.origin.x + cos * along - sin * across, self.origin.y + sin * along + cos * across
+
+    def contains(self, row: npt.ArrayLike, col: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Whether cells lie inside the grid."""
+        rows, cols = np.asarray(row), np.asarray(col)
+        return (rows >= 0) & (rows < self.shape[0]) & (cols >= 0) & (cols < self.shape[1])

@@ -1,0 +1,65 @@
+"""`Path`: what a planner gives and a controller follows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, path_length
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """Poses to drive through, in order.
+
+    Two neighbouring poses at the same place with different yaws are a turn in place, the short way round from one to
+    the other; a turn the long way round is given as several of them. Between poses at different places the robot
+    drives the straight line.
+
+    Attributes:
+        poses: (x, y, yaw) [m, m, rad] in the map frame, shape (N, 3), N ≥ 1, read-only. The first is the start, the
+            last is the goal.
+        cost: What the planner minimised, in its own unit; NaN where it has none.
+        planner: Name of the planner.
+        replans: How often the planner had to plan again because the footprint hit something.
+        start_snapped_m: How far the start was moved to free space [m].
+        goal_snapped_m: How far the goal was moved to free space [m].
+
+    Raises:
+        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1.
+    """
+
+    poses: FloatArray
+    cost: float = math.nan
+    planner: str = ""
+    replans: int = 0
+    start_snapped_m: float = 0.0
+    goal_snapped_m: float = 0.0
+    length: float = field(init=False)
+    """Length [m] of the polyline through the poses."""
+
+    def __post_init__(self) -> None:
+        poses = np.array(self.poses, dtype=np.float64, order="C", copy=True)
+        if poses.ndim != 2 or poses.shape[1] != 3 or len(poses) == 0:
+            raise InputError(f"a path needs poses of shape (N, 3) with N ≥ 1, got {poses.shape}")
+        if not np.isfinite(poses).all():
+            raise InputError("a path needs finite poses")
+        poses.flags.writeable = False
+        object.__setattr__(self, "poses", poses)
+        object.__setattr__(self, "length", path_length(poses))
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    @property
+    def start(self) -> Pose2D:
+        """The first pose."""
+        return Pose2D(*self.poses[0].tolist())
+
+    @property
+    def goal(self) -> Pose2D:
+        """The last pose."""
+        return Pose2D(*self.poses[-1].tolist())

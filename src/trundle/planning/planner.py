@@ -1,0 +1,55 @@
+"""The seam that every planner stands behind, and the planners by name."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, cast, runtime_checkable
+
+from trundle.costmap import Costmap
+from trundle.errors import InputError
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.registry import Registry
+
+PLANNERS = Registry(
+    "planner",
+    "trundle.planners",
+    {
+        "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
+        "blog": "trundle.planning.blog:BlogPlanner",
+    },
+)
+
+
+@runtime_checkable
+class Planner(Protocol):
+    """Finds a way. It keeps no state that changes an answer: the same question gives the same path."""
+
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+        """Plan from `start` to `goal`, poses in the map frame.
+
+        Raises:
+            PlanningError: If there is no path, never an empty path; `OutsideMapError`, `BlockedPoseError` and
+                `NoPathError` say which kind.
+        """
+        ...
+
+
+def planner_names() -> list[str]:
+    """Names that `create_planner` takes, sorted."""
+    return PLANNERS.names()
+
+
+def create_planner(planner: str | Planner, **options: Any) -> Planner:
+    """Make a planner from its name and options, or take one as it is.
+
+    Raises:
+        UnknownNameError: If there is no planner of that name.
+        InputError: If it does not take these options.
+    """
+    if not isinstance(planner, str):
+        return planner
+    make = cast("type[Planner]", PLANNERS.load(planner))
+    try:
+        return make(**options)
+    except TypeError as error:
+        raise InputError(f"planner {planner!r}: {error}") from error

@@ -1,0 +1,49 @@
+"""Names that become classes: a small table of `"module:Class"` strings plus package entry points."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+from collections.abc import Mapping
+
+from trundle.errors import InputError, UnknownNameError
+
+
+class Registry:
+    """The named choices of one seam.
+
+    Args:
+        kind: What a name stands for, in messages ("planner").
+        group: Entry-point group in which other packages add theirs ("trundle.planners").
+        builtin: Our own names, each with its `"module:attribute"`.
+    """
+
+    def __init__(self, kind: str, group: str, builtin: Mapping[str, str]) -> None:
+        self._kind = kind
+        self._group = group
+        self._builtin = dict(builtin)
+
+    def names(self) -> list[str]:
+        """Every name, ours and those of installed packages, sorted."""
+        return sorted(
+            {*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))}
+        )
+
+    def load(self, name: str) -> object:
+        """Import what a name stands for.
+
+        Raises:
+            UnknownNameError: If there is no such name; it lists the choices and the nearest.
+            InputError: If another package's entry point cannot be imported.
+        """
+        if name in self._builtin:
+            module, _, attribute = self._builtin[name].partition(":")
+            return getattr(importlib.import_module(module), attribute)
+        for point in importlib.metadata.entry_points(group=self._group, name=name):
+            try:
+                return point.load()
+            except (ImportError, AttributeError) as error:
+                raise InputError(
+                    f"{self._kind} {name!r} ({point.value}) cannot be imported: {error}"
+                ) from error
+        raise UnknownNameError(self._kind, name, self.names())

@@ -1,0 +1,73 @@
+"""Differential drive: kinematics both ways, and the clipped wheel command of Isaac Sim's DifferentialController."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field
+
+from trundle.geometry import Twist2D
+from trundle.yamlfile import Config
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class WheelSpeeds(NamedTuple):
+    """Angular speeds of the drive wheels [rad/s]; positive drives forward."""
+
+    left: float
+    right: float
+
+
+class DifferentialDrive(Config):
+    """Two driven wheels on one axle, with base_link on the ground midway between them.
+
+    Attributes:
+        wheel_radius: [m].
+        track_width: Distance between the two contact points [m] (`wheel_base` in Isaac Sim's controllers).
+        left_joint: Name of the left wheel's joint.
+        right_joint: Name of the right wheel's joint.
+        wheel_width: Width of a wheel [m], for pictures and masses.
+        wheel_mass: Mass of one wheel [kg].
+        max_wheel_speed: Largest speed of one wheel [rad/s]; none means that only the robot's limits hold.
+    """
+
+    type: Literal["differential"] = "differential"
+    wheel_radius: Positive
+    track_width: Positive
+    left_joint: str
+    right_joint: str
+    wheel_width: Positive = 0.05
+    wheel_mass: Positive = 1.0
+    max_wheel_speed: Positive | None = None
+
+    def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
+        """Wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""
+        across = twist.w * self.track_width
+        return WheelSpeeds(
+            (2.0 * twist.v - across) / (2.0 * self.wheel_radius),
+            (2.0 * twist.v + across) / (2.0 * self.wheel_radius),
+        )
+
+    def twist(self, wheels: WheelSpeeds) -> Twist2D:
+        """Twist that wheel speeds [rad/s] drive without slip; the inverse of `wheel_speeds`."""
+        left, right = wheels
+        return Twist2D(
+            self.wheel_radius * (left + right) / 2.0,
+            self.wheel_radius * (right - left) / self.track_width,
+        )
+
+    def wheel_command(
+        self, twist: Twist2D, *, max_linear_speed: float | None = None, max_angular_speed: float | None = None
+    ) -> WheelSpeeds:
+        """Wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
+
+        v and w are clipped on their own, then each wheel on its own at `max_wheel_speed`: the curvature is not kept.
+        """
+        clipped = Twist2D(_clip(twist.v, max_linear_speed), _clip(twist.w, max_angular_speed))
+        left, right = self.wheel_speeds(clipped)
+        return WheelSpeeds(_clip(left, self.max_wheel_speed), _clip(right, self.max_wheel_speed))
+
+
+def _clip(value: float, limit: float | None) -> float:
+    return value if limit is None else max(-limit, min(limit, value))

@@ -1,0 +1,47 @@
+"""What a robot can do at most, in speed and in acceleration."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from trundle.geometry import Twist2D
+from trundle.yamlfile import Config
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Limits(Config):
+    """Largest speeds and accelerations of the base.
+
+    Attributes:
+        linear_speed: Forward [m/s].
+        reverse_speed: Backward [m/s], as a positive number; none means as fast as forward.
+        angular_speed: Either way [rad/s].
+        linear_acceleration: Speeding up and slowing down [m/s²].
+        angular_acceleration: Either way [rad/s²].
+    """
+
+    linear_speed: Positive
+    reverse_speed: Annotated[float, Field(ge=0.0)] | None = None
+    angular_speed: Positive
+    linear_acceleration: Positive
+    angular_acceleration: Positive
+
+    def clamp(self, twist: Twist2D) -> Twist2D:
+        """Cut a twist to the largest speeds, each on its own."""
+        back = self.linear_speed if self.reverse_speed is None else self.reverse_speed
+        return Twist2D(
+            min(self.linear_speed, max(-back, twist.v)),
+            min(self.angular_speed, max(-self.angular_speed, twist.w)),
+        )
+
+    def approach(self, current: Twist2D, command: Twist2D, dt: float) -> Twist2D:
+        """Return the twist after `dt` [s] of going from `current` towards `command` within all limits."""
+        target = self.clamp(command)
+        linear, angular = self.linear_acceleration * dt, self.angular_acceleration * dt
+        return Twist2D(
+            current.v + min(linear, max(-linear, target.v - current.v)),
+            current.w + min(angular, max(-angular, target.w - current.w)),
+        )

@@ -1,0 +1,264 @@
+"""`Robot`: one wheeled robot, read from YAML."""
+
+from __future__ import annotations
+
+import math
+import os
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from trundle.errors import InputError, RobotError, UnknownNameError
+from trundle.geometry import FloatArray, Twist2D
+from trundle.registry import Registry
+from trundle.robots.drive import DifferentialDrive, WheelSpeeds
+from trundle.robots.limits import Limits
+from trundle.yamlfile import Config, load_config
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+_PLUGINS = Registry("robot", "trundle.robots", {})
+
+
+class Body(Config):
+    """The chassis as one rigid body.
+
+    Attributes:
+        mass: Of the chassis alone, without wheels and casters [kg].
+        height: Top of the robot above the floor [m].
+        clearance: Underside of the chassis above the floor [m].
+        center_of_mass: In base_link [m]; none means the middle of the footprint at 40 % of the height.
+        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]; none means those of a
+            solid box of the footprint's extent.
+        color: Red, green, blue, each 0..1.
+    """
+
+    mass: Positive
+    height: Positive
+    clearance: NotNegative = 0.03
+    center_of_mass: tuple[float, float, float] | None = None
+    inertia: tuple[Positive, Positive, Positive] | None = None
+    color: tuple[float, float, float] = (0.25, 0.27, 0.30)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.clearance >= self.height:
+            raise ValueError(f"clearance {self.clearance} must be below height {self.height}")
+        return self
+
+
+class Caster(Config):
+    """A wheel that only carries: a frictionless ball where no joints are named, a swivel caster where they are.
+
+    Attributes:
+        x: Of the swivel axis in base_link [m] (of the contact point, for a ball).
+        y: As x [m].
+        radius: Of the wheel or ball [m].
+        trail: How far the wheel's axle is behind the swivel axis [m].
+        width: Of the wheel [m].
+        mass: Of wheel and fork together [kg].
+        swivel_joint: Name of the swivel joint (about z), or none for a ball.
+        wheel_joint: Name of the wheel joint, or none for a ball.
+    """
+
+    x: float
+    y: float
+    radius: Positive
+    trail: NotNegative = 0.0
+    width: Positive = 0.025
+    mass: Positive = 0.1
+    swivel_joint: str | None = None
+    wheel_joint: str | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.swivel_joint is None) != (self.wheel_joint is None):
+            raise ValueError("name both swivel_joint and wheel_joint (a swivel caster) or neither (a ball)")
+        if self.swivel_joint is not None and self.trail == 0.0:
+            raise ValueError("a swivel caster needs a trail above 0")
+        return self
+
+    @property
+    def is_swivel(self) -> bool:
+        """Whether this is a swivel caster and not a ball."""
+        return self.swivel_joint is not None
+
+
+class Lidar(Config):
+    """A planar lidar on the robot. Beams run counter-clockwise from −fov/2 to +fov/2 about the mount's x axis.
+
+    Attributes:
+        x, y, z: Mount in base_link [m].
+        yaw: Of the mount [rad].
+        beams: Number of beams.
+        fov: Field of view [rad].
+        range_min, range_max: [m]; a beam that meets nothing reads infinity.
+        rate: Scans per second of simulated time [Hz].
+        noise: Standard deviation of a range [m].
+    """
+
+    x: float
+    y: float
+    z: Positive
+    yaw: float = 0.0
+    beams: Annotated[int, Field(ge=1, le=100_000)] = 720
+    fov: Annotated[float, Field(gt=0.0, le=2.0 * math.pi + 1e-9)] = 2.0 * math.pi
+    range_min: NotNegative = 0.05
+    range_max: Positive = 12.0
+    rate: Positive = 20.0
+    noise: NotNegative = 0.0
+
+
+class Robot(Config):
+    """A wheeled robot: what planners, controllers and simulators need to know of it.
+
+    base_link is on the floor, midway between the drive wheels, x forward.
+
+    Attributes:
+        name: Its name.
+        drive: How it is driven.
+        limits: Largest speeds and accelerations.
+        footprint: Corners of its outline in base_link [m], either way round, convex.
+        body: The chassis.
+        casters: Wheels that only carry.
+        lidars: Planar lidars by name.
+        map_height_band: Heights above the floor between which an obstacle counts for this robot [m, m]; none means
+            from 0.05 m to the robot's height.
+    """
+
+    name: str
+    drive: DifferentialDrive
+    limits: Limits
+    footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)]
+    body: Body
+    casters: tuple[Caster, ...] = ()
+    lidars: dict[str, Lidar] = {}
+    map_height_band: tuple[float, float] | None = None
+
+    @classmethod
+    def load(cls, name_or_path: str | os.PathLike[str] | Robot) -> Robot:
+        """Load a robot by catalogue name or from a YAML file.
+
+        Raises:
+            UnknownNameError: If it is neither a known name nor a path; the nearest name is offered.
+            RobotError: If the file cannot be used; every mistake is listed as file:line:column.
+        """
+        if isinstance(name_or_path, Robot):
+            return name_or_path
+        text = os.fspath(name_or_path)
+        if text in _catalogue():
+            return _load_file(_catalogue()[text])
+        if text.endswith((".yaml", ".yml")) or os.sep in text:
+            return _load_file(Path(text))
+        if text in _PLUGINS.names():
+            return _load_plugin(text)
+        raise UnknownNameError("robot", text, robot_names())
+
+    @field_validator("footprint")
+    @classmethod
+    def _check_footprint(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        points = np.asarray(corners)
+        edges = np.roll(points, -1, axis=0) - points
+        following = np.roll(edges, -1, axis=0)
+        turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+        if not ((turns > 0).all() or (turns < 0).all()):
+            raise ValueError(
+                "the corners must go round a convex outline, without repeated or collinear corners"
+            )
+        total_turn = np.arctan2(turns, (edges * following).sum(axis=1)).sum()
+        if abs(abs(total_turn) - 2.0 * math.pi) > 1e-6:
+            raise ValueError("the corners must go round the outline once")
+        if turns[0] < 0:
+            points = points[::-1]
+            edges = np.roll(points, -1, axis=0) - points
+        if (edges[:, 0] * -points[:, 1] - edges[:, 1] * -points[:, 0] <= 0).any():
+            raise ValueError("base_link (0, 0) must lie inside the footprint")
+        return tuple((float(x), float(y)) for x, y in points)
+
+    @field_validator("map_height_band")
+    @classmethod
+    def _check_band(cls, band: tuple[float, float] | None) -> tuple[float, float] | None:
+        if band is not None and not band[0] < band[1]:
+            raise ValueError(f"the band must go from low to high, got {band}")
+        return band
+
+    @cached_property
+    def outline(self) -> FloatArray:
+        """The footprint [m] in base_link, counter-clockwise, shape (N, 2), read-only."""
+        outline = np.asarray(self.footprint, dtype=np.float64)
+        outline.flags.writeable = False
+        return outline
+
+    @cached_property
+    def inscribed_radius(self) -> float:
+        """Distance [m] from base_link to the nearest edge of the footprint."""
+        points = self.outline
+        edges = np.roll(points, -1, axis=0) - points
+        return float(
+            (np.abs(points[:, 0] * edges[:, 1] - points[:, 1] * edges[:, 0]) / np.hypot(*edges.T)).min()
+        )
+
+    @cached_property
+    def circumscribed_radius(self) -> float:
+        """Distance [m] from base_link to the farthest corner of the footprint: the radius of its swing."""
+        return float(np.hypot(*self.outline.T).max())
+
+    @property
+    def z_range(self) -> tuple[float, float]:
+        """Heights [m] between which an obstacle counts for this robot."""
+        return self.map_height_band or (0.05, self.body.height)
+
+    @property
+    def total_mass(self) -> float:
+        """Chassis, wheels and casters [kg]."""
+        return self.body.mass + 2.0 * self.drive.wheel_mass + sum(caster.mass for caster in self.casters)
+
+    def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
+        """Wheel speeds [rad/s] that drive a twist without slip."""
+        return self.drive.wheel_speeds(twist)
+
+    def twist(self, wheels: WheelSpeeds) -> Twist2D:
+        """Twist that wheel speeds [rad/s] drive without slip."""
+        return self.drive.twist(wheels)
+
+    def wheel_command(self, twist: Twist2D) -> WheelSpeeds:
+        """Wheel speeds [rad/s] for a command, clipped as Isaac Sim's DifferentialController clips."""
+        return self.drive.wheel_command(
+            twist, max_linear_speed=self.limits.linear_speed, max_angular_speed=self.limits.angular_speed
+        )
+
+
+def robot_names() -> list[str]:
+    """Names of the robots that can be loaded without a file, sorted."""
+    return sorted({*_catalogue(), *_PLUGINS.names()})
+
+
+def _catalogue() -> dict[str, Path]:
+    folder = Path(str(resources.files("trundle.robots") / "catalogue"))
+    return {path.stem: path for path in folder.glob("*.yaml")}
+
+
+def _load_file(path: Path) -> Robot:
+    try:
+        return load_config(path, Robot)
+    except InputError as error:
+        raise RobotError(str(error)) from error
+
+
+def _load_plugin(name: str) -> Robot:
+    """An entry point gives a `Robot`, the path of its YAML, or a function that returns either."""
+    value = _PLUGINS.load(name)
+    if callable(value):
+        value = value()
+    if isinstance(value, Robot):
+        return value
+    if isinstance(value, str | os.PathLike):
+        return _load_file(Path(value))
+    raise RobotError(
+        f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one"
+    )

@@ -1,0 +1,146 @@
+"""The seam that every simulator stands behind, its state, and the simulators by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol, Self, cast, runtime_checkable
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.registry import Registry
+from trundle.robots import Robot, WheelSpeeds
+from trundle.worlds import World
+
+SIMULATORS = Registry(
+    "backend",
+    "trundle.simulators",
+    {
+        "mujoco": "trundle.sim.mujoco.simulator:MujocoSimulator",
+        "kinematic": "trundle.sim.kinematic:KinematicSimulator",
+    },
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The robot touches something that is not the floor.
+
+    Attributes:
+        part: Part of the robot ("chassis", "wheel_left", …).
+        other: Name of the solid that it touches; of a map's cells, with the cell: `map[row,col]`.
+        x, y: Where, in the map frame [m].
+    """
+
+    part: str
+    other: str
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """One turn of a planar lidar.
+
+    Attributes:
+        lidar: Name of the lidar.
+        pose: Of the sensor in the map frame.
+        angles: Of the beams in the sensor's frame [rad], shape (N,), read-only.
+        ranges: [m], shape (N,), read-only; infinity where a beam met nothing within range.
+    """
+
+    lidar: str
+    pose: Pose2D
+    angles: FloatArray
+    ranges: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("angles", "ranges"):
+            values = np.array(getattr(self, name), dtype=np.float64, copy=True)
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """What a simulator knows of its robot at one moment.
+
+    Attributes:
+        time: Simulated time since the reset [s].
+        pose: True pose of base_link in the map frame.
+        twist: True twist in base_link.
+        wheel_positions: Angles of the drive wheels since the reset [rad].
+        wheel_speeds: Speeds of the drive wheels [rad/s].
+        odometry: Pose that the wheels alone tell, in a frame that starts at the reset's pose (REP-105 odom → base_link).
+        contacts: What the robot touches besides the floor, during the last control period.
+        scans: Lidar scans taken during the last control period, one per lidar at most.
+    """
+
+    time: float
+    pose: Pose2D
+    twist: Twist2D
+    wheel_positions: WheelSpeeds
+    wheel_speeds: WheelSpeeds
+    odometry: Pose2D
+    contacts: tuple[Contact, ...] = ()
+    scans: tuple[Scan, ...] = ()
+
+
+@runtime_checkable
+class Simulator(Protocol):
+    """Moves a robot through a world. The robot's limits in speed and acceleration are applied here, at every step."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that it moves."""
+        ...
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""
+        ...
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s] with a commanded twist.
+
+        Raises:
+            SimulationError: If it was closed, or the physics broke down.
+        """
+        ...
+
+    def close(self) -> None:
+        """Release what it holds; closing twice does nothing."""
+        ...
+
+    def __enter__(self) -> Self:
+        """Return itself; `with simulate(…) as sim` closes it at the end."""
+        ...
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        ...
+
+
+def simulator_names() -> list[str]:
+    """Names that `simulate` takes as a backend, sorted."""
+    return SIMULATORS.names()
+
+
+def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **options: Any) -> Simulator:
+    """Make a simulator of a robot in a world.
+
+    Args:
+        world: Where it drives.
+        robot: A robot, a catalogue name or the path of a YAML file.
+        backend: "mujoco", "kinematic", or a name that another package added.
+        options: Passed to the backend (`lidar=True` takes scans in both of ours).
+
+    Raises:
+        UnknownNameError: If there is no such backend or robot.
+        InputError: If the backend does not take these options.
+    """
+    make = cast("Any", SIMULATORS.load(backend))
+    try:
+        return cast("Simulator", make(world, Robot.load(robot), **options))
+    except TypeError as error:
+        raise InputError(f"backend {backend!r}: {error}") from error

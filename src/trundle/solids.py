@@ -1,0 +1,150 @@
+"""Solid shapes with a place and a colour: what worlds are made of, maps are made from and engines collide with."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, Pose3D
+
+Color: TypeAlias = tuple[float, float, float, float]
+
+
+def _check_positive(what: str, *values: float) -> None:
+    for value in values:
+        if not (math.isfinite(value) and value > 0.0):
+            raise WorldError(f"{what} must be a positive number of metres, got {value}")
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A box, centred on its pose. `size` is its full extent (x, y, z) [m]."""
+
+    size: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        _check_positive("a box's size", *self.size)
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A cylinder along its pose's z axis, centred on it. `radius` and full `length` [m]."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        _check_positive("a cylinder's radius and length", self.radius, self.length)
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A sphere of `radius` [m], centred on its pose."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _check_positive("a sphere's radius", self.radius)
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A triangle mesh in its pose's frame.
+
+    Attributes:
+        vertices: [m], shape (V, 3), read-only.
+        faces: Indices into `vertices`, counter-clockwise seen from outside, shape (F, 3), read-only.
+    """
+
+    vertices: FloatArray
+    faces: npt.NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        vertices = np.array(self.vertices, dtype=np.float64, copy=True)
+        faces = np.array(self.faces, dtype=np.int32, copy=True)
+        if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
+            raise WorldError(f"a mesh needs finite vertices of shape (V, 3), got {vertices.shape}")
+        if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
+            raise WorldError(f"a mesh needs faces of shape (F, 3) with F ≥ 1, got {faces.shape}")
+        if faces.min() < 0 or faces.max() >= len(vertices):
+            raise WorldError(f"a mesh's faces name vertices outside 0..{len(vertices) - 1}")
+        vertices.flags.writeable = False
+        faces.flags.writeable = False
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+
+
+@dataclass(frozen=True, slots=True)
+class OccupancyCells:
+    """Blocked cells of a grid as walls of one height: the solid form of a large map.
+
+    The shape's frame is the grid's: its origin is the lower-left corner of cell (0, 0), x along the columns, y along
+    the rows, z up from the floor.
+
+    Attributes:
+        blocked: Which cells are solid, bool, shape (rows, cols), read-only; row 0 at the bottom.
+        resolution: Edge of a cell [m].
+        height: Height of the walls [m].
+    """
+
+    blocked: npt.NDArray[np.bool_]
+    resolution: float
+    height: float
+
+    def __post_init__(self) -> None:
+        blocked = np.array(self.blocked, dtype=np.bool_, copy=True)
+        if blocked.ndim != 2 or blocked.size == 0:
+            raise WorldError(f"blocked cells need shape (rows, cols), got {blocked.shape}")
+        _check_positive("the resolution and height of blocked cells", self.resolution, self.height)
+        blocked.flags.writeable = False
+        object.__setattr__(self, "blocked", blocked)
+
+
+Shape: TypeAlias = Box | Cylinder | Sphere | Mesh | OccupancyCells
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A named shape at a pose in the world.
+
+    Attributes:
+        name: Unique in its world; a contact is reported under it.
+        shape: What it is.
+        pose: Where it is, in the map frame.
+        color: Red, green, blue, alpha, each 0..1.
+        kind: What a person would call it ("wall", "rack", "pallet", …), for pictures and filters.
+    """
+
+    name: str
+    shape: Shape
+    pose: Pose3D = Pose3D()
+    color: Color = (0.6, 0.6, 0.62, 1.0)
+    kind: str = ""
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Axis-aligned bounds (low, high) [m] in the map frame, each of shape (3,)."""
+        centre = np.asarray(self.pose.position)
+        rotation = self.pose.rotation()
+        match self.shape:
+            case Box(size):
+                reach = np.abs(rotation) @ (np.asarray(size) / 2.0)
+            case Cylinder(radius, length):
+                axis = rotation[:, 2]
+                reach = np.abs(axis) * length / 2.0 + radius * np.sqrt(np.maximum(0.0, 1.0 - axis**2))
+            case Sphere(radius):
+                reach = np.full(3, radius)
+            case Mesh(vertices, _):
+                points = self.pose.transform_points(vertices)
+                return points.min(axis=0), points.max(axis=0)
+            case OccupancyCells(blocked, resolution, height):
+                rows, cols = blocked.shape
+                extent = np.array([cols * resolution, rows * resolution, height])
+                corners = np.array(np.meshgrid(*[(0.0, edge) for edge in extent])).reshape(3, -1).T
+                points = self.pose.transform_points(corners)
+                return points.min(axis=0), points.max(axis=0)
+        return centre - reach, centre + reach

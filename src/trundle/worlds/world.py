@@ -1,0 +1,86 @@
+"""`World`: named solids on a floor at z = 0."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Self, cast
+
+import numpy as np
+
+from trundle.errors import InputError, WorldError
+from trundle.geometry import FloatArray
+from trundle.maps import OccupancyGrid
+from trundle.registry import Registry
+from trundle.solids import Solid
+
+WORLDS = Registry(
+    "world",
+    "trundle.worlds",
+    {"warehouse": "trundle.worlds.warehouse:generate_warehouse"},
+)
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What stands on the floor. The floor is the plane z = 0 of the map frame; nothing moves but the robot.
+
+    Attributes:
+        name: For messages, pictures and folder names.
+        solids: What there is; names are unique.
+        seeds: Points (x, y) [m] that are known to be free and reachable, where a map's flood fill may start.
+
+    Raises:
+        WorldError: If two solids have one name.
+    """
+
+    name: str
+    solids: tuple[Solid, ...]
+    seeds: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "solids", tuple(self.solids))
+        seen: set[str] = set()
+        for solid in self.solids:
+            if solid.name in seen:
+                raise WorldError(f"world {self.name!r} has two solids named {solid.name!r}")
+            seen.add(solid.name)
+
+    @classmethod
+    def generate(cls, name: str, *, seed: int = 0, **options: Any) -> Self:
+        """Make a built-in world, e.g. `World.generate("warehouse", seed=7, aisle_width=1.6)`.
+
+        Raises:
+            UnknownNameError: If there is no such world; the nearest name is offered.
+            InputError: If it does not take these options, or a value is out of range.
+        """
+        make = cast("Any", WORLDS.load(name))
+        try:
+            return cast("Self", make(seed=seed, **options))
+        except TypeError as error:
+            raise InputError(f"world {name!r}: {error}") from error
+
+    @classmethod
+    def from_map(cls, grid: OccupancyGrid | str | os.PathLike[str], *, height: float = 1.0) -> World:
+        """Extrude a map into walls; occupied and unknown cells are solid.
+
+        Args:
+            grid: A grid, or the path of a ROS map YAML.
+            height: Of the walls [m].
+        """
+        from trundle.worlds.from_map import extrude
+
+        return extrude(grid, height=height)
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Axis-aligned bounds (low, high) [m] of all solids, each of shape (3,); zeros for an empty world."""
+        if not self.solids:
+            return np.zeros(3), np.zeros(3)
+        lows, highs = zip(*(solid.bounds() for solid in self.solids), strict=True)
+        return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def world_names() -> list[str]:
+    """Names that `World.generate` takes, sorted."""
+    return WORLDS.names()
