@@ -19,9 +19,7 @@ def missing_tools() -> list[str]:
             f"Python {found} at {sys.executable} is too old: trundle needs 3.11 or newer. "
             "Set PYTHON=/path/to/python3.11 when you call make."
         )
-    elif shutil.which("uv") is None and any(
-        importlib.util.find_spec(name) is None for name in ("venv", "ensurepip")
-    ):
+    elif shutil.which("uv") is None and any(importlib.util.find_spec(name) is None for name in ("venv", "ensurepip")):
         problems.append("Python's venv module is missing: install python3-venv (Debian, Ubuntu).")
     include = sysconfig.get_path("include")
     if not os.path.exists(os.path.join(include, "Python.h")):

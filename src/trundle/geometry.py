@@ -109,9 +109,7 @@ class Twist2D:
         return Pose2D(x, y, yaw)
 
 
-def integrate_twist(
-    x: float, y: float, yaw: float, v: float, w: float, dt: float
-) -> tuple[float, float, float]:
+def integrate_twist(x: float, y: float, yaw: float, v: float, w: float, dt: float) -> tuple[float, float, float]:
     """Drive a constant twist (v [m/s], w [rad/s]) for `dt` [s] along its exact arc; the yaw is not wrapped."""
     turn = w * dt
     # sin(a)/a and (1 - cos(a))/a, by series where they would cancel.

@@ -25,9 +25,7 @@ class Registry:
 
     def names(self) -> list[str]:
         """Every name, ours and those of installed packages, sorted."""
-        return sorted(
-            {*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))}
-        )
+        return sorted({*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))})
 
     def load(self, name: str) -> object:
         """Import what a name stands for.
@@ -43,7 +41,5 @@ class Registry:
             try:
                 return point.load()
             except (ImportError, AttributeError) as error:
-                raise InputError(
-                    f"{self._kind} {name!r} ({point.value}) cannot be imported: {error}"
-                ) from error
+                raise InputError(f"{self._kind} {name!r} ({point.value}) cannot be imported: {error}") from error
         raise UnknownNameError(self._kind, name, self.names())

@@ -40,9 +40,7 @@ class OccupancyGrid(GridFrame):
         if source.ndim != 2 or source.size == 0:
             raise MapError(f"an occupancy grid needs data of shape (rows, cols), got {source.shape}")
         if source.dtype.kind not in "iub" or source.min() < UNKNOWN or source.max() > OCCUPIED:
-            raise MapError(
-                "an occupancy grid holds whole numbers from -1 (unknown) over 0 (free) to 100 (occupied)"
-            )
+            raise MapError("an occupancy grid holds whole numbers from -1 (unknown) over 0 (free) to 100 (occupied)")
         resolution = float(self.resolution)
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")

@@ -137,7 +137,7 @@ class Robot(Config):
     footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)]
     body: Body
     casters: tuple[Caster, ...] = ()
-    lidars: dict[str, Lidar] = {}
+    lidars: dict[str, Lidar] = Field(default_factory=dict)
     map_height_band: tuple[float, float] | None = None
 
     @classmethod
@@ -167,9 +167,7 @@ class Robot(Config):
         following = np.roll(edges, -1, axis=0)
         turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
         if not ((turns > 0).all() or (turns < 0).all()):
-            raise ValueError(
-                "the corners must go round a convex outline, without repeated or collinear corners"
-            )
+            raise ValueError("the corners must go round a convex outline, without repeated or collinear corners")
         total_turn = np.arctan2(turns, (edges * following).sum(axis=1)).sum()
         if abs(abs(total_turn) - 2.0 * math.pi) > 1e-6:
             raise ValueError("the corners must go round the outline once")
@@ -199,9 +197,7 @@ class Robot(Config):
         """Distance [m] from base_link to the nearest edge of the footprint."""
         points = self.outline
         edges = np.roll(points, -1, axis=0) - points
-        return float(
-            (np.abs(points[:, 0] * edges[:, 1] - points[:, 1] * edges[:, 0]) / np.hypot(*edges.T)).min()
-        )
+        return float((np.abs(points[:, 0] * edges[:, 1] - points[:, 1] * edges[:, 0]) / np.hypot(*edges.T)).min())
 
     @cached_property
     def circumscribed_radius(self) -> float:
@@ -259,6 +255,4 @@ def _load_plugin(name: str) -> Robot:
         return value
     if isinstance(value, str | os.PathLike):
         return _load_file(Path(value))
-    raise RobotError(
-        f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one"
-    )
+    raise RobotError(f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one")

@@ -1,0 +1,6 @@
+"""Signatures of the compiled kernels."""
+
+import numpy as np
+import numpy.typing as npt
+
+def inflate(cells: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
