@@ -1,0 +1,194 @@
+"""Things that stand about in a warehouse, made of boxes and cylinders: pallets, boxes, barrels, forklifts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.geometry import Pose3D
+from trundle.solids import Box, Color, Cylinder, Shape, Solid
+
+WOOD: Color = (0.72, 0.55, 0.34, 1.0)
+DARK_WOOD: Color = (0.58, 0.42, 0.25, 1.0)
+CARTONS: tuple[Color, ...] = (
+    (0.76, 0.60, 0.42, 1.0),
+    (0.70, 0.53, 0.35, 1.0),
+    (0.80, 0.66, 0.48, 1.0),
+    (0.63, 0.47, 0.31, 1.0),
+    (0.73, 0.58, 0.44, 1.0),
+)
+TOTES: tuple[Color, ...] = (
+    (0.13, 0.33, 0.62, 1.0),
+    (0.18, 0.47, 0.36, 1.0),
+    (0.62, 0.64, 0.66, 1.0),
+    (0.72, 0.22, 0.18, 1.0),
+)
+BARRELS: tuple[Color, ...] = (
+    (0.12, 0.32, 0.58, 1.0),
+    (0.70, 0.20, 0.16, 1.0),
+    (0.16, 0.42, 0.30, 1.0),
+    (0.30, 0.32, 0.35, 1.0),
+)
+SAFETY_YELLOW: Color = (0.95, 0.74, 0.10, 1.0)
+CHARCOAL: Color = (0.16, 0.17, 0.19, 1.0)
+RUBBER: Color = (0.09, 0.09, 0.10, 1.0)
+STEEL: Color = (0.42, 0.44, 0.47, 1.0)
+
+PALLET_SIZE = (1.2, 0.8, 0.144)  # EN 13698-1, the EUR pallet [m]
+BARREL_RADIUS, BARREL_HEIGHT = 0.29, 0.88  # a 200-litre drum [m]
+
+_ALONG_Y = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One solid of a thing, in the thing's own frame: origin on the floor, x forward.
+
+    Attributes:
+        name: Unique within its thing.
+        shape: What it is.
+        pose: In the thing's frame.
+        color: Red, green, blue, alpha, each 0..1.
+        kind: As a solid's.
+    """
+
+    name: str
+    shape: Shape
+    pose: Pose3D
+    color: Color
+    kind: str
+
+
+def place(parts: Sequence[Part], prefix: str, x: float, y: float, yaw: float) -> list[Solid]:
+    """Put a thing at (x, y) [m] of the map frame, turned by yaw [rad]; its solids are named `prefix_part`."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    half_cos, half_sin = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
+    solids = []
+    for part in parts:
+        px, py, pz = part.pose.position
+        qw, qx, qy, qz = part.pose.quaternion
+        pose = Pose3D(
+            (x + cos * px - sin * py, y + sin * px + cos * py, pz),
+            (
+                half_cos * qw - half_sin * qz,
+                half_cos * qx - half_sin * qy,
+                half_cos * qy + half_sin * qx,
+                half_cos * qz + half_sin * qw,
+            ),
+        )
+        solids.append(Solid(f"{prefix}_{part.name}", part.shape, pose, part.color, part.kind))
+    return solids
+
+
+def box(
+    name: str, size: Sequence[float], centre: Sequence[float], color: Color, kind: str, *, yaw: float = 0.0
+) -> Part:
+    """Return an upright box of `size` [m] at `centre` [m]."""
+    length, width, height = (float(edge) for edge in size)
+    x, y, z = (float(number) for number in centre)
+    return Part(name, Box((length, width, height)), Pose3D.planar(x, y, z, yaw), color, kind)
+
+
+def pallet(rng: np.random.Generator) -> list[Part]:
+    """Return a wooden pallet, most often with a stack of cartons on it."""
+    length, width, height = PALLET_SIZE
+    deck = 0.022
+    parts = [box("deck", (length, width, deck), (0.0, 0.0, height - deck / 2.0), WOOD, "pallet")]
+    block = height - deck
+    for index, y in enumerate((-0.35, 0.0, 0.35)):
+        parts.append(box(f"block_{index + 1}", (length, 0.1, block), (0.0, y, block / 2.0), DARK_WOOD, "pallet"))
+    if rng.random() < 0.85:
+        parts += _carton_stack(rng, height)
+    return parts
+
+
+def _carton_stack(rng: np.random.Generator, base: float) -> list[Part]:
+    """Cartons in layers of two by one or two by two, shrinking a little in number towards the top."""
+    parts: list[Part] = []
+    columns, rows = 2, int(rng.integers(1, 3))
+    color = np.asarray(CARTONS[rng.integers(len(CARTONS))])
+    edge_x, edge_y = 1.12 / columns, 0.74 / rows
+    for column in range(columns):
+        for row in range(rows):
+            z = base
+            for layer in range(int(rng.integers(1, 4))):
+                height = 0.36
+                red, green, blue = (float(channel) for channel in color[:3] * rng.uniform(0.92, 1.06, size=()))
+                centre = ((column + 0.5) * edge_x - 0.56, (row + 0.5) * edge_y - 0.37, z + height / 2.0)
+                size = (edge_x - 0.015, edge_y - 0.015, height - 0.006)
+                name = f"carton_{column + 1}{row + 1}{layer + 1}"
+                parts.append(
+                    box(name, size, centre, (red, green, blue, 1.0), "goods", yaw=float(rng.uniform(-0.02, 0.02)))
+                )
+                z += height
+    return parts
+
+
+def boxes(rng: np.random.Generator) -> list[Part]:
+    """Return one to three loose cartons on the floor, the third on top."""
+    parts = []
+    first = float(rng.uniform(0.45, 0.6))
+    second = float(rng.uniform(0.35, 0.5))
+    count = int(rng.integers(1, 4))
+    specs = [
+        (first, (0.0, 0.0, first * 0.4)),
+        (second, ((first + second) / 2.0 + 0.06, float(rng.uniform(-0.08, 0.08)), second * 0.4)),
+        (0.36, (0.0, 0.0, first * 0.8 + 0.36 * 0.4)),
+    ]
+    for index, (edge, centre) in enumerate(specs[:count]):
+        color = CARTONS[rng.integers(len(CARTONS))]
+        size = (edge, edge * 0.85, edge * 0.8)
+        parts.append(box(str(index + 1), size, centre, color, "box", yaw=float(rng.uniform(-0.12, 0.12))))
+    return parts
+
+
+def barrels(rng: np.random.Generator) -> list[Part]:
+    """Return one to four drums standing close together."""
+    color = BARRELS[rng.integers(len(BARRELS))]
+    pitch = 2.0 * BARREL_RADIUS + 0.03
+    spots = [(0.0, 0.0), (pitch, 0.0), (pitch / 2.0, pitch * math.sqrt(0.75)), (1.5 * pitch, pitch * math.sqrt(0.75))]
+    parts = []
+    for index, (x, y) in enumerate(spots[: int(rng.integers(1, 5))]):
+        body = Cylinder(BARREL_RADIUS, BARREL_HEIGHT)
+        lid = Cylinder(BARREL_RADIUS * 0.93, 0.02)
+        parts.append(Part(f"{index + 1}", body, Pose3D((x, y, BARREL_HEIGHT / 2.0)), color, "barrel"))
+        parts.append(Part(f"{index + 1}_lid", lid, Pose3D((x, y, BARREL_HEIGHT + 0.01)), STEEL, "barrel"))
+    return parts
+
+
+def forklift(*, fork_height: float = 0.14) -> list[Part]:
+    """Return a counterbalance forklift, 2.9 m long with its forks; every part is at least 0.1 m high somewhere.
+
+    Args:
+        fork_height: Underside of the forks above the floor [m]; above 0.10, so that a map for low robots shows them.
+    """
+    fork, kind = fork_height + 0.03, "forklift"
+    parts = [
+        box("body", (1.35, 1.05, 0.50), (-0.15, 0.0, 0.45), SAFETY_YELLOW, kind),
+        box("counterweight", (0.50, 1.08, 0.78), (-1.00, 0.0, 0.57), CHARCOAL, kind),
+        box("hood", (0.62, 0.80, 0.24), (-0.44, 0.0, 0.82), SAFETY_YELLOW, kind),
+        box("seat", (0.46, 0.50, 0.12), (-0.38, 0.0, 1.00), CHARCOAL, kind),
+        box("seat_back", (0.10, 0.48, 0.46), (-0.64, 0.0, 1.22), CHARCOAL, kind),
+        box("dashboard", (0.14, 0.84, 0.42), (0.42, 0.0, 0.90), CHARCOAL, kind),
+        box("carriage", (0.07, 0.94, 0.42), (0.78, 0.0, fork + 0.24), CHARCOAL, kind),
+        box("mast_crossbar", (0.10, 0.52, 0.10), (0.68, 0.0, 2.02), STEEL, kind),
+        box("roof", (1.22, 0.98, 0.06), (-0.16, 0.0, 2.08), CHARCOAL, kind),
+    ]
+    for side, y in (("left", 1.0), ("right", -1.0)):
+        parts += [
+            box(f"mast_{side}", (0.12, 0.10, 2.10), (0.68, y * 0.30, 1.13), STEEL, kind),
+            box(f"fork_{side}", (1.05, 0.12, 0.06), (1.33, y * 0.28, fork), STEEL, kind),
+            box(f"guard_front_{side}", (0.06, 0.06, 1.38), (0.42, y * 0.46, 1.38), CHARCOAL, kind),
+            box(f"guard_rear_{side}", (0.06, 0.06, 1.14), (-0.74, y * 0.46, 1.50), CHARCOAL, kind),
+        ]
+        for axle, x, radius in (("front", 0.42, 0.30), ("rear", -0.92, 0.24)):
+            tyre = Pose3D((x, y * 0.50, radius), _ALONG_Y)
+            hub = Pose3D((x, y * 0.605, radius), _ALONG_Y)
+            parts.append(Part(f"wheel_{axle}_{side}", Cylinder(radius, 0.20), tyre, RUBBER, kind))
+            parts.append(Part(f"hub_{axle}_{side}", Cylinder(radius * 0.5, 0.02), hub, STEEL, kind))
+    parts.append(Part("steering_wheel", Cylinder(0.17, 0.03), Pose3D((0.27, 0.0, 1.17)), RUBBER, kind))
+    parts.append(Part("beacon", Cylinder(0.06, 0.12), Pose3D((-0.55, 0.0, 2.17)), (0.98, 0.45, 0.05, 1.0), kind))
+    return parts

@@ -1,0 +1,378 @@
+"""The `warehouse` generator: racks in rows, aisles of one exact width, and what stands about in a warehouse.
+
+The floor is `size` between the walls, centred on the origin. Rows of racks run along x. West of them is a loading area,
+east of them a cross aisle, and long rows have another cross aisle in the middle; along the north and the south wall
+runs a lane. Loose things stand in the loading area and in the lanes alone, and leave `FREE_BESIDE` on every side that
+is not against a wall, so that a robot of Nova Carter's size reaches, and turns at, every place between them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray
+from trundle.solids import Color, Solid
+from trundle.worlds.props import (
+    CARTONS,
+    SAFETY_YELLOW,
+    TOTES,
+    Part,
+    barrels,
+    box,
+    boxes,
+    forklift,
+    pallet,
+    place,
+)
+from trundle.worlds.world import World
+
+CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
+LANE = 2.2  # least width of the lanes along the north and south walls [m]
+FREE_BESIDE = 1.6  # least free width beside loose things [m]
+RACK_DEPTH = 1.0  # [m]
+FLUE = 0.1  # gap between two racks that stand back to back [m]
+BAY = 2.7  # clear pitch of the uprights [m]
+MAX_SIZE = 100.0  # [m]
+
+_GUARD = 0.10  # thickness of the barrier at the end of a row [m]
+_POST = 0.10  # edge of an upright [m]
+_BEAM = 0.11  # height of a beam [m]
+_FIRST_SHELF = 0.22  # top of the lowest shelf [m]
+_SHELF_PITCH = 1.15  # from shelf to shelf [m]
+_ROWS_SPLIT_AT = 7  # from so many bays on, a row has a cross aisle in its middle
+
+_UPRIGHT: Color = (0.13, 0.29, 0.60, 1.0)
+_ORANGE: Color = (0.93, 0.43, 0.09, 1.0)
+_DECK: Color = (0.63, 0.65, 0.67, 1.0)
+_WALL: Color = (0.86, 0.87, 0.86, 1.0)
+_WALL_BASE: Color = (0.52, 0.57, 0.62, 1.0)
+_DOOR: Color = (0.70, 0.73, 0.76, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rect:
+    """An axis-aligned rectangle on the floor [m]."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where the rows of racks stand.
+
+    Attributes:
+        floor: The floor between the walls.
+        field: Bounds of all rows, with the aisles between them.
+        rows: South edge and number of racks back to back (1 or 2) of each row.
+        runs: West end and number of bays of each run of racks within a row.
+    """
+
+    floor: _Rect
+    field: _Rect
+    rows: tuple[tuple[float, int], ...]
+    runs: tuple[tuple[float, int], ...]
+
+
+def generate_warehouse(
+    *,
+    seed: int = 0,
+    size: Sequence[float] = (30.0, 20.0),
+    aisle_width: float = 1.6,
+    levels: int = 3,
+    fill: float = 0.85,
+    clutter: float = 1.0,
+    wall_height: float = 4.0,
+) -> World:
+    """Make a warehouse that Nova Carter can cross everywhere.
+
+    Args:
+        seed: The same seed and options make the same warehouse.
+        size: Of the floor between the walls, along x and y [m], up to 100 each.
+        aisle_width: Between the faces of two rows of racks [m], 1 to 10.
+        levels: Shelves above each other in a rack, 1 to 6.
+        fill: Part of the places in the racks that hold goods, 0 to 1.
+        clutter: How many loose things there are, against the usual; 0 (none) to 3.
+        wall_height: [m].
+
+    Raises:
+        WorldError: If a value is out of range, or the floor has no room for two rows of racks with their aisles.
+    """
+    seed = _check_whole("seed", seed, 0, 2**63 - 1)
+    levels = _check_whole("levels", levels, 1, 6)
+    aisle_width = _check_number("aisle_width", aisle_width, 1.0, 10.0)
+    fill = _check_number("fill", fill, 0.0, 1.0)
+    clutter = _check_number("clutter", clutter, 0.0, 3.0)
+    wall_height = _check_number("wall_height", wall_height, 0.7, 20.0)
+    layout = _lay_out(_check_size(size), aisle_width)
+    rng = np.random.default_rng(seed)
+    solids = _walls(layout.floor, wall_height)
+    number = 0
+    for south, depth in layout.rows:
+        for west, bays in layout.runs:
+            for index in range(depth):
+                number += 1
+                y = south + RACK_DEPTH / 2.0 + index * (RACK_DEPTH + FLUE)
+                rack = _rack(rng, bays, levels, fill)
+                solids += place(rack, f"rack_{number}", west + _GUARD, y, 0.0)
+            solids += _guards(f"row_{number}", west, bays, south, depth)
+    solids += _Clutter(layout, rng).scatter(clutter)
+    seeds = (((layout.field.x1 + layout.floor.x1) / 2.0, 0.0),)
+    return World("warehouse", tuple(solids), seeds)
+
+
+def _check_number(name: str, value: float, low: float, high: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not (math.isfinite(number) and low <= number <= high):
+        raise WorldError(f"warehouse: {name} must be a number from {low:g} to {high:g}, got {value!r}")
+    return number
+
+
+def _check_whole(name: str, value: int, low: int, high: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+        raise WorldError(f"warehouse: {name} must be a whole number from {low} to {high}, got {value!r}")
+    return int(value)
+
+
+def _check_size(size: Sequence[float]) -> tuple[float, float]:
+    try:
+        length, width = size
+    except (TypeError, ValueError):
+        raise WorldError(f"warehouse: size must be two numbers of metres, along x and y, got {size!r}") from None
+    return _check_number("size along x", length, 1.0, MAX_SIZE), _check_number("size along y", width, 1.0, MAX_SIZE)
+
+
+def _run_length(bays: int) -> float:
+    return bays * BAY + _POST + 2.0 * _GUARD
+
+
+def _row_depth(racks: int) -> float:
+    return racks * RACK_DEPTH + (racks - 1) * FLUE
+
+
+def _lay_out(size: tuple[float, float], aisle: float) -> _Layout:
+    length, width = size
+    least = (2.0 * CROSS_AISLE + _run_length(1), 2.0 * LANE + 2.0 * RACK_DEPTH + aisle)
+    if length < least[0] or width < least[1]:
+        raise WorldError(
+            f"warehouse: size {length:g} x {width:g} m has no room for two rows of racks with an aisle of {aisle:g} m "
+            f"and room to turn at their ends; make it at least {least[0]:.1f} x {least[1]:.1f} m"
+        )
+    floor = _Rect(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0)
+    loading = min(8.0, max(CROSS_AISLE, 0.22 * length, min(0.4 * length, 6.0)))
+    loading = min(loading, length - CROSS_AISLE - _run_length(1))
+    room = length - loading - CROSS_AISLE
+    bays = int((room - _POST - 2.0 * _GUARD) / BAY)
+    west = floor.x0 + loading
+    runs: list[tuple[float, int]] = [(west, bays)]
+    if bays >= _ROWS_SPLIT_AT:
+        bays = int((room - CROSS_AISLE - 2.0 * (_POST + 2.0 * _GUARD)) / BAY)
+        first = bays // 2
+        runs = [(west, first), (west + _run_length(first) + CROSS_AISLE, bays - first)]
+    racks = _racks_in_rows(width - 2.0 * LANE, aisle)
+    depth = sum(_row_depth(count) for count in racks) + (len(racks) - 1) * aisle
+    south = -depth / 2.0
+    rows: list[tuple[float, int]] = []
+    for count in racks:
+        rows.append((south, count))
+        south += _row_depth(count) + aisle
+    east = runs[-1][0] + _run_length(runs[-1][1])
+    return _Layout(floor, _Rect(west, -depth / 2.0, east, depth / 2.0), tuple(rows), tuple(runs))
+
+
+def _racks_in_rows(room: float, aisle: float) -> list[int]:
+    """Racks back to back in each row: as many pairs as fit, then a single one; at least two rows."""
+    pairs = int((room + aisle) / (_row_depth(2) + aisle))
+    left = room + aisle - pairs * (_row_depth(2) + aisle)
+    singles = int(left / (RACK_DEPTH + aisle))
+    if pairs + singles < 2:
+        return [1, 1]
+    return [2] * pairs + [1] * singles
+
+
+def _walls(floor: _Rect, height: float) -> list[Solid]:
+    """Four walls of 0.2 m around the floor, each with a darker lower part, and doors in the west wall."""
+    thick, base = 0.2, min(0.9, 0.3 * height)
+    length, width = floor.x1 - floor.x0, floor.y1 - floor.y0
+    parts: list[Part] = []
+    for name, x, y, along_x, along_y in (
+        ("north", 0.0, floor.y1 + thick / 2.0, length + 2.0 * thick, thick),
+        ("south", 0.0, floor.y0 - thick / 2.0, length + 2.0 * thick, thick),
+        ("west", floor.x0 - thick / 2.0, 0.0, thick, width),
+        ("east", floor.x1 + thick / 2.0, 0.0, thick, width),
+    ):
+        parts.append(box(f"{name}_base", (along_x, along_y, base), (x, y, base / 2.0), _WALL_BASE, "wall"))
+        parts.append(box(name, (along_x, along_y, height - base), (x, y, (height + base) / 2.0), _WALL, "wall"))
+    door_width, door_height = 3.0, 0.8 * height
+    doors = int((width - 2.0) / (door_width + 2.0))
+    for index in range(doors):
+        y = (index - (doors - 1) / 2.0) * width / max(1, doors)
+        centre = (floor.x0 + 0.015, y, door_height / 2.0)
+        parts.append(box(f"door_{index + 1}", (0.03, door_width, door_height), centre, _DOOR, "wall"))
+        for side, offset in (("left", -1.0), ("right", 1.0)):
+            jamb = (floor.x0 + 0.03, y + offset * (door_width / 2.0 + 0.06), door_height / 2.0)
+            name = f"door_{index + 1}_jamb_{side}"
+            parts.append(box(name, (0.06, 0.12, door_height), jamb, SAFETY_YELLOW, "wall"))
+    return place(parts, "wall", 0.0, 0.0, 0.0)
+
+
+def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float) -> list[Part]:
+    """One rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'."""
+    length = bays * BAY + _POST
+    height = _FIRST_SHELF + (levels - 1) * _SHELF_PITCH + 0.55
+    face = (RACK_DEPTH - _POST) / 2.0
+    parts: list[Part] = []
+    for index in range(bays + 1):
+        for side, y in (("south", -face), ("north", face)):
+            centre = (_POST / 2.0 + index * BAY, y, height / 2.0)
+            parts.append(box(f"upright_{index + 1}_{side}", (_POST, _POST, height), centre, _UPRIGHT, "rack"))
+    for level in range(levels):
+        top = _FIRST_SHELF + level * _SHELF_PITCH
+        deck = box(
+            f"shelf_{level + 1}",
+            (length - 0.02, RACK_DEPTH - 0.12, 0.03),
+            (length / 2.0, 0.0, top - 0.015),
+            _DECK,
+            "rack",
+        )
+        parts.append(deck)
+        for side, y in (("south", -1.0), ("north", 1.0)):
+            centre = (length / 2.0, y * (RACK_DEPTH / 2.0 - 0.045), top - _BEAM / 2.0 + 0.02)
+            name = f"beam_{level + 1}_{side}"
+            parts.append(box(name, (length - 0.01, 0.06, _BEAM), centre, _ORANGE, "rack"))
+        parts += _goods(rng, bays, level, top, fill)
+    return parts
+
+
+def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: float) -> list[Part]:
+    """Goods on one shelf: two places in each bay, each empty, with a carton (or two, stacked) or with totes."""
+    parts: list[Part] = []
+    pitch = (BAY - _POST) / 2.0
+    room = _SHELF_PITCH - _BEAM - 0.06
+    for place_index in range(2 * bays):
+        bay, half = divmod(place_index, 2)
+        x = _POST + bay * BAY + (half + 0.5) * pitch
+        name = f"goods_{level + 1}_{place_index + 1}"
+        if rng.random() >= fill:
+            continue
+        if rng.random() < 0.2:
+            color = TOTES[rng.integers(len(TOTES))]
+            size = (0.56, 0.78, float(rng.uniform(0.34, 0.5)))
+            for index, offset in enumerate((-0.3, 0.3)[: int(rng.integers(1, 3))]):
+                centre = (x + offset, 0.0, top + size[2] / 2.0)
+                parts.append(box(f"{name}_tote_{index + 1}", size, centre, color, "goods"))
+            continue
+        color = CARTONS[rng.integers(len(CARTONS))]
+        size = (float(rng.uniform(0.75, 1.15)), float(rng.uniform(0.7, 0.84)), float(rng.uniform(0.45, 0.9)) * room)
+        x += float(rng.uniform(-0.5, 0.5)) * (pitch - size[0] - 0.06)
+        parts.append(box(f"{name}_carton", size, (x, 0.0, top + size[2] / 2.0), color, "goods"))
+        left = room - size[2]
+        if left > 0.25 and rng.random() < 0.35:
+            small = (0.7 * size[0], 0.8 * size[1], float(rng.uniform(0.5, 1.0)) * left)
+            centre = (x, 0.0, top + size[2] + small[2] / 2.0)
+            color = CARTONS[rng.integers(len(CARTONS))]
+            parts.append(box(f"{name}_carton_top", small, centre, color, "goods"))
+    return parts
+
+
+def _guards(name: str, west: float, bays: int, south: float, racks: int) -> list[Solid]:
+    """Yellow barriers that close both ends of a row."""
+    depth, height = _row_depth(racks), 0.42
+    parts = []
+    for end, x in (("west", west + _GUARD / 2.0), ("east", west + _run_length(bays) - _GUARD / 2.0)):
+        y = south + depth / 2.0
+        parts.append(box(f"guard_{end}", (_GUARD, depth, height), (x, y, height / 2.0), SAFETY_YELLOW, "rack"))
+    return place(parts, name, 0.0, 0.0, 0.0)
+
+
+class _Clutter:
+    """Scatters loose things over the loading area and the lanes, never in an aisle or a cross aisle."""
+
+    def __init__(self, layout: _Layout, rng: np.random.Generator) -> None:
+        self._layout = layout
+        self._rng = rng
+        self._taken: list[_Rect] = []
+
+    def scatter(self, amount: float) -> list[Solid]:
+        """Place forklifts first, then smaller things by the area of the floor."""
+        if amount == 0.0:
+            return []
+        floor = self._layout.floor
+        area = (floor.x1 - floor.x0) * (floor.y1 - floor.y0)
+        solids: list[Solid] = []
+        kinds: tuple[tuple[str, Callable[[], list[Part]], int], ...] = (
+            ("forklift", forklift, 2),
+            ("pallet", lambda: pallet(self._rng), round(amount * area / 60.0)),
+            ("barrels", lambda: barrels(self._rng), round(amount * area / 150.0)),
+            ("boxes", lambda: boxes(self._rng), round(amount * area / 120.0)),
+        )
+        for kind, make, count in kinds:
+            placed = 0
+            for _ in range(count):
+                things = self._try_place(make(), f"{kind}_{placed + 1}", tries=60)
+                placed += bool(things)
+                solids += things
+        return solids
+
+    def _try_place(self, parts: list[Part], prefix: str, *, tries: int) -> list[Solid]:
+        """Place a thing where it fits; nothing where no try did."""
+        for _ in range(tries):
+            turn = float(self._rng.integers(4)) * math.pi / 2.0 + float(self._rng.uniform(-0.06, 0.06))
+            extent = _floor_bounds(place(parts, prefix, 0.0, 0.0, turn))
+            x, y = self._draw(extent)
+            rect = _Rect(extent.x0 + x, extent.y0 + y, extent.x1 + x, extent.y1 + y)
+            if self._fits(rect):
+                self._taken.append(rect)
+                return place(parts, prefix, x, y, turn)
+        return []
+
+    def _draw(self, extent: _Rect) -> tuple[float, float]:
+        """Draw a spot, two times of three against a wall."""
+        floor, field, rng = self._layout.floor, self._layout.field, self._rng
+        east = field.x0 if rng.random() < 0.6 else floor.x1
+        x = float(rng.uniform(floor.x0 - extent.x0, east - extent.x1))
+        y = float(rng.uniform(floor.y0 - extent.y0, floor.y1 - extent.y1))
+        wall, gap = int(rng.integers(6)), 0.08
+        if wall == 0:
+            x = floor.x0 + gap - extent.x0
+        elif wall in (1, 2):
+            y = floor.y0 + gap - extent.y0
+        elif wall in (3, 4):
+            y = floor.y1 - gap - extent.y1
+        return x, y
+
+    def _fits(self, rect: _Rect) -> bool:
+        floor, field = self._layout.floor, self._layout.field
+        gaps = (rect.x0 - floor.x0, rect.y0 - floor.y0, floor.x1 - rect.x1, floor.y1 - rect.y1)
+        if any(gap < 0.05 or 0.1 < gap < FREE_BESIDE for gap in gaps):
+            return False
+        along, across = _gap(rect.x0, rect.x1, field.x0, field.x1), _gap(rect.y0, rect.y1, field.y0, field.y1)
+        if along < CROSS_AISLE and across < FREE_BESIDE:
+            return False
+        return all(
+            math.hypot(_gap(rect.x0, rect.x1, other.x0, other.x1), _gap(rect.y0, rect.y1, other.y0, other.y1))
+            >= FREE_BESIDE
+            for other in self._taken
+        )
+
+
+def _gap(low: float, high: float, other_low: float, other_high: float) -> float:
+    """Distance between two intervals; 0 where they overlap."""
+    return max(0.0, other_low - high, low - other_high)
+
+
+def _floor_bounds(solids: Sequence[Solid]) -> _Rect:
+    bounds: list[tuple[FloatArray, FloatArray]] = [solid.bounds() for solid in solids]
+    low = np.min([low for low, _ in bounds], axis=0)
+    high = np.max([high for _, high in bounds], axis=0)
+    return _Rect(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
