@@ -1,0 +1,172 @@
+"""A `Robot` as MuJoCo bodies, joints and actuators."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from trundle.geometry import FloatArray
+from trundle.robots import Caster, Robot
+from trundle.sim.mujoco.robot_looks import add_looks, add_prism_mesh
+from trundle.sim.mujoco.world_parts import ROBOT_TYPE
+
+BASE = "base_link"
+GROUP_COLLIDERS = 3
+GRAVITY = 9.81
+
+# Rubber on concrete.
+_WHEEL_FRICTION = 1.0
+_CASTER_FRICTION = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Servo:
+    """Settings of the wheels' velocity servos, scaled from those measured on Nova Carter by mass times radius².
+
+    Attributes:
+        gain: Torque per speed error [N·m·s/rad].
+        torque: Largest torque [N·m].
+        armature: Inertia of the motor at the wheel's axle [kg·m²].
+    """
+
+    gain: float
+    torque: float
+    armature: float
+
+    @classmethod
+    def of(cls, robot: Robot) -> Servo:
+        """Choose the settings for a robot."""
+        inertia = robot.total_mass * robot.drive.wheel_radius**2
+        return cls(
+            gain=180.0 * inertia,
+            torque=_WHEEL_FRICTION * robot.total_mass * GRAVITY * robot.drive.wheel_radius / 2.0,
+            armature=0.045 * inertia,
+        )
+
+
+def add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Add a robot as one free body `base_link` with its wheels and casters, and a velocity actuator per drive wheel."""
+    base = spec.worldbody.add_body(name=BASE)
+    base.add_freejoint(name="base_link")
+    _add_chassis(spec, base, robot)
+    servo = Servo.of(robot)
+    for side, sign, joint in (("left", 1.0, robot.drive.left_joint), ("right", -1.0, robot.drive.right_joint)):
+        _add_wheel(base, robot, side, sign, joint, servo)
+        actuator = spec.add_actuator(
+            name=joint,
+            target=joint,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            forcerange=(-servo.torque, servo.torque),
+            forcelimited=True,
+        )
+        actuator.set_to_velocity(kv=servo.gain)
+    for index, caster in enumerate(robot.casters):
+        if caster.is_swivel:
+            _add_swivel_caster(base, caster, index)
+        else:
+            _add_ball(base, caster, index)
+    add_looks(spec, base, robot)
+
+
+def chassis_inertial(robot: Robot) -> tuple[FloatArray, FloatArray]:
+    """Centre of mass [m] in base_link and principal moments [kg·m²] of the chassis, given or by the stated defaults."""
+    body = robot.body
+    low, high = robot.outline.min(axis=0), robot.outline.max(axis=0)
+    center = (*((low + high) / 2.0), 0.4 * body.height) if body.center_of_mass is None else body.center_of_mass
+    x, y, z = (*(high - low), body.height - body.clearance)
+    box = np.array([y * y + z * z, x * x + z * z, x * x + y * y]) * body.mass / 12.0
+    return np.asarray(center), box if body.inertia is None else np.asarray(body.inertia)
+
+
+def _add_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
+    center, inertia = chassis_inertial(robot)
+    base.mass = robot.body.mass
+    base.ipos = center
+    base.inertia = inertia
+    base.explicitinertial = True
+    outline, low, high = robot.outline, robot.body.clearance, robot.body.height
+    geom = _add_collider(base, "robot:chassis", mujoco.mjtGeom.mjGEOM_BOX, (0.1, 0.1, 0.1), friction=0.3, priority=0)
+    corner, opposite = outline.min(axis=0), outline.max(axis=0)
+    if len(outline) == 4 and bool(((outline == corner) | (outline == opposite)).all()):
+        geom.size = (*((opposite - corner) / 2.0), (high - low) / 2.0)
+        geom.pos = (*((opposite + corner) / 2.0), (high + low) / 2.0)
+    else:
+        add_prism_mesh(spec, "robot:chassis", outline, low, high)
+        geom.type = mujoco.mjtGeom.mjGEOM_MESH
+        geom.meshname = "robot:chassis"
+
+
+def _add_wheel(base: mujoco.MjsBody, robot: Robot, side: str, sign: float, joint: str, servo: Servo) -> None:
+    drive = robot.drive
+    body = base.add_body(name=f"wheel_{side}", pos=(0.0, sign * drive.track_width / 2.0, drive.wheel_radius))
+    _set_cylinder_inertia(body, drive.wheel_mass, drive.wheel_radius, drive.wheel_width)
+    body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 1.0, 0.0), armature=servo.armature)
+    # An ellipsoid touches at one point, in the middle: a wide cylinder scrubs on a line, and yaw is 12 % short.
+    size = (drive.wheel_radius, drive.wheel_width / 2.0, drive.wheel_radius)
+    _add_collider(body, f"robot:wheel_{side}", mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_WHEEL_FRICTION)
+
+
+def _add_swivel_caster(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
+    """A fork that turns about z and, `trail` behind it, a wheel that rolls; each has half of the caster's mass."""
+    fork = base.add_body(name=f"caster_{index}_fork", pos=(caster.x, caster.y, caster.radius))
+    half = caster.mass / 2.0
+    fork.mass = half
+    fork.ipos = (-caster.trail / 2.0, 0.0, caster.radius / 2.0)
+    fork.inertia = np.full(3, half * caster.radius**2 / 4.0)
+    fork.explicitinertial = True
+    armature = 0.1 * half * caster.radius**2
+    fork.add_joint(name=caster.swivel_joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0), armature=armature)
+    wheel = fork.add_body(name=f"caster_{index}", pos=(-caster.trail, 0.0, 0.0))
+    _set_cylinder_inertia(wheel, half, caster.radius, caster.width)
+    wheel.add_joint(name=caster.wheel_joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 1.0, 0.0), armature=armature)
+    size = (caster.radius, caster.width / 2.0, caster.radius)
+    name = f"robot:caster_{index}"
+    _add_collider(wheel, name, mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_CASTER_FRICTION)
+
+
+def _add_ball(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
+    """A ball that slides without friction, fixed to the chassis."""
+    body = base.add_body(name=f"caster_{index}", pos=(caster.x, caster.y, caster.radius))
+    body.mass = caster.mass
+    body.inertia = np.full(3, 0.4 * caster.mass * caster.radius**2)
+    body.explicitinertial = True
+    size = (caster.radius, 0.0, 0.0)
+    geom = _add_collider(body, f"robot:caster_{index}", mujoco.mjtGeom.mjGEOM_SPHERE, size, friction=0.0)
+    geom.condim = 1
+
+
+def _add_collider(
+    body: mujoco.MjsBody,
+    name: str,
+    kind: mujoco.mjtGeom,
+    size: tuple[float, float, float],
+    *,
+    friction: float,
+    priority: int = 1,
+) -> mujoco.MjsGeom:
+    """Add an unseen geom that meets the world and nothing of the robot.
+
+    Of two geoms of equal priority the larger friction counts; wheels and casters are of a higher one, so theirs does.
+    """
+    return body.add_geom(
+        name=name,
+        type=kind,
+        size=size,
+        friction=(friction, 0.005, 0.0001),
+        priority=priority,
+        condim=3,
+        mass=0.0,
+        contype=ROBOT_TYPE,
+        conaffinity=0,
+        group=GROUP_COLLIDERS,
+        rgba=(0.9, 0.3, 0.2, 0.4),
+    )
+
+
+def _set_cylinder_inertia(body: mujoco.MjsBody, mass: float, radius: float, width: float) -> None:
+    across = mass * (3.0 * radius**2 + width**2) / 12.0
+    body.mass = mass
+    body.inertia = (across, mass * radius**2 / 2.0, across)
+    body.explicitinertial = True
