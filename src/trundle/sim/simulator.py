@@ -72,7 +72,7 @@ class RobotState:
         twist: True twist in base_link.
         wheel_positions: Angles of the drive wheels since the reset [rad].
         wheel_speeds: Speeds of the drive wheels [rad/s].
-        odometry: Pose that the wheels alone tell, in a frame that starts at the reset's pose (REP-105 odom → base_link).
+        odometry: Pose that the wheels alone tell, in the odom frame (REP-105), which starts at the reset's pose.
         contacts: What the robot touches besides the floor, during the last control period.
         scans: Lidar scans taken during the last control period, one per lidar at most.
     """

@@ -68,8 +68,11 @@ def _set_looks(spec: mujoco.MjSpec) -> None:
     view.headlight.ambient = (0.38, 0.38, 0.40)
     view.headlight.diffuse = (0.35, 0.35, 0.35)
     view.headlight.specular = (0.05, 0.05, 0.05)
+    # With an extent of 10 m: see from 5 cm to 300 m, and shadows within 7 m of the robot.
+    spec.stat.extent = 10.0
     view.map.znear = 0.005
-    view.map.zfar = 100.0
+    view.map.zfar = 30.0
+    view.map.shadowclip = 0.7
     view.rgba.haze = (0.80, 0.84, 0.88, 1.0)
     spec.add_texture(
         name="world:sky",
@@ -79,13 +82,4 @@ def _set_looks(spec: mujoco.MjSpec) -> None:
         rgb2=(0.93, 0.95, 0.97),
         width=256,
         height=1536,
-    )
-    spec.worldbody.add_light(
-        name="world:sun",
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=(0.0, 0.0, 20.0),
-        dir=(0.35, 0.25, -1.0),
-        diffuse=(0.55, 0.54, 0.52),
-        specular=(0.12, 0.12, 0.12),
-        castshadow=True,
     )

@@ -40,6 +40,7 @@ def add_prism_mesh(spec: mujoco.MjSpec, name: str, outline: FloatArray, low: flo
 def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
     """Dress a robot whose bodies are already there: chassis, wheels, casters, lidar pucks and a light at the front."""
     spec.add_material(name="robot:glow", rgba=_LIGHT, emission=0.6)
+    _add_sun(base)
     _dress_chassis(spec, base, robot)
     drive = robot.drive
     for side, sign in (("left", 1.0), ("right", -1.0)):
@@ -61,8 +62,22 @@ def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
             _add(fork, mujoco.mjtGeom.mjGEOM_BOX, size, at, _GREY)
 
 
+def _add_sun(base: mujoco.MjsBody) -> None:
+    """A light that goes with the robot: a shadow map that covers only its surroundings stays sharp."""
+    base.add_light(
+        name="robot:sun",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+        pos=(-1.5, -1.2, 6.0),
+        dir=(0.25, 0.2, -1.0),
+        diffuse=(0.55, 0.54, 0.52),
+        specular=(0.12, 0.12, 0.12),
+        castshadow=True,
+    )
+
+
 def _dress_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
-    """A dark body with a band in the robot's colour, a deck under the lowest lidar, and a tower where it goes higher."""
+    """A dark body with a band in the robot's colour, a deck under the lowest lidar, and a tower where it goes on."""
     low, top = robot.body.clearance, robot.body.height
     span = top - low
     accent = (*robot.body.color, 1.0)
@@ -71,7 +86,7 @@ def _dress_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> N
     deck = max(deck, low + 0.4 * span)
     wide = _shrunk(robot.outline, 0.985)
     band_low, band_high = deck - 0.30 * (deck - low), deck - 0.12 * (deck - low)
-    _add_prism(spec, base, "skirt", _shrunk(robot.outline, 0.97), low, band_low, _DARK)
+    _add_prism(spec, base, "skirt", _between_wheels(robot), low, band_low, _DARK)
     _add_prism(spec, base, "band", wide, band_low, band_high, accent)
     _add_prism(spec, base, "deck", _shrunk(robot.outline, 0.97), band_high, deck, _GREY)
     front = _front(robot.outline)
@@ -165,6 +180,14 @@ def _add(
 def _shrunk(outline: FloatArray, scale: float) -> FloatArray:
     middle = (outline.min(axis=0) + outline.max(axis=0)) / 2.0
     return (outline - middle) * scale + middle
+
+
+def _between_wheels(robot: Robot) -> FloatArray:
+    """The outline drawn in so far that wheels inside it are seen from the side."""
+    half_width = float(np.abs(robot.outline[:, 1]).max())
+    inside = robot.drive.track_width / 2.0 - 0.55 * robot.drive.wheel_width
+    across = inside / half_width if 0.5 * half_width < inside < half_width else 1.0
+    return _shrunk(robot.outline, 0.97) * (1.0, min(1.0, across))
 
 
 def _front(outline: FloatArray) -> float:
