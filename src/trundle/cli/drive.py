@@ -1,0 +1,150 @@
+"""`trundle drive`: by a list of commands, or by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import options, output, sources
+from trundle.errors import InputError
+
+if TYPE_CHECKING:
+    from trundle.cli.drive_log import DriveLog
+    from trundle.geometry import Pose2D
+    from trundle.sim import Simulator
+    from trundle.worlds import World
+
+PERIOD_S = 0.05
+MAX_SECONDS = 3600.0
+
+app = App(
+    name="drive",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle drive nova_carter --command 0.4,0,5 --command 0,0.8,5 --command 0.25,-0.5,5\n"
+        "  trundle drive nova_carter --world warehouse --teleop"
+    ),
+)
+
+
+@app.default
+def drive(
+    robot: str,
+    /,
+    *,
+    command: Annotated[
+        list[str] | None,
+        Parameter(name="--command", allow_leading_hyphen=True, negative="", metavar="V,W,SECONDS"),
+    ] = None,
+    teleop: Annotated[bool, Parameter(negative="")] = False,
+    world: str | None = None,
+    start: options.Start = None,
+    backend: options.Backend = "mujoco",
+    seed: options.Seed = 0,
+    settings: options.Settings = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Drive a robot by a list of commands, or by hand; print and record where it went.
+
+    The record, drive.csv, has a row for every 0.05 s: pose, commanded and actual twist, wheel speeds, odometry.
+
+    Args:
+        robot: A robot by name, or the path of its YAML.
+        command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
+        teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends.
+        world: Where to drive: a world by name, or the YAML of a map; left out: an empty floor.
+        out: Folder for drive.csv; left out: a new one under runs.
+    """
+    from trundle.cli.drive_log import DriveLog
+    from trundle.robots import Robot
+    from trundle.sim import simulate
+
+    if teleop == bool(command):
+        raise InputError("give either --command V,W,SECONDS (as often as you like) or --teleop")
+    commands = [parse_command(text) for text in command or []]
+    machine = Robot.load(robot)
+    place = _load_place(world, seed=seed, settings=options.parse_settings(settings))
+    pose = options.parse_pose("--start", start) if start else _default_start(place)
+    folder = options.run_folder(out, "drive")
+    log = DriveLog()
+    with simulate(place, machine, backend=backend) as simulator:
+        log.add(simulator.reset(pose, seed=seed))
+        try:
+            if teleop:
+                from trundle.cli.teleop import drive_by_keys
+
+                drive_by_keys(simulator, log, period_s=PERIOD_S)
+            else:
+                for v, w, seconds in commands:
+                    _drive_for(simulator, log, v, w, seconds)
+        finally:
+            log.save(folder / "drive.csv")
+    _report(log, folder, json=json)
+    return 0
+
+
+def parse_command(text: str) -> tuple[float, float, float]:
+    """Read `V,W,SECONDS`."""
+    v, w, seconds = options.parse_numbers("--command", text, "V,W,SECONDS", at_least=3, at_most=3)
+    if not 0.0 < seconds <= MAX_SECONDS:
+        raise InputError(f"--command {text!r}: SECONDS must be above 0 and at most {MAX_SECONDS:g}")
+    return v, w, seconds
+
+
+def _load_place(world: str | None, *, seed: int, settings: dict[str, bool | int | float | str]) -> World:
+    from trundle.worlds import World
+
+    if world is None:
+        if settings:
+            raise InputError("--set is for a generated world: give --world as well")
+        return World(name="empty", solids=())
+    return sources.load_world(world, seed=seed, settings=settings)
+
+
+def _default_start(world: World) -> Pose2D:
+    from trundle.geometry import Pose2D
+
+    return Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0)
+
+
+def _drive_for(simulator: Simulator, log: DriveLog, v: float, w: float, seconds: float) -> None:
+    from trundle.geometry import Twist2D
+
+    twist = Twist2D(v, w)
+    log.begin(v, w, seconds)
+    left = seconds
+    while left > 1e-9:
+        period = min(PERIOD_S, left)
+        log.add(simulator.step(twist, period), twist)
+        left -= period
+
+
+def _report(log: DriveLog, folder: Path, *, json: bool) -> None:
+    if json:
+        output.print_json([{**leg, "run_dir": folder} for leg in log.legs()])
+        return
+    output.print_table(
+        ("v", "w", "seconds", "x", "y", "yaw", "actual v", "actual w", "wheel left", "wheel right", "touched"),
+        [
+            (
+                f"{leg['v']:g}",
+                f"{leg['w']:g}",
+                f"{leg['seconds']:g}",
+                leg["x"],
+                leg["y"],
+                leg["yaw"],
+                leg["twist"]["v"],
+                leg["twist"]["w"],
+                leg["wheel_speeds"]["left"],
+                leg["wheel_speeds"]["right"],
+                ", ".join(leg["contacts"]) or None,
+            )
+            for leg in log.legs()
+        ],
+    )
+    print(f"record  {folder / 'drive.csv'}")

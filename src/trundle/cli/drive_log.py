@@ -1,0 +1,96 @@
+"""What `trundle drive` records: every control period, and how each command ended."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypedDict
+
+from trundle.files import write_text
+from trundle.geometry import Twist2D
+from trundle.sim import RobotState
+
+COLUMNS = (
+    "time_s",
+    "x",
+    "y",
+    "yaw",
+    "command_v",
+    "command_w",
+    "v",
+    "w",
+    "wheel_left",
+    "wheel_right",
+    "odom_x",
+    "odom_y",
+    "odom_yaw",
+    "contacts",
+)
+
+
+class Leg(TypedDict):
+    """How one command ended: the pose [m, m, rad], the twist, the wheel speeds [rad/s] and what was touched on it."""
+
+    v: float
+    w: float
+    seconds: float
+    x: float
+    y: float
+    yaw: float
+    twist: dict[str, float]
+    wheel_speeds: dict[str, float]
+    contacts: list[str]
+
+
+class DriveLog:
+    """Rows of a drive, and its legs: one for each command."""
+
+    def __init__(self) -> None:
+        self._rows: list[str] = []
+        self._legs: list[tuple[float, float, float, set[str]]] = []
+        self._ends: list[RobotState] = []
+        self.last: RobotState | None = None
+
+    def begin(self, v: float, w: float, seconds: float) -> None:
+        """Start a leg that is commanded v [m/s], w [rad/s] for some seconds."""
+        self._legs.append((v, w, seconds, set()))
+
+    def add(self, state: RobotState, command: Twist2D = Twist2D()) -> None:
+        """Add the state at the end of one control period."""
+        touched = sorted({contact.other for contact in state.contacts})
+        numbers = (
+            state.time,
+            *state.pose.as_tuple(),
+            command.v,
+            command.w,
+            state.twist.v,
+            state.twist.w,
+            *state.wheel_speeds,
+            *state.odometry.as_tuple(),
+        )
+        self._rows.append(",".join([*(f"{number:.6f}" for number in numbers), " ".join(touched)]))
+        self.last = state
+        if self._legs:
+            self._legs[-1][3].update(touched)
+            del self._ends[len(self._legs) - 1 :]
+            self._ends.append(state)
+
+    def legs(self) -> list[Leg]:
+        """Every leg that was driven, in order."""
+        return [
+            Leg(
+                v=v,
+                w=w,
+                seconds=seconds,
+                x=end.pose.x,
+                y=end.pose.y,
+                yaw=end.pose.yaw,
+                twist={"v": end.twist.v, "w": end.twist.w},
+                wheel_speeds={"left": end.wheel_speeds.left, "right": end.wheel_speeds.right},
+                contacts=sorted(touched),
+            )
+            for (v, w, seconds, touched), end in zip(self._legs, self._ends, strict=False)
+        ]
+
+    def save(self, path: Path) -> None:
+        """Write all rows as CSV."""
+        write_text(path, "\n".join([",".join(COLUMNS), *self._rows, ""]))

@@ -1,0 +1,113 @@
+"""The way in: the table of verbs, and what every error becomes on the screen."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from trundle import __version__
+from trundle.errors import TrundleError, UnknownNameError
+
+DONE = 0
+NOT_THERE = 1
+BAD_INPUT = 2
+FAULT = 70  # EX_SOFTWARE of sysexits.h: a fault of ours, told apart from "the robot did not get there".
+INTERRUPTED = 130  # 128 + SIGINT, as shells count.
+PIPE_CLOSED = 141  # 128 + SIGPIPE.
+
+VERBS = {
+    "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
+    "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
+    "map": ("trundle.cli.map:app", "Make occupancy maps."),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run one command and exit. `arguments` are those after the program's name; none means the process's own."""
+    code = run_command(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(code)
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code; errors on purpose become one message on stderr."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    try:
+        code = _dispatch(arguments)
+        sys.stdout.flush()
+        return code
+    except TrundleError as error:
+        return _fail(str(error))
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        _drop_output()
+        return PIPE_CLOSED
+    except OSError as error:
+        _drop_output()
+        return _fail(str(error))
+    except Exception:  # noqa: BLE001 - whatever is left is a fault of ours: shown whole, with a code of its own
+        import traceback
+
+        traceback.print_exc()
+        return FAULT
+
+
+def _dispatch(arguments: Sequence[str]) -> int:
+    # Answered without any library, so that they answer at once.
+    if not arguments or arguments[0] in ("--help", "-h", "help"):
+        print(_overview())
+        return DONE
+    if arguments[0] in ("--version", "-V"):
+        print(__version__)
+        return DONE
+    verb = arguments[0]
+    if verb not in VERBS:
+        raise UnknownNameError("verb", verb, VERBS)
+    from cyclopts import App, CycloptsError
+
+    target, summary = VERBS[verb]
+    app = App(name="trundle", version_flags=[], help_format="plaintext", result_action="return_value")
+    app.command(target, name=verb, help=summary)
+    try:
+        code = app(list(arguments), exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        return _fail(f"{error}\nSee: trundle {verb} --help")
+    return code if isinstance(code, int) else DONE
+
+
+def _overview() -> str:
+    width = max(map(len, VERBS))
+    verbs = "\n".join(f"  {name:<{width}}  {summary}" for name, (_, summary) in VERBS.items())
+    return (
+        "Usage: trundle VERB [OPTIONS]\n\n"
+        "From a map to a moving robot: occupancy maps, planning, control and simulation.\n\n"
+        f"Verbs:\n{verbs}\n\n"
+        "Examples:\n"
+        "  trundle demo\n"
+        "  trundle run warehouse --robot nova_carter --seed 3\n"
+        "  trundle plan map.yaml --start 0,0 --goal 5,3 -o overlay.png\n\n"
+        "trundle VERB --help explains a verb; every verb prints JSON with --json.\n"
+        "Exit codes: 0 done, 1 the robot did not get there, 2 bad input."
+    )
+
+
+def _fail(message: str) -> int:
+    print(f"trundle: {message}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _drop_output() -> None:
+    """Send what is still buffered nowhere, so that the interpreter does not fail on it once more at exit."""
+    try:
+        descriptor = sys.stdout.fileno()
+    except (OSError, ValueError):
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, descriptor)
+    os.close(nowhere)

@@ -1,0 +1,150 @@
+"""Options that several verbs share, and how their text is read."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from trundle.errors import InputError
+
+if TYPE_CHECKING:
+    from trundle.geometry import Pose2D
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
+Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
+Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
+RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or the path of its YAML.")]
+PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
+ControllerName = Annotated[str, Parameter(name="--controller", help="A controller by name.")]
+Backend = Annotated[str, Parameter(name="--backend", help="The simulator: mujoco, kinematic or a plug-in's name.")]
+Start = Annotated[
+    str | None,
+    Parameter(
+        name="--start",
+        allow_leading_hyphen=True,
+        metavar="X,Y[,YAW]",
+        help="Where the robot starts [m, m, rad], map frame; left out: picked from the free space by seed.",
+    ),
+]
+Goals = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--goal",
+        allow_leading_hyphen=True,
+        negative="",
+        metavar="X,Y[,YAW]",
+        help="Where it shall go; repeat it for several goals in a row; left out: picked from the free space by seed.",
+    ),
+]
+Goal = Annotated[
+    str | None,
+    Parameter(
+        name="--goal",
+        allow_leading_hyphen=True,
+        metavar="X,Y[,YAW]",
+        help="Where the path ends; left out: picked from the free space by seed.",
+    ),
+]
+Settings = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--set",
+        allow_leading_hyphen=True,
+        negative="",
+        metavar="KEY=VALUE",
+        help="An option of the world's generator; repeat it for several.",
+    ),
+]
+
+
+def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: int) -> list[float]:
+    """Read finite numbers with commas between them; `form` is what the message asks for."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if not (at_least <= len(numbers) <= at_most and all(math.isfinite(number) for number in numbers)):
+        raise InputError(f"{option} {text!r}: give {form} as finite numbers with commas and no spaces")
+    return numbers
+
+
+def parse_pose(option: str, text: str) -> Pose2D:
+    """Read `X,Y` or `X,Y,YAW` [m, m, rad]."""
+    from trundle.geometry import Pose2D
+
+    return Pose2D(*parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3))
+
+
+def parse_goal(option: str, text: str) -> tuple[float, float] | tuple[float, float, float]:
+    """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
+    numbers = parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3)
+    return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])
+
+
+def parse_settings(texts: list[str] | None) -> dict[str, bool | int | float | str]:
+    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text."""
+    settings: dict[str, bool | int | float | str] = {}
+    for text in texts or []:
+        key, equals, value = text.partition("=")
+        key = key.strip().replace("-", "_")
+        if not equals or not key.isidentifier():
+            raise InputError(f"--set {text!r}: give KEY=VALUE, for example --set aisle_width=1.6")
+        if key in settings:
+            raise InputError(f"--set {key} is given twice")
+        settings[key] = _plain(value.strip())
+    return settings
+
+
+def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path:
+    """Where a verb writes its one file: `out` itself when it has one of the suffixes, else `default_name` in it.
+
+    The folder is created, and tried, before any work is done.
+
+    Raises:
+        OutputError: If the folder cannot be written to.
+        InputError: If `out` looks like a file of another kind.
+    """
+    from trundle.files import make_folder
+
+    suffix = out.suffix.lower()
+    if suffix in suffixes and not out.is_dir():
+        make_folder(out.parent)
+        return out
+    if out.is_file() or (suffix and not suffix[1:].isdigit() and not out.is_dir()):
+        raise InputError(f"--out {out}: give a file that ends in {' or '.join(suffixes)}, or a folder")
+    return make_folder(out) / default_name
+
+
+def run_folder(out: Path | None, name: str) -> Path:
+    """Create the folder that a verb writes into: `out`, or a new `runs/<time>-<name>`.
+
+    Raises:
+        OutputError: If it cannot be created or written to.
+    """
+    import time
+
+    from trundle.files import make_folder
+
+    if out is not None:
+        return make_folder(out)
+    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{name}"
+    number = 1
+    while True:
+        folder = Path("runs") / (stem if number == 1 else f"{stem}-{number}")
+        if not folder.exists():
+            return make_folder(folder)
+        number += 1
+
+
+def _plain(text: str) -> bool | int | float | str:
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,144 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from trundle import __version__
+from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, run_command
+from trundle.errors import InputError, OutputError
+
+
+def fail_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> int:
+    def dispatch(_arguments: object) -> int:
+        raise error
+
+    monkeypatch.setattr("trundle.cli.entry._dispatch", dispatch)
+    return run_command(["joints"])
+
+
+def test_overview_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["--help"]) == DONE
+    text = capsys.readouterr().out
+    assert all(f"  {verb} " in text for verb in VERBS)
+
+
+def test_no_arguments_give_the_overview(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command([]) == DONE
+    assert capsys.readouterr().out.startswith("Usage: trundle VERB")
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["--version"]) == DONE
+    assert capsys.readouterr().out == f"{__version__}\n"
+
+
+@pytest.mark.parametrize("verb", [[verb] for verb in VERBS if verb != "map"] + [["map", "build"]])
+def test_every_verb_explains_itself_with_an_example_and_json(
+    verb: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command([*verb, "--help"]) == DONE
+    text = capsys.readouterr().out
+    assert f"trundle {' '.join(verb)}" in text.split("Example", 1)[1]
+    assert "--json" in text
+    assert "--quiet" in text
+
+
+def test_unknown_verb_offers_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["jonits"]) == BAD_INPUT
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    assert "unknown verb 'jonits'. Did you mean 'joints'?" in streams.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["joints"], "requires an argument"),
+        (["joints", "nova_carter", "--jsn"], "--json"),
+        (["joints", "nova_carter", "spare"], "spare"),
+        (["map", "bild"], "build"),
+        (["map", "build", "warehouse", "--resolution", "fine"], "fine"),
+    ],
+)
+def test_usage_errors_are_bad_input_and_point_to_the_help(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command(arguments) == BAD_INPUT
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    assert words in streams.err
+    assert "--help" in streams.err
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (InputError("map.yaml: no"), BAD_INPUT, "trundle: map.yaml: no\n"),
+        (OutputError("cannot write x"), BAD_INPUT, "trundle: cannot write x\n"),
+        (KeyboardInterrupt(), INTERRUPTED, "interrupted\n"),
+    ],
+)
+def test_errors_on_purpose_become_one_message(
+    error: BaseException,
+    code: int,
+    words: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert fail_with(error, monkeypatch) == code
+    assert capsys.readouterr() == ("", words)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a device that is always full")
+def test_a_full_disk_is_one_message() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "trundle", "--help"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.returncode == BAD_INPUT
+    assert "No space left" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_fault_of_ours_shows_its_traceback_and_is_no_exit_code_of_a_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert fail_with(ZeroDivisionError("oh"), monkeypatch) == FAULT
+    assert "ZeroDivisionError: oh" in capsys.readouterr().err
+
+
+def test_a_reader_that_leaves_is_no_traceback() -> None:
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "trundle", "--help"], stdout=write_end, stderr=subprocess.PIPE, check=False
+        )
+    finally:
+        os.close(write_end)
+    assert done.returncode == PIPE_CLOSED
+    assert done.stderr == b""
+
+
+def test_help_loads_no_library() -> None:
+    program = (
+        "import sys\n"
+        "from trundle.cli.entry import run_command\n"
+        "run_command(['--help'])\n"
+        "print(*{'numpy', 'pydantic', 'rich', 'cyclopts', 'mujoco', 'PIL', 'yaml'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == ""
+
+
+def test_a_stream_that_cannot_show_a_letter_is_no_fault() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "trundle", "d\u00e9mo"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == BAD_INPUT
+    assert b"unknown verb 'd?mo'" in done.stderr

@@ -1,0 +1,60 @@
+from pathlib import Path
+
+import pytest
+
+from trundle.cli import options
+from trundle.errors import InputError
+from trundle.geometry import Pose2D
+
+
+def test_poses() -> None:
+    assert options.parse_pose("--start", "-6,-1,3.0") == Pose2D(-6.0, -1.0, 3.0)
+    assert options.parse_pose("--start", "1e0,.5") == Pose2D(1.0, 0.5, 0.0)
+
+
+def test_a_goal_without_a_yaw_stays_without() -> None:
+    assert options.parse_goal("--goal", "-1,2") == (-1.0, 2.0)
+    assert options.parse_goal("--goal", "-1,2,-3") == (-1.0, 2.0, -3.0)
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2,3,4", "a,b", "1;2", "nan,0", "inf,0", "1,,2", "--json"])
+def test_what_is_no_pose_is_refused_with_the_option_and_the_form(text: str) -> None:
+    with pytest.raises(InputError, match=r"--start .*X,Y,YAW"):
+        options.parse_pose("--start", text)
+
+
+def test_settings() -> None:
+    assert options.parse_settings(["aisle-width=1.6", "racks=3", "doors=true", "name=a=b"]) == {
+        "aisle_width": 1.6,
+        "racks": 3,
+        "doors": True,
+        "name": "a=b",
+    }
+
+
+@pytest.mark.parametrize("texts", [["x"], ["=1"], ["a b=1"], ["a=1", "a=2"]])
+def test_what_is_no_setting_is_refused(texts: list[str]) -> None:
+    with pytest.raises(InputError, match="--set"):
+        options.parse_settings(texts)
+
+
+def test_an_output_is_a_file_or_a_folder(tmp_path: Path) -> None:
+    suffixes = (".yaml", ".yml")
+    assert options.output_file(tmp_path / "a.YAML", "map.yaml", suffixes) == tmp_path / "a.YAML"
+    assert options.output_file(tmp_path, "map.yaml", suffixes) == tmp_path / "map.yaml"
+    assert options.output_file(tmp_path / "new" / "b", "map.yaml", suffixes) == tmp_path / "new" / "b" / "map.yaml"
+    assert (tmp_path / "new" / "b").is_dir()
+    assert options.output_file(tmp_path / "other" / "c.yml", "map.yaml", suffixes).parent.is_dir()
+
+
+def test_an_output_of_another_kind_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\.yaml or \.yml, or a folder"):
+        options.output_file(tmp_path / "map.png", "map.yaml", (".yaml", ".yml"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_run_folders_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    folders = {options.run_folder(None, "drive") for _ in range(3)}
+    assert len(folders) == 3
+    assert all(folder.is_dir() and folder.parent == Path("runs") for folder in folders)
