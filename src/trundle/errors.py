@@ -22,6 +22,10 @@ class MapError(InputError):
     """A map file or an occupancy grid that cannot be used."""
 
 
+class MapWarning(UserWarning):
+    """A map that can be used, and that probably does not mean what it says."""
+
+
 class RobotError(InputError):
     """A robot description that cannot be used."""
 

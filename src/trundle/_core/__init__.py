@@ -1,5 +1,5 @@
 """The C++ kernels: plain functions on arrays. They release the GIL and check their bounds at this edge."""
 
-from trundle._core._kernels import inflate
+from trundle._core._kernels import inflate, png_unfilter
 
-__all__ = ["inflate"]
+__all__ = ["inflate", "png_unfilter"]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +14,14 @@ from trundle.errors import MapError
 from trundle.geometry import Pose2D
 from trundle.maps.frame import GridFrame
 
+if TYPE_CHECKING:
+    from trundle.maps.occupancy import Compat, Mode
+
 FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
+MAX_CELLS = 400_000_000
+"""More cells than this are taken for a mistake; 1 km² at 0.05 m has as many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,3 +62,43 @@ class OccupancyGrid(GridFrame):
         """(rows, cols)."""
         rows, cols = self.data.shape
         return rows, cols
+
+    @classmethod
+    def load(
+        cls, path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
+    ) -> OccupancyGrid:
+        """Read a ROS map (YAML and image), or a MovingAI map by its suffix `.map`.
+
+        Args:
+            path: The map's YAML file.
+            compat: "humble" reads thresholds, colour and alpha as Nav2 Humble did; None as current Nav2 does.
+            allow_outside: Whether `image` may lie outside the YAML file's folder.
+
+        Raises:
+            MapError: If a file or a value in it cannot be used; the message gives file, line and column.
+        """
+        from trundle.maps.ros_reader import load_map
+
+        return load_map(path, compat=compat, allow_outside=allow_outside)
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        mode: Mode = "trinary",
+        image_format: Literal["png", "pgm"] = "png",
+    ) -> None:
+        """Write a ROS map: the YAML file at `path`, and its image of the same name beside it.
+
+        Args:
+            path: Ends in .yaml or .yml.
+            mode: "trinary" keeps occupied, free and unknown; "scale" adds shades between; "raw" keeps every value.
+            image_format: "png", or "pgm" (not for mode "scale", which needs transparency).
+
+        Raises:
+            MapError: If the mode, the format or the file name cannot be used.
+            OutputError: If the folder cannot be written to. No half file is left.
+        """
+        from trundle.maps.ros_writer import save_map
+
+        save_map(self, path, mode=mode, image_format=image_format)

@@ -1,0 +1,65 @@
+"""Reading a map's image: the format told from its content, the size checked before anything is decoded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from trundle.errors import MapError
+from trundle.maps import pnm
+from trundle.maps.grid import MAX_CELLS
+from trundle.maps.pixels import Pixels
+
+_HEAD_BYTES = 1 << 16
+_PNG_EXTRA_BYTES = 16_000_000
+_MAX_DECODED_BYTES = 4 * MAX_CELLS
+
+
+def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
+    """Read a PNG or PNM image.
+
+    Args:
+        path: The file; its suffix does not matter.
+        max_cells: The most pixels to accept.
+
+    Raises:
+        MapError: If the file cannot be read, is no PNG or PNM, is too large, truncated or damaged.
+    """
+    try:
+        if not path.is_file():
+            raise MapError(f"{path}: there is no such image file; correct `image` or put the file there")
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD_BYTES)
+            limit = _check_size(head, str(path), max_cells)
+            content = head + stream.read(max(0, limit - len(head)))
+            if head[:2] not in pnm.BINARY_MAGIC and stream.read(1):
+                raise MapError(f"{path}: the file is far longer than its picture needs; write the image again")
+    except OSError as error:
+        raise MapError(f"cannot read {path}: {error.strerror or error}") from error
+    if head[:2] in pnm.MAGIC:
+        return pnm.decode_pnm(content, str(path))
+    from trundle.maps import png
+
+    return png.decode_png(content, str(path))
+
+
+def _check_size(head: bytes, name: str, max_cells: int) -> int:
+    """Check the size that the header claims; return how many bytes of the file to read."""
+    if head[:2] in pnm.MAGIC:
+        header = pnm.parse_header(head, name)
+        limit = header.offset + header.raster_bytes
+    else:
+        from trundle.maps import png
+
+        if not head:
+            raise MapError(f"{name}: the image file is empty")
+        if not head.startswith(png.SIGNATURE):
+            raise MapError(f"{name}: not a PNG or PNM (PGM) image; convert it to PNG")
+        header = png.parse_header(head, name)
+        limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
+    cells = header.width * header.height
+    if cells > max_cells or header.decoded_bytes > _MAX_DECODED_BYTES:
+        raise MapError(
+            f"{name}: {header.width} x {header.height} pixels are more than a map may have ({max_cells} cells, "
+            f"{_MAX_DECODED_BYTES} bytes decoded); crop it or make its cells larger"
+        )
+    return limit

@@ -1,0 +1,76 @@
+"""Reading a ROS map: its YAML file and its image, as Nav2's map server does, with the values checked that it does not.
+
+Nav2's costmaps ignore the yaw of `origin` and RViz shows it; here it is honoured everywhere, and
+`trundle.maps.resample_axis_aligned` makes a map without it.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from trundle.errors import MapError, MapWarning
+from trundle.maps.grid import FREE, OccupancyGrid
+from trundle.maps.image import read_image
+from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
+from trundle.maps.pixels import Pixels, compute_greys
+from trundle.maps.ros_yaml import RosMapDescription, load_description
+
+_IMAGE_SUFFIXES = (".png", ".pgm", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg")
+
+
+def load_map(
+    path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
+) -> OccupancyGrid:
+    """Read a map; see `OccupancyGrid.load`."""
+    source = Path(path)
+    if compat not in (None, "humble"):
+        raise MapError(f'compat is {compat!r}, it must be "humble" or None')
+    suffix = source.suffix.lower()
+    if suffix == ".map":
+        from trundle.maps.movingai import load_map as load_movingai_map
+
+        return load_movingai_map(source)
+    if suffix in _IMAGE_SUFFIXES:
+        raise MapError(f"{source} is an image; give the map's YAML file, which names it and says its resolution")
+    description = load_description(source)
+    pixels = read_image(_find_image(source, description, allow_outside=allow_outside))
+    _warn_of_unknown_as_free(pixels, description)
+    cells = compute_cells(pixels, description.rule, compat)
+    return OccupancyGrid(cells, description.resolution, description.origin)
+
+
+def _find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:
+    where, image = description.image_place, description.image
+    try:
+        folder = source.parent.resolve()
+        found = (folder / image).resolve()
+        inside = found.is_relative_to(folder)
+        exists = found.is_file()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise MapError(f"{where}: image {image[:100]!r} is no usable file name ({error}); correct it") from error
+    if not inside and not allow_outside:
+        raise MapError(
+            f"{where}: image {image[:100]!r} lies outside the map's folder {folder}; put it beside the YAML file, or "
+            "allow it with allow_outside=True"
+        )
+    if not exists:
+        raise MapError(f"{where}: there is no image file {found}; correct the name or put the file there")
+    return found
+
+
+def _warn_of_unknown_as_free(pixels: Pixels, description: RosMapDescription) -> None:
+    rule: PixelRule = description.rule
+    if rule.mode == "raw" or rule.negate or compute_table(rule)[UNKNOWN_GREY] != FREE:
+        return
+    count = int(np.count_nonzero(compute_greys(pixels) == UNKNOWN_GREY))
+    if count:
+        warnings.warn(
+            f"{description.free_thresh_place}: free_thresh {rule.free_thresh:g} is above the darkness of unknown "
+            f"cells (grey 205, 0.196): {count} of them load as free. Use 0.196",
+            MapWarning,
+            stacklevel=4,
+        )

@@ -1,0 +1,96 @@
+"""Writing a ROS map: the image first, then the YAML file that names it, each whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import MapError
+from trundle.files import write_bytes, write_text
+from trundle.maps.grid import UNKNOWN, OccupancyGrid
+from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode
+
+OCCUPIED_THRESH = 0.65
+FREE_THRESH = 0.196
+
+_FREE_GREY = 254
+_OCCUPIED_GREY = 0
+_RAW_UNKNOWN = 255
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+
+
+def save_map(
+    grid: OccupancyGrid,
+    path: str | os.PathLike[str],
+    *,
+    mode: Mode = "trinary",
+    image_format: Literal["png", "pgm"] = "png",
+) -> None:
+    """Write a map; see `OccupancyGrid.save`."""
+    target = Path(path)
+    if target.suffix.lower() not in (".yaml", ".yml"):
+        raise MapError(f"a map is saved under the name of its YAML file, got {target}; end the name in .yaml")
+    if mode not in MODES:
+        raise MapError(f"mode is {mode!r}, it must be one of {', '.join(MODES)}")
+    if image_format not in ("png", "pgm"):
+        raise MapError(f"image_format is {image_format!r}, it must be png or pgm")
+    if mode == "scale" and image_format == "pgm":
+        raise MapError("mode scale needs transparency for unknown cells, which PGM has not; save as png")
+    image = target.with_suffix(f".{image_format}")
+    text = _compose_yaml(grid, image.name, mode)
+    samples = compute_samples(grid, mode)
+    if image_format == "pgm":
+        from trundle.maps.pnm import encode_pgm
+
+        content = encode_pgm(samples)
+    else:
+        from trundle.maps.png import encode_png
+
+        content = encode_png(samples)
+    write_bytes(image, content)
+    write_text(target, text)
+
+
+def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:
+    """8-bit samples of a map's image, top row first: greys (rows, cols), or (rows, cols, 4) in mode scale.
+
+    As Nav2's map saver: trinary rounds by its thresholds; scale is bright for free and transparent for unknown; raw
+    writes the values, unknown as 255.
+    """
+    values = np.arange(UNKNOWN, 101)
+    if mode == "trinary":
+        table = np.full(values.shape, UNKNOWN_GREY)
+        table[values >= round(OCCUPIED_THRESH * 100.0)] = _OCCUPIED_GREY
+        table[(values >= 0) & (values <= round(FREE_THRESH * 100.0))] = _FREE_GREY
+    elif mode == "scale":
+        table = np.floor((100.0 - values) / 100.0 * 255.0 + 0.5)
+        table[0] = 128
+    else:
+        table = np.where(values == UNKNOWN, _RAW_UNKNOWN, values)
+    index = np.ascontiguousarray(grid.data[::-1]) + 1
+    greys = table.astype(np.uint8)[index]
+    if mode != "scale":
+        return greys
+    opacity = np.where(index == 0, 0, 255).astype(np.uint8)
+    return np.stack([greys, greys, greys, opacity], axis=-1)
+
+
+def _compose_yaml(grid: OccupancyGrid, image: str, mode: Mode) -> str:
+    # Full precision: Nav2's saver rounds to three decimals, which moves a map of 0.0125 m cells by metres.
+    name = image if _PLAIN_NAME.fullmatch(image) else json.dumps(image)
+    x, y, yaw = grid.origin.as_tuple()
+    return (
+        f"image: {name}\n"
+        f"mode: {mode}\n"
+        f"resolution: {grid.resolution!r}\n"
+        f"origin: [{x!r}, {y!r}, {yaw!r}]\n"
+        "negate: 0\n"
+        f"occupied_thresh: {OCCUPIED_THRESH}\n"
+        f"free_thresh: {FREE_THRESH}\n"
+    )

@@ -1,0 +1,180 @@
+"""The YAML file of a ROS map: what it may say, each mistake with its line and column."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from trundle.errors import InputError, MapError
+from trundle.geometry import Pose2D
+from trundle.maps.occupancy import MODES, Mode, PixelRule
+from trundle.yamlnodes import compose, place
+
+MAX_YAML_BYTES = 100_000
+MIN_RESOLUTION = 1e-6
+MAX_RESOLUTION = 1e6
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,9})?[ \t\r\n]*", re.ASCII)
+_INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,7}|[0-9]{1,9})")
+_TRUE = ("true", "yes", "on", "y")
+_FALSE = ("false", "no", "off", "n")
+
+
+@dataclass(frozen=True, slots=True)
+class RosMapDescription:
+    """What a map's YAML file says.
+
+    Attributes:
+        image: The image as it is named there.
+        image_place: `file:line:column` of that name.
+        resolution: Edge of a cell [m].
+        origin: Pose of the lower-left corner of the lower-left pixel.
+        rule: How pixels become cells.
+        free_thresh_place: `file:line:column` of `free_thresh`.
+    """
+
+    image: str
+    image_place: str
+    resolution: float
+    origin: Pose2D
+    rule: PixelRule
+    free_thresh_place: str
+
+
+def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
+    """Read the YAML file of a ROS map.
+
+    Raises:
+        MapError: If it cannot be read, or says something that a map cannot mean.
+    """
+    name = str(Path(path))
+    try:
+        root = compose(path, max_bytes=MAX_YAML_BYTES, allow_duplicate_keys=True)
+    except InputError as error:
+        raise MapError(str(error)) from error
+    fields = _Fields(root, name)
+    image, image_place = fields.text("image")
+    rule = PixelRule(
+        mode=_parse_mode(fields),
+        negate=_parse_negate(fields),
+        occupied_thresh=fields.number("occupied_thresh", low=0.0, high=1.0),
+        free_thresh=fields.number("free_thresh", low=0.0, high=1.0),
+    )
+    if rule.free_thresh > rule.occupied_thresh:
+        raise MapError(
+            f"{fields.place('free_thresh')}: free_thresh {rule.free_thresh} is above occupied_thresh "
+            f"{rule.occupied_thresh}: the two are probably exchanged. Usual are 0.196 and 0.65"
+        )
+    return RosMapDescription(
+        image=image,
+        image_place=image_place,
+        resolution=fields.number("resolution", low=MIN_RESOLUTION, high=MAX_RESOLUTION),
+        origin=_parse_origin(fields),
+        rule=rule,
+        free_thresh_place=fields.place("free_thresh"),
+    )
+
+
+class _Fields:
+    """The known keys of the document; the first of a repeated key counts, unknown ones are ignored, as in Nav2."""
+
+    def __init__(self, root: yaml.Node, name: str) -> None:
+        self.name = name
+        if not isinstance(root, yaml.MappingNode):
+            raise MapError(
+                f"{place(root, name)}: not a map's YAML file: it must hold `image: …`, `resolution: …` and so on"
+            )
+        self.nodes: dict[str, yaml.Node] = {}
+        for key, value in root.value:
+            if isinstance(key, yaml.ScalarNode):
+                self.nodes.setdefault(key.value, value)
+
+    def node(self, key: str) -> yaml.Node:
+        if key not in self.nodes:
+            near = next((other for other in self.nodes if other.lower() == key), None)
+            hint = f" ({near!r} is written differently: keys are case-sensitive)" if near else ""
+            raise MapError(
+                f"{self.name}:1:1: the key {key!r} is missing{hint}; a map needs image, resolution, origin, negate, "
+                "occupied_thresh and free_thresh"
+            )
+        return self.nodes[key]
+
+    def place(self, key: str) -> str:
+        return place(self.node(key), self.name)
+
+    def text(self, key: str) -> tuple[str, str]:
+        """A key's text and its place."""
+        node = self.node(key)
+        if not isinstance(node, yaml.ScalarNode):
+            raise MapError(f"{place(node, self.name)}: {key} must be a text, got {_kind(node)}; write `{key}: …`")
+        if node.value == "" or (node.style is None and node.value in ("~", "null", "Null", "NULL")):
+            raise MapError(f"{place(node, self.name)}: {key} is blank; write a value")
+        return node.value, place(node, self.name)
+
+    def number(self, key: str, *, low: float, high: float) -> float:
+        value = parse_number(self.node(key), key, self.name)
+        if not low <= value <= high:
+            raise MapError(
+                f"{self.place(key)}: {key} is {value:g}, it must be between {low:g} and {high:g}; correct it"
+            )
+        return value
+
+
+def parse_number(node: yaml.Node, what: str, name: str) -> float:
+    """A finite number, quoted or not, in decimal or scientific notation."""
+    text = node.value if isinstance(node, yaml.ScalarNode) else _kind(node)
+    if not isinstance(node, yaml.ScalarNode) or _NUMBER.fullmatch(text) is None:
+        raise MapError(
+            f"{place(node, name)}: {what} is {_shorten(text)}, it must be a finite number like 0.05 or 5e-2; correct it"
+        )
+    value = float(text)
+    if not math.isfinite(value):
+        raise MapError(f"{place(node, name)}: {what} {_shorten(text)} is too large for a number; correct it")
+    return value
+
+
+def _kind(node: yaml.Node) -> str:
+    if isinstance(node, yaml.ScalarNode):
+        return "one value"
+    return "a list" if isinstance(node, yaml.SequenceNode) else "a mapping"
+
+
+def _shorten(text: str) -> str:
+    return repr(text if len(text) <= 40 else text[:40] + "…") if text else "blank"
+
+
+def _parse_origin(fields: _Fields) -> Pose2D:
+    node = fields.node("origin")
+    if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
+        got = f"{len(node.value)} values" if isinstance(node, yaml.SequenceNode) else _kind(node)
+        raise MapError(f"{place(node, fields.name)}: origin must be [x, y, yaw] in metres and radians, got {got}")
+    x, y, yaw = (
+        parse_number(item, f"origin's {what}", fields.name)
+        for item, what in zip(node.value, ("x", "y", "yaw"), strict=True)
+    )
+    return Pose2D(x, y, yaw)
+
+
+def _parse_mode(fields: _Fields) -> Mode:
+    if "mode" not in fields.nodes:
+        return "trinary"
+    text, where = fields.text("mode")
+    for mode in MODES:
+        if text.lower() == mode:
+            return mode
+    raise MapError(f"{where}: mode is {_shorten(text)}, it must be one of {', '.join(MODES)}; correct it")
+
+
+def _parse_negate(fields: _Fields) -> bool:
+    text, where = fields.text("negate")
+    if _INTEGER.fullmatch(text):
+        return int(text, 16 if "x" in text.lower() else 10) != 0
+    for words, value in ((_TRUE, True), (_FALSE, False)):
+        if any(text in (word, word.upper(), word.capitalize()) for word in words):
+            return value
+    raise MapError(f"{where}: negate is {_shorten(text)}, it must be 0 or 1 (or false, true); correct it")
