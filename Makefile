@@ -8,12 +8,16 @@ BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
 
 ifeq ($(UV),)
-  CREATE := $(PYTHON) -m venv $(VENV)
+  # An environment that uv made has no pip; venv adds it.
+  CREATE := $(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv $(VENV)
   INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 else
-  CREATE := $(UV) venv --quiet --allow-existing --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
-  INSTALL := VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --python $(BIN)/python -c constraints.txt
+  CREATE := test -x $(BIN)/python || $(UV) venv --quiet --allow-existing --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
+  INSTALL := VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --compile-bytecode --python $(BIN)/python -c constraints.txt
 endif
+
+# Written once here, so that no start has to compile Python first, whatever PYTHONDONTWRITEBYTECODE says.
+COMPILE := $(BIN)/python -m compileall -q src/trundle
 
 SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*.hpp) CMakeLists.txt
 
@@ -39,9 +43,10 @@ $(VENV)/.tools: scripts/check_tools.py
 	@mkdir -p $(VENV) && touch $@
 
 $(VENV)/.trundle: pyproject.toml constraints.txt $(SOURCES) | $(VENV)/.tools
-	@test -x $(BIN)/python || $(CREATE)
+	@$(CREATE)
 	@echo "Setting up trundle in $(VENV) (builds the C++ kernels; about a minute)"
 	@$(INSTALL) -e .
+	@$(COMPILE)
 	@touch $@
 
 $(VENV)/.trundle-dev: $(VENV)/.trundle
@@ -49,8 +54,9 @@ $(VENV)/.trundle-dev: $(VENV)/.trundle
 	@touch $@
 
 build: | $(VENV)/.tools
-	@test -x $(BIN)/python || $(CREATE)
+	@$(CREATE)
 	@$(INSTALL) -e .
+	@$(COMPILE)
 	@touch $(VENV)/.trundle
 
 clean:

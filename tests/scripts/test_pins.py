@@ -1,0 +1,33 @@
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+
+
+def lines(name: str) -> list[str]:
+    return [line for line in (ROOT / name).read_text().splitlines() if line and not line.startswith("#")]
+
+
+def test_constraints_are_those_of_the_project() -> None:
+    assert lines("constraints.txt") == PROJECT["tool"]["uv"]["constraint-dependencies"]
+
+
+def test_every_constraint_is_a_requirement_with_the_same_pin() -> None:
+    assert set(lines("constraints.txt")) <= set(PROJECT["project"]["dependencies"])
+
+
+def test_no_requirement_names_a_place_to_load_from() -> None:
+    assert not (ROOT / "uv.lock").exists() or "uv.lock" in (ROOT / ".gitignore").read_text()
+    for name in ("constraints.txt", "pyproject.toml", "Makefile"):
+        assert not re.search(r"https?://|index-url|find-links|file:", (ROOT / name).read_text()), name
+
+
+def test_development_requirements_are_those_of_the_project() -> None:
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "scripts" / "dev_requirements.py")], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == [item.replace(" ", "") for item in PROJECT["dependency-groups"]["dev"]]
