@@ -187,3 +187,14 @@ def readonly(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
     copy = np.array(array, dtype=dtype, order="C", copy=True)
     copy.flags.writeable = False
     return copy
+
+
+def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
+    """Move every edge of a convex, counter-clockwise outline outwards by `padding` [m]; shape (N, 2) stays (N, 2)."""
+    points = np.asarray(outline, dtype=np.float64)
+    edges = np.roll(points, -1, axis=0) - points
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    before = np.roll(normals, 1, axis=0)
+    # A corner moves along the sum of its two edges' normals, so far that both edges move by the padding.
+    shift = (before + normals) / (1.0 + (before * normals).sum(axis=1))[:, None]
+    return points + padding * shift

@@ -1,0 +1,111 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trundle.errors import InputError
+from trundle.geometry import (
+    Pose2D,
+    Pose3D,
+    Twist2D,
+    integrate_twist,
+    pad_outline,
+    path_length,
+    wrap_angle,
+    wrap_angles,
+)
+
+coordinates = st.floats(-1e4, 1e4)
+angles = st.floats(-50.0, 50.0)
+poses = st.builds(Pose2D, coordinates, coordinates, angles)
+
+
+@given(angles)
+def test_a_wrapped_angle_lies_in_the_half_open_circle_and_points_the_same_way(angle):
+    wrapped = wrap_angle(angle)
+    assert -math.pi < wrapped <= math.pi
+    assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-12)
+    assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-12)
+
+
+def test_half_a_turn_wraps_to_plus_pi_either_way():
+    assert wrap_angle(-math.pi) == math.pi
+    assert wrap_angles([-math.pi, math.pi]).tolist() == [math.pi, math.pi]
+
+
+@given(poses)
+def test_a_pose_times_its_inverse_is_the_origin(pose):
+    identity = pose @ pose.inverse()
+    assert identity.x == pytest.approx(0.0, abs=1e-8)
+    assert identity.y == pytest.approx(0.0, abs=1e-8)
+    assert math.cos(identity.yaw) == pytest.approx(1.0)
+
+
+@given(poses, poses, coordinates, coordinates)
+def test_composition_is_transforming_twice(a, b, x, y):
+    once = (a @ b).transform_points([[x, y]])
+    twice = a.transform_points(b.transform_points([[x, y]]))
+    np.testing.assert_allclose(once, twice, atol=1e-6)
+
+
+def test_a_pose_refuses_nan_and_the_wrong_number_of_numbers():
+    with pytest.raises(InputError, match="finite"):
+        Pose2D(math.nan, 0.0)
+    with pytest.raises(InputError, match="got 4 numbers"):
+        Pose2D.of((1, 2, 3, 4))
+    with pytest.raises(InputError, match="finite"):
+        Twist2D(0.0, math.inf)
+
+
+def test_a_quarter_circle_ends_a_radius_ahead_and_a_radius_to_the_left():
+    pose = Twist2D(1.0, 0.5).integrate(Pose2D(0.0, 0.0, 0.0), math.pi)
+    assert pose.as_tuple() == pytest.approx((2.0, 2.0, math.pi / 2))
+
+
+@given(st.floats(-2, 2), st.floats(-2e-6, 2e-6), st.floats(0.01, 5))
+def test_nearly_straight_arcs_join_the_straight_line_smoothly(v, w, dt):
+    x, y, yaw = integrate_twist(0.0, 0.0, 0.0, v, w, dt)
+    assert x == pytest.approx(v * dt, abs=1e-9)
+    assert y == pytest.approx(v * w * dt * dt / 2, abs=1e-9)
+    assert yaw == w * dt
+
+
+@given(st.floats(-2, 2), st.floats(-3, 3), st.floats(0.01, 3), st.floats(0.01, 3))
+def test_driving_twice_is_driving_once_for_the_sum(v, w, first, second):
+    halfway = integrate_twist(0.3, -0.2, 0.7, v, w, first)
+    np.testing.assert_allclose(
+        integrate_twist(*halfway, v, w, second), integrate_twist(0.3, -0.2, 0.7, v, w, first + second), atol=1e-9
+    )
+
+
+def test_a_planar_pose_in_space_turns_about_z():
+    pose = Pose3D.planar(1.0, 2.0, 3.0, yaw=math.pi / 2)
+    np.testing.assert_allclose(pose.transform_points([[1.0, 0.0, 0.0]]), [[1.0, 3.0, 3.0]], atol=1e-12)
+    assert pose.is_upright()
+    assert pose.yaw() == pytest.approx(math.pi / 2)
+    assert not Pose3D((0, 0, 0), (1, 0.1, 0, 0)).is_upright()
+
+
+def test_a_pose_in_space_refuses_a_zero_quaternion():
+    with pytest.raises(InputError):
+        Pose3D((0, 0, 0), (0, 0, 0, 0))
+
+
+def test_path_length_adds_up_the_legs():
+    assert path_length([[0, 0], [3, 4], [3, 5]]) == 6.0
+    assert path_length([[1, 1]]) == 0.0
+
+
+def test_padding_a_square_moves_every_edge_outwards():
+    square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    np.testing.assert_allclose(pad_outline(square, 0.1), square * 1.1)
+
+
+@given(st.integers(3, 12), st.floats(0.01, 0.5))
+def test_padding_a_polygon_widens_its_inscribed_circle_by_the_padding(corners, padding):
+    turn = np.arange(corners) * 2 * np.pi / corners
+    outline = np.column_stack([np.cos(turn), np.sin(turn)])
+    grown = pad_outline(outline, padding)
+    assert np.hypot(*grown.T).min() * np.cos(np.pi / corners) == pytest.approx(np.cos(np.pi / corners) + padding)
