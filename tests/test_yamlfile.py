@@ -2,7 +2,8 @@ import pytest
 from pydantic import Field
 
 from trundle.errors import InputError
-from trundle.yamlfile import MAX_BYTES, Config, compose, load_config
+from trundle.yamlfile import Config, load_config
+from trundle.yamlnodes import MAX_BYTES, compose
 
 
 class Wheel(Config):

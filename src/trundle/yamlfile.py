@@ -14,12 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from trundle.errors import InputError
 from trundle.yamlnodes import compose, compose_text, place
 
-<<<<<<< HEAD
 __all__ = ["Config", "Plain", "compose", "compose_text", "load_config", "place", "plain_value", "validate"]
-=======
-MAX_BYTES = 250_000
-MAX_DEPTH = 32
->>>>>>> bb2444d (Test the base values; limit the depth of YAML)
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -31,45 +26,6 @@ class Config(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
 
 
-<<<<<<< HEAD
-=======
-def compose(path: str | os.PathLike[str], *, max_bytes: int = MAX_BYTES) -> yaml.Node:
-    """Read one YAML document as nodes that know their line and column.
-
-    Raises:
-        InputError: If the file is missing, too large, not UTF-8, empty, not YAML, more than one document, uses
-            anchors or aliases, or repeats a key.
-    """
-    source = Path(path)
-    return compose_text(_read_text(source, max_bytes), str(source))
-
-
-def compose_text(text: str, name: str) -> yaml.Node:
-    """Read one YAML document from text; `name` stands for the file in messages. Raises as `compose` does."""
-    try:
-        depth = 0
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > MAX_DEPTH:
-                raise InputError(f"{_place(name, event.start_mark)}: nested more than {MAX_DEPTH} levels deep")
-            if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-                raise InputError(
-                    f"{_place(name, event.start_mark)}: anchors and aliases are not accepted; write the value out"
-                )
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = _place(name, mark) if mark is not None else name
-        raise InputError(f"{where}: not valid YAML: {error.problem or error.context}") from error
-    except yaml.YAMLError as error:
-        raise InputError(f"{name}: not valid YAML: {error}") from error
-    if node is None:
-        raise InputError(f"{name}: the file is empty")
-    _refuse_duplicate_keys(node, name)
-    return node
-
-
->>>>>>> bb2444d (Test the base values; limit the depth of YAML)
 def load_config(path: str | os.PathLike[str], model: type[ModelT]) -> ModelT:
     """Read a YAML file into a pydantic model.
 

@@ -10,7 +10,8 @@ import yaml
 
 from trundle.errors import InputError
 
-MAX_BYTES = 1_000_000
+MAX_BYTES = 250_000
+MAX_DEPTH = 32
 
 
 def compose(
@@ -34,7 +35,11 @@ def compose(
 def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) -> yaml.Node:
     """Read one YAML document from text; `name` stands for the file in messages. Raises as `compose` does."""
     try:
+        depth = 0
         for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > MAX_DEPTH:
+                raise InputError(f"{_place(name, event.start_mark)}: nested more than {MAX_DEPTH} levels deep")
             if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
                 raise InputError(
                     f"{_place(name, event.start_mark)}: anchors and aliases are not accepted; write the value out"
@@ -44,9 +49,7 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
         mark = error.problem_mark or error.context_mark
         where = _place(name, mark) if mark is not None else name
         raise InputError(f"{where}: not valid YAML: {error.problem or error.context}") from error
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
+    except yaml.YAMLError as error:
         raise InputError(f"{name}: not valid YAML: {error}") from error
     if node is None:
         raise InputError(f"{name}: the file is empty")
