@@ -1,0 +1,77 @@
+"""When a goal is reached, and when a robot no longer gets anywhere; with Nav2's defaults."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
+
+
+@dataclass(frozen=True, slots=True)
+class GoalChecker:
+    """The goal is reached when the robot stands in its tolerance (Nav2's StoppedGoalChecker).
+
+    Attributes:
+        xy_tolerance: Distance in position [m].
+        yaw_tolerance: Difference in yaw [rad].
+        stopped_linear: Speed below which it stands [m/s].
+        stopped_angular: Turning speed below which it stands [rad/s].
+    """
+
+    xy_tolerance: float = 0.25
+    yaw_tolerance: float = 0.25
+    stopped_linear: float = 0.02
+    stopped_angular: float = 0.02
+
+    def is_reached(self, pose: Pose2D, twist: Twist2D, goal: Pose2D, *, any_yaw: bool) -> bool:
+        """Whether a robot at `pose`, moving with `twist`, has arrived; `any_yaw` where the goal has no yaw."""
+        return (
+            self.is_within(pose, goal, any_yaw=any_yaw)
+            and abs(twist.v) <= self.stopped_linear
+            and abs(twist.w) <= self.stopped_angular
+        )
+
+    def is_within(self, pose: Pose2D, goal: Pose2D, *, any_yaw: bool) -> bool:
+        """Whether a pose is in the tolerance."""
+        if math.hypot(goal.x - pose.x, goal.y - pose.y) > self.xy_tolerance:
+            return False
+        return any_yaw or abs(wrap_angle(goal.yaw - pose.yaw)) <= self.yaw_tolerance
+
+
+class ProgressChecker:
+    """The robot gets on while it moves or turns by a certain amount in a certain time (Nav2's PoseProgressChecker).
+
+    Args:
+        required_movement_radius: [m].
+        required_movement_angle: [rad]; turning in place counts as getting on.
+        movement_time_allowance: [s].
+    """
+
+    def __init__(
+        self,
+        required_movement_radius: float = 0.5,
+        required_movement_angle: float = 0.5,
+        movement_time_allowance: float = 10.0,
+    ) -> None:
+        self.required_movement_radius = required_movement_radius
+        self.required_movement_angle = required_movement_angle
+        self.movement_time_allowance = movement_time_allowance
+        self._pose: Pose2D | None = None
+        self._time = 0.0
+
+    def reset(self) -> None:
+        """Forget where the robot was."""
+        self._pose = None
+
+    def is_moving_on(self, pose: Pose2D, time: float) -> bool:
+        """Whether the robot, at `pose` at `time` [s], has moved on within the allowance."""
+        moved = (
+            self._pose is None
+            or pose.distance_to(self._pose) >= self.required_movement_radius
+            or abs(wrap_angle(pose.yaw - self._pose.yaw)) >= self.required_movement_angle
+        )
+        if moved:
+            self._pose, self._time = pose, time
+            return True
+        return time - self._time <= self.movement_time_allowance

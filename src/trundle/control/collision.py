@@ -1,0 +1,49 @@
+"""Whether a command leaves the robot a way to stop before it touches something."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trundle.costmap import Costmap
+from trundle.geometry import Pose2D, Twist2D, integrate_twist
+from trundle.robots import Limits, Robot
+
+_SUBSTEP_S = 0.05
+
+
+def stopping_poses(
+    pose: Pose2D, twist: Twist2D, command: Twist2D, limits: Limits, dt: float
+) -> list[tuple[float, float, float]]:
+    """Poses (x, y, yaw) on the way of driving `command` for `dt` [s] from `twist`, then braking to a stand.
+
+    Speeds change as fast as the limits allow, in steps of 0.05 s, each step along its exact arc.
+    """
+    x, y, yaw = pose.x, pose.y, pose.yaw
+    linear, angular = limits.linear_acceleration, limits.angular_acceleration
+    target = limits.clamp(command)
+    v, w, goal_v, goal_w = twist.v, twist.w, target.v, target.w
+    poses: list[tuple[float, float, float]] = []
+    driven = 0.0
+    while True:
+        step = _SUBSTEP_S if driven >= dt else min(_SUBSTEP_S, dt - driven)
+        v += min(linear * step, max(-linear * step, goal_v - v))
+        w += min(angular * step, max(-angular * step, goal_w - w))
+        x, y, yaw = integrate_twist(x, y, yaw, v, w, step)
+        poses.append((x, y, yaw))
+        driven += step
+        if driven >= dt - 1e-12:
+            if abs(v) < 1e-9 and abs(w) < 1e-9:
+                return poses
+            goal_v = goal_w = 0.0
+
+
+def can_stop(
+    costmap: Costmap, robot: Robot, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float, *, padding: float
+) -> bool:
+    """Whether the robot can drive `command` for `dt` [s] and then brake without its padded footprint touching.
+
+    A robot that already touches may move: what counts then is that the command does not lead it deeper, which is for
+    the caller to see; here every touching pose counts.
+    """
+    poses = stopping_poses(pose, twist, command, robot.limits, dt)
+    return not bool(costmap.footprint_collides(np.array(poses), padding=padding).any())

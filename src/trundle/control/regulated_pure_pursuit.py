@@ -1,0 +1,283 @@
+"""Regulated pure pursuit that stops and turns where it has to, and never drives where it could not stop.
+
+After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), with the defaults of Nav2's controller of
+that name. What is added: the path is cut at sharp bends, and at bends that the footprint cannot take in a curve, into
+sections with turns in place between them; and every command is checked with the footprint over its stopping distance.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.control.collision import can_stop
+from trundle.control.sections import Section, Vertex, cut_sections, path_vertices
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import InputError
+from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.path import Path
+from trundle.robots import Robot
+
+_STAND = Twist2D(0.0, 0.0)
+_SIMULATION_STEP_M = 0.05
+_TURN_DONE_RAD = 0.02
+_SECTION_DONE_M = 0.01
+_SLOWER = (1.0, 0.5, 0.25)
+
+
+@dataclass(frozen=True, slots=True)
+class PursuitSettings:
+    """Settings of `RegulatedPurePursuit`, under Nav2's names where it has one.
+
+    Attributes:
+        desired_linear_vel: Speed on a free straight [m/s]; none means the robot's limit.
+        lookahead_dist: Distance along the path to the point that is driven at [m].
+        min_lookahead_dist: The same while the usual one is blocked [m].
+        rotate_to_heading_min_angle: Above this angle to the path the robot turns in place [rad].
+        rotate_to_heading_angular_vel: Speed of those turns [rad/s]; the robot's limit holds below it.
+        regulated_linear_scaling_min_radius: Curves tighter than this are driven slower [m].
+        regulated_linear_scaling_min_speed: But not slower than this [m/s].
+        cost_scaling_dist: Nearer to obstacles than this the robot drives slower [m].
+        approach_velocity_scaling_dist: Nearer to the end than this the robot drives slower [m].
+        min_approach_linear_velocity: But not slower than this [m/s].
+        approach_deceleration: Share of the robot's deceleration that is used to stop at the end of a section.
+        footprint_padding: What the footprint is widened by in the check of each command [m].
+    """
+
+    desired_linear_vel: float | None = None
+    lookahead_dist: float = 0.6
+    min_lookahead_dist: float = 0.3
+    rotate_to_heading_min_angle: float = 0.785
+    rotate_to_heading_angular_vel: float = 1.8
+    regulated_linear_scaling_min_radius: float = 0.9
+    regulated_linear_scaling_min_speed: float = 0.25
+    cost_scaling_dist: float = 0.6
+    approach_velocity_scaling_dist: float = 0.6
+    min_approach_linear_velocity: float = 0.05
+    approach_deceleration: float = 0.5
+    footprint_padding: float = 0.01
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if value is not None and not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
+                raise InputError(f"regulated_pure_pursuit: {name} must be a number of at least 0, got {value!r}")
+        if self.min_lookahead_dist <= 0.0 or self.lookahead_dist < self.min_lookahead_dist:
+            raise InputError(
+                "regulated_pure_pursuit: lookahead_dist must be at least min_lookahead_dist, which must be above 0; "
+                f"got {self.lookahead_dist} and {self.min_lookahead_dist}"
+            )
+
+
+@dataclass(slots=True)
+class _Turn:
+    """A turn in place that is under way: what is left of it [rad] and the yaw it was last measured at."""
+
+    remaining: float
+    yaw: float
+
+
+class RegulatedPurePursuit:
+    """Follows a path of straight stretches, curves and turns in place; stops at its end, turned to its last yaw.
+
+    Args:
+        robot: What is driven; its limits hold over the settings.
+        settings: Any field of `PursuitSettings`.
+
+    Raises:
+        InputError: If a setting is out of range.
+    """
+
+    def __init__(self, robot: Robot, **settings: float | None) -> None:
+        self._robot = robot
+        self.settings = PursuitSettings(**settings)
+        self._vertices: list[Vertex] = []
+        self._sections: list[Section] | None = None
+        self._index = 0
+        self._s = 0.0
+        self._turn: _Turn | None = None
+        self._done = True
+
+    def set_path(self, path: Path) -> None:
+        """Follow this path from now on, from its beginning."""
+        self._vertices = path_vertices(path)
+        self._sections = None
+        self._done = False
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
+        """Return the command for the next control period; see `Controller`."""
+        if self._done:
+            return _STAND
+        if self._sections is None:
+            self._lay_out(pose, costmap)
+        self._finish_what_is_done(pose)
+        if self._done:
+            return _STAND
+        if self._turn is not None:
+            commands = [Twist2D(0.0, self._turn_speed(self._turn.remaining))]
+        else:
+            commands = self._pursue(pose, costmap)
+        for command in commands:
+            for factor in _SLOWER:
+                slower = Twist2D(factor * command.v, factor * command.w)
+                if self._is_clear(costmap, pose, twist, slower, dt):
+                    return slower
+        return _STAND
+
+    # Laying out -----------------------------------------------------------------------------------------------------
+
+    def _lay_out(self, pose: Pose2D, costmap: Costmap) -> None:
+        """Cut the path into sections: stop at sharp bends, and at bends whose curve the footprint cannot take."""
+        vertices, sharp = self._vertices, self.settings.rotate_to_heading_min_angle
+        self._index, self._s, self._turn = 0, 0.0, None
+        if len(vertices) == 1:
+            self._sections = []
+            self._begin_turn(vertices[0].turn, pose)
+            self._done = self._turn is None
+            return
+        stops = [abs(vertex.turn) > sharp for vertex in vertices]
+        stops[-1] = True
+        while (bend := self._first_blocked_bend(vertices, stops, pose, costmap)) is not None:
+            stops[bend] = True
+        self._sections = cut_sections(vertices, stops)
+        if stops[0]:
+            self._begin_turn(vertices[0].turn, pose)
+
+    def _first_blocked_bend(
+        self, vertices: list[Vertex], stops: list[bool], pose: Pose2D, costmap: Costmap
+    ) -> int | None:
+        """Index of the bend, not yet a stop, nearest to the first place where following would touch; none if clear."""
+        first = 0
+        for section in cut_sections(vertices, stops):
+            last = first + len(section.points) - 1
+            bends = [i for i in range(first, last) if not stops[i]]
+            if bends:
+                yaw = section.headings[0] if first > 0 or stops[0] else pose.yaw
+                driven, along = self._drive_geometrically(section, yaw)
+                hits = np.flatnonzero(costmap.footprint_collides(driven, padding=self.settings.footprint_padding))
+                if len(hits):
+                    s = along[hits[0]]
+                    return min(bends, key=lambda i: abs(section.starts[i - first] - s))
+            first = last
+        return None
+
+    def _drive_geometrically(self, section: Section, yaw: float) -> tuple[np.ndarray, list[float]]:
+        """Poses of an ideal pure pursuit along a section from its start, and how far along each is [m]."""
+        (x, y), s = section.points[0], 0.0
+        poses: list[tuple[float, float, float]] = []
+        along: list[float] = []
+        for _ in range(int(1.5 * section.length / _SIMULATION_STEP_M) + 1):
+            if section.length - s <= _SECTION_DONE_M:
+                break
+            curvature = self._curvature(section, x, y, yaw, s, self.settings.lookahead_dist)[0]
+            x, y, yaw = integrate_twist(x, y, yaw, 1.0, curvature, _SIMULATION_STEP_M)
+            s = section.project(x, y, s, 2.0 * _SIMULATION_STEP_M)
+            poses.append((x, y, yaw))
+            along.append(s)
+        return np.array(poses).reshape(-1, 3), along
+
+    # Following ------------------------------------------------------------------------------------------------------
+
+    def _finish_what_is_done(self, pose: Pose2D) -> None:
+        """Update the progress along the section or turn that is under way, and begin the next where it is done."""
+        sections = self._sections or []
+        if self._turn is not None:
+            self._turn.remaining -= wrap_angle(pose.yaw - self._turn.yaw)
+            self._turn.yaw = pose.yaw
+            if abs(self._turn.remaining) > _TURN_DONE_RAD:
+                return
+            self._turn = None
+            if self._index >= len(sections):
+                self._done = True
+                return
+        section = sections[self._index]
+        self._s = section.project(pose.x, pose.y, self._s, self.settings.lookahead_dist)
+        if section.length - self._s > _SECTION_DONE_M:
+            return
+        self._index, self._s = self._index + 1, 0.0
+        # The planned way round, to the planned direction, from the yaw that the robot really has.
+        self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - pose.yaw), pose)
+        if self._turn is None and self._index >= len(sections):
+            self._done = True
+
+    def _begin_turn(self, turn: float, pose: Pose2D) -> None:
+        self._turn = _Turn(turn, pose.yaw) if abs(turn) > _TURN_DONE_RAD else None
+
+    def _turn_speed(self, remaining: float) -> float:
+        """Turning speed [rad/s] that can still stop at the end of the turn."""
+        limits, settings = self._robot.limits, self.settings
+        fastest = min(settings.rotate_to_heading_angular_vel, limits.angular_speed)
+        braking = math.sqrt(2.0 * settings.approach_deceleration * limits.angular_acceleration * abs(remaining))
+        return math.copysign(max(min(fastest, braking), min(0.05, fastest)), remaining)
+
+    def _pursue(self, pose: Pose2D, costmap: Costmap) -> list[Twist2D]:
+        """Commands to follow the section, the best first; the later ones lead back onto it where it is tight."""
+        sections = self._sections or []
+        section, settings = sections[self._index], self.settings
+        curvature, bearing = self._curvature(section, pose.x, pose.y, pose.yaw, self._s, settings.lookahead_dist)
+        rotate = min(settings.rotate_to_heading_angular_vel, self._robot.limits.angular_speed)
+        back_to_path = Twist2D(0.0, math.copysign(min(rotate, max(0.1, 2.0 * abs(bearing))), bearing))
+        if abs(bearing) > settings.rotate_to_heading_min_angle:
+            return [back_to_path, Twist2D(0.0, -back_to_path.w)]
+        speed = self._regulated_speed(curvature, section, pose, costmap)
+        tight = self._curvature(section, pose.x, pose.y, pose.yaw, self._s, settings.min_lookahead_dist)[0]
+        slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
+        return [Twist2D(speed, speed * curvature), Twist2D(slow, slow * tight), back_to_path]
+
+    @staticmethod
+    def _curvature(section: Section, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:
+        """Curvature [1/m] of the arc to the point `lookahead` ahead on the section, and the bearing [rad] to it."""
+        carrot_x, carrot_y = section.point_at(s + lookahead)
+        dx, dy = carrot_x - x, carrot_y - y
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        ahead, left = cos * dx + sin * dy, cos * dy - sin * dx
+        return 2.0 * left / max(dx * dx + dy * dy, 1e-6), math.atan2(left, ahead)
+
+    def _fastest_in_curve(self, curvature: float) -> float:
+        limit = self._robot.limits.angular_speed
+        return limit / abs(curvature) if abs(curvature) > 1e-9 else math.inf
+
+    def _regulated_speed(self, curvature: float, section: Section, pose: Pose2D, costmap: Costmap) -> float:
+        """Speed [m/s] for a curvature, the distance to obstacles and the distance to the end of the section."""
+        settings, limits = self.settings, self._robot.limits
+        wanted = limits.linear_speed if settings.desired_linear_vel is None else settings.desired_linear_vel
+        wanted = min(wanted, limits.linear_speed)
+        regulated = wanted
+        radius = 1.0 / max(abs(curvature), 1e-9)
+        if radius < settings.regulated_linear_scaling_min_radius:
+            regulated = min(regulated, wanted * radius / settings.regulated_linear_scaling_min_radius)
+        distance = self._distance_to_obstacle(pose, costmap)
+        if distance < settings.cost_scaling_dist:
+            regulated = min(regulated, wanted * distance / settings.cost_scaling_dist)
+        regulated = max(regulated, min(wanted, settings.regulated_linear_scaling_min_speed))
+        remaining = max(section.length - self._s, 0.0)
+        approach = math.sqrt(2.0 * settings.approach_deceleration * limits.linear_acceleration * remaining)
+        is_last = self._index == len(self._sections or []) - 1
+        if is_last and remaining < settings.approach_velocity_scaling_dist:
+            approach = min(approach, wanted * remaining / settings.approach_velocity_scaling_dist)
+        approach = max(approach, min(wanted, settings.min_approach_linear_velocity))
+        return min(regulated, approach, self._fastest_in_curve(curvature))
+
+    @staticmethod
+    def _distance_to_obstacle(pose: Pose2D, costmap: Costmap) -> float:
+        """Distance [m] from base_link to the nearest obstacle, read back from the cost; infinite outside inflation."""
+        cost = costmap.cost_at(pose.x, pose.y)
+        if cost <= 0:
+            return math.inf
+        if cost >= INSCRIBED:
+            return 0.0
+        return costmap.inscribed_radius - math.log(cost / (INSCRIBED - 1)) / costmap.cost_scaling_factor
+
+    def _is_clear(self, costmap: Costmap, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float) -> bool:
+        # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
+        if costmap.cost_at(pose.x, pose.y) == 0 and self._inflation_covers_stop(costmap):
+            return True
+        padding = self.settings.footprint_padding
+        return can_stop(costmap, self._robot, pose, twist, command, dt, padding=padding)
+
+    def _inflation_covers_stop(self, costmap: Costmap) -> bool:
+        limits = self._robot.limits
+        stop = limits.linear_speed * (0.1 + limits.linear_speed / (2.0 * limits.linear_acceleration))
+        return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop

@@ -1,0 +1,119 @@
+"""A path cut into what a differential robot drives in one go: stretches between places where it stops and turns."""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from trundle.geometry import wrap_angle
+from trundle.path import Path
+
+_SAME_PLACE_M = 1e-6
+_STRAIGHT_RAD = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Vertex:
+    """A place on the path where its direction changes.
+
+    Attributes:
+        x, y: [m], map frame.
+        turn: Angle to turn by there [rad], counter-clockwise; the way round that the planner chose, so it may be
+            beyond ±π.
+    """
+
+    x: float
+    y: float
+    turn: float
+
+
+class Section:
+    """A polyline that is driven without stopping, and the turn in place at its end.
+
+    Args:
+        points: (x, y) [m] of its corners, map frame, at least two, no two neighbours at one place.
+        end_turn: Angle [rad] to turn by at its end.
+    """
+
+    __slots__ = ("end_turn", "headings", "length", "points", "starts")
+
+    def __init__(self, points: Sequence[tuple[float, float]], end_turn: float) -> None:
+        self.points = list(points)
+        self.end_turn = end_turn
+        self.starts = [0.0]
+        self.headings: list[float] = []
+        for (x0, y0), (x1, y1) in zip(self.points, self.points[1:], strict=False):
+            self.starts.append(self.starts[-1] + math.hypot(x1 - x0, y1 - y0))
+            self.headings.append(math.atan2(y1 - y0, x1 - x0))
+        self.length = self.starts[-1]
+
+    def point_at(self, s: float) -> tuple[float, float]:
+        """Point (x, y) at arc length `s` [m]; past the end it goes on straight."""
+        leg = self._leg_at(s)
+        (x, y), heading, along = self.points[leg], self.headings[leg], s - self.starts[leg]
+        return x + along * math.cos(heading), y + along * math.sin(heading)
+
+    def heading_at(self, s: float) -> float:
+        """Direction [rad] of the polyline at arc length `s` [m]."""
+        return self.headings[self._leg_at(s)]
+
+    def project(self, x: float, y: float, s: float, window: float) -> float:
+        """Arc length [m] of the point nearest to (x, y) between `s` and `s + window`."""
+        best, best_distance = s, math.inf
+        for leg in range(self._leg_at(s), len(self.headings)):
+            start, end = self.starts[leg], self.starts[leg + 1]
+            if start > s + window:
+                break
+            (x0, y0), heading = self.points[leg], self.headings[leg]
+            along = (x - x0) * math.cos(heading) + (y - y0) * math.sin(heading)
+            along = min(max(start + along, start, s), end, s + window)
+            px, py = self.point_at(along)
+            distance = math.hypot(x - px, y - py)
+            if distance < best_distance - 1e-12:
+                best, best_distance = along, distance
+        return best
+
+    def _leg_at(self, s: float) -> int:
+        return min(max(bisect.bisect_right(self.starts, s) - 1, 0), len(self.headings) - 1)
+
+
+def path_vertices(path: Path) -> list[Vertex]:
+    """Places where a path starts, bends and ends, with the turn at each; straight stretches have none inside.
+
+    The first vertex's turn is from the start's yaw to the first direction, the last one's from the last direction to
+    the goal's yaw. A path that stays at one place is a single vertex.
+    """
+    poses: list[list[float]] = path.poses.tolist()
+    places: list[list[float]] = []  # x, y, sum of the turns in place there
+    for i, (x, y, yaw) in enumerate(poses):
+        if places and math.hypot(x - places[-1][0], y - places[-1][1]) <= _SAME_PLACE_M:
+            places[-1][2] += wrap_angle(yaw - poses[i - 1][2])
+        else:
+            places.append([x, y, 0.0])
+    yaw = poses[0][2]
+    vertices: list[Vertex] = []
+    for i, (x, y, turned) in enumerate(places):
+        if i + 1 < len(places):
+            heading = math.atan2(places[i + 1][1] - y, places[i + 1][0] - x)
+        else:
+            heading = poses[-1][2]
+        # The turns in place say which way round; the exact amount is from direction to direction.
+        turn = turned + wrap_angle(heading - yaw - turned)
+        if i in (0, len(places) - 1) or abs(turn) > _STRAIGHT_RAD:
+            vertices.append(Vertex(x, y, turn))
+            yaw = heading
+    return vertices
+
+
+def cut_sections(vertices: Sequence[Vertex], stops: Sequence[bool]) -> list[Section]:
+    """Join the vertices to sections that end where `stops` is true, and at the last vertex."""
+    sections: list[Section] = []
+    points = [(vertices[0].x, vertices[0].y)]
+    for i, vertex in enumerate(vertices[1:], start=1):
+        points.append((vertex.x, vertex.y))
+        if stops[i] or i == len(vertices) - 1:
+            sections.append(Section(points, vertex.turn))
+            points = [points[-1]]
+    return sections

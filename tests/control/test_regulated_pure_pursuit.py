@@ -1,0 +1,136 @@
+import math
+
+import numpy as np
+import pytest
+
+from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
+from trundle.costmap import Costmap
+from trundle.errors import InputError
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.maps import OccupancyGrid
+from trundle.path import Path
+from trundle.robots import Robot
+
+DT = 0.05
+CARTER = Robot.load("nova_carter")
+
+
+def costmap_with(*boxes, size=10.0):
+    """A free square room around the origin, with boxes (x0, y0, x1, y1) [m] in it."""
+    cells = round(size / 0.05)
+    data = np.zeros((cells, cells), dtype=np.int8)
+    grid = OccupancyGrid(data, 0.05, Pose2D(-size / 2, -size / 2))
+    for x0, y0, x1, y1 in boxes:
+        (row0, row1), (col0, col1) = grid.world_to_cell(np.array([x0, x1]), np.array([y0, y1]))
+        data[row0 : row1 + 1, col0 : col1 + 1] = 100
+    return Costmap.from_grid(OccupancyGrid(data, 0.05, grid.origin), CARTER.outline)
+
+
+def follow(controller, path, costmap, *, start=None, seconds=60.0):
+    """Drive ideally, within the robot's limits; return poses and twists of every control period."""
+    controller.set_path(path)
+    pose, twist = start or path.start, Twist2D()
+    poses, twists = [pose], [twist]
+    for _ in range(round(seconds / DT)):
+        command = controller.compute_velocity(pose, twist, costmap, DT)
+        for _ in range(10):
+            twist = CARTER.limits.approach(twist, command, DT / 10)
+            pose = twist.integrate(pose, DT / 10)
+        poses.append(pose)
+        twists.append(twist)
+        if command == Twist2D() and abs(twist.v) + abs(twist.w) < 1e-9:
+            break
+    return poses, twists
+
+
+def as_array(poses):
+    return np.array([pose.as_tuple() for pose in poses])
+
+
+def test_a_straight_is_driven_straight_at_full_speed_to_its_end():
+    path = Path(np.array([[-4, 0, 0], [4, 0, 0]]))
+    poses, twists = follow(RegulatedPurePursuit(CARTER), path, costmap_with())
+    assert poses[-1].distance_to(path.goal) < 0.02
+    assert max(abs(pose.y) for pose in poses) < 1e-6
+    assert max(twist.v for twist in twists) == pytest.approx(0.8)
+
+
+def test_it_turns_in_place_at_a_sharp_bend_and_at_both_ends():
+    path = Path(
+        np.array(
+            [[-3, 0, math.pi / 2], [-3, 0, 0], [0, 0, 0], [0, 0, math.pi / 2], [0, 3, math.pi / 2], [0, 3, math.pi]]
+        )
+    )
+    poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap_with())
+    assert poses[-1].distance_to(path.goal) < 0.03
+    assert abs(wrap_angle(poses[-1].yaw - math.pi)) < 0.03
+    at_bend = [pose for pose in poses if pose.distance_to(Pose2D(0, 0)) < 0.03]
+    assert max(pose.yaw for pose in at_bend) - min(pose.yaw for pose in at_bend) > 1.4
+
+
+def test_a_slight_bend_is_driven_through_without_stopping():
+    path = Path(np.array([[-3, 0, 0], [0, 0, 0], [0, 0, 0.5], [3 * math.cos(0.5), 3 * math.sin(0.5), 0.5]]))
+    poses, twists = follow(RegulatedPurePursuit(CARTER), path, costmap_with())
+    assert poses[-1].distance_to(path.goal) < 0.05
+    middle = [twist.v for pose, twist in zip(poses, twists, strict=True) if pose.distance_to(Pose2D(0, 0)) < 1.0]
+    assert min(middle) > 0.2
+
+
+def test_a_turn_the_long_way_round_is_driven_the_long_way_round():
+    yaws = np.linspace(0.0, -1.5 * math.pi, 8)
+    path = Path(np.column_stack([np.zeros(8), np.zeros(8), yaws]))
+    poses, twists = follow(RegulatedPurePursuit(CARTER), path, costmap_with())
+    assert sum(twist.w for twist in twists) * DT == pytest.approx(-1.5 * math.pi, abs=0.05)
+    assert abs(wrap_angle(poses[-1].yaw - math.pi / 2)) < 0.03
+
+
+@pytest.mark.parametrize("gap", [0.62, 0.7, 0.9])
+def test_a_bend_that_the_tail_cannot_take_in_a_curve_is_taken_by_stopping(gap):
+    # A slot as wide as `gap` that is entered after a bend of 40° where the inner corner stands close.
+    bend = math.radians(40)
+    path = Path(np.array([[-3, 0, 0], [0, 0, 0], [0, 0, bend], [2.5 * math.cos(bend), 2.5 * math.sin(bend), bend]]))
+    costmap = costmap_with((-0.75, gap / 2, -0.35, gap / 2 + 0.4), (-3.5, -gap / 2 - 0.4, -0.7, -gap / 2 - 0.1))
+    poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap)
+    assert not costmap.footprint_collides(as_array(poses)).any()
+    if not costmap.footprint_collides(path.poses, padding=0.02).any():
+        assert poses[-1].distance_to(path.goal) < 0.05
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_whatever_the_path_no_command_leads_into_an_obstacle(seed):
+    rng = np.random.default_rng(seed)
+    boxes = [(x, y, x + 0.3, y + 0.3) for x, y in rng.uniform(-4, 4, (12, 2)) if math.hypot(x + 0.15, y + 0.15) > 1.2]
+    costmap = costmap_with(*boxes)
+    points = np.vstack([[0, 0], rng.uniform(-4, 4, (6, 2))])
+    headings = np.arctan2(*np.diff(points, axis=0).T[::-1])
+    poses = [[0, 0, 0]]
+    for (x0, y0), (x1, y1), yaw in zip(points, points[1:], headings, strict=False):
+        poses += [[x0, y0, yaw], [x1, y1, yaw]]
+    driven, _ = follow(RegulatedPurePursuit(CARTER), Path(np.array(poses)), costmap, seconds=40)
+    assert not costmap.footprint_collides(as_array(driven)).any()
+
+
+def test_it_comes_back_onto_the_path_from_beside_it():
+    path = Path(np.array([[-4, 0, 0], [4, 0, 0]]))
+    poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap_with(), start=Pose2D(-4, 0.4, 1.0))
+    assert poses[-1].distance_to(path.goal) < 0.03
+
+
+def test_speeds_stay_within_the_robots_limits_whatever_nav2_would_turn_at():
+    path = Path(np.array([[0, 0, 0], [0, 0, math.pi / 2], [0, 3, math.pi / 2]]))
+    controller = RegulatedPurePursuit(CARTER)
+    controller.set_path(path)
+    command = controller.compute_velocity(path.start, Twist2D(), costmap_with(), DT)
+    assert command.w == pytest.approx(0.7)
+
+
+def test_without_a_path_it_stands():
+    assert RegulatedPurePursuit(CARTER).compute_velocity(Pose2D(0, 0), Twist2D(), costmap_with(), DT) == Twist2D()
+
+
+@pytest.mark.parametrize(
+    "option", [{"lookahead_dist": -1.0}, {"lookahead_dist": math.nan}, {"min_lookahead_dist": 0.9}]
+)
+def test_settings_out_of_range_are_refused(option):
+    with pytest.raises(InputError, match="regulated_pure_pursuit"):
+        RegulatedPurePursuit(CARTER, **option)
