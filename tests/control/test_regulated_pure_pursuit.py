@@ -6,7 +6,7 @@ import pytest
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.geometry import Pose2D, Twist2D, pad_outline, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.robots import Robot
@@ -92,7 +92,7 @@ def test_a_bend_that_the_tail_cannot_take_in_a_curve_is_taken_by_stopping(gap):
     costmap = costmap_with((-0.75, gap / 2, -0.35, gap / 2 + 0.4), (-3.5, -gap / 2 - 0.4, -0.7, -gap / 2 - 0.1))
     poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap)
     assert not costmap.footprint_collides(as_array(poses)).any()
-    if not costmap.footprint_collides(path.poses, padding=0.02).any():
+    if not costmap.footprint_collides(path.poses, outline=pad_outline(CARTER.outline, 0.02)).any():
         assert poses[-1].distance_to(path.goal) < 0.05
 
 

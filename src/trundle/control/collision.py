@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from trundle.costmap import Costmap
-from trundle.geometry import Pose2D, Twist2D, integrate_twist
-from trundle.robots import Limits, Robot
+from trundle.costmap import NO_INFORMATION, Costmap
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.robots import Limits
 
 _SUBSTEP_S = 0.05
 
@@ -38,12 +40,29 @@ def stopping_poses(
 
 
 def can_stop(
-    costmap: Costmap, robot: Robot, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float, *, padding: float
+    costmap: Costmap,
+    limits: Limits,
+    pose: Pose2D,
+    twist: Twist2D,
+    command: Twist2D,
+    dt: float,
+    *,
+    outline: FloatArray | None = None,
 ) -> bool:
-    """Whether the robot can drive `command` for `dt` [s] and then brake without its padded footprint touching.
+    """Whether a robot can drive `command` for `dt` [s] and then brake without touching something on the way.
 
-    A robot that already touches may move: what counts then is that the command does not lead it deeper, which is for
-    the caller to see; here every touching pose counts.
+    `outline` [m], shape (N, 2), stands for the costmap's footprint where it is given, e.g. a padded one.
     """
-    poses = stopping_poses(pose, twist, command, robot.limits, dt)
-    return not bool(costmap.footprint_collides(np.array(poses), padding=padding).any())
+    poses = stopping_poses(pose, twist, command, limits, dt)
+    return not costmap.footprint_collides(np.array(poses), outline=outline).any()
+
+
+def cost_under(costmap: Costmap, x: float, y: float) -> int:
+    """Cost of the cell that holds one point (x, y) [m], map frame; 255 outside the map. Quicker than `cost_at`."""
+    origin, resolution = costmap.origin, costmap.resolution
+    dx, dy = x - origin.x, y - origin.y
+    cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
+    row = math.floor((cos * dy - sin * dx) / resolution)
+    col = math.floor((cos * dx + sin * dy) / resolution)
+    rows, cols = costmap.shape
+    return costmap.data.item(row, col) if 0 <= row < rows and 0 <= col < cols else NO_INFORMATION

@@ -1,8 +1,9 @@
 """Regulated pure pursuit that stops and turns where it has to, and never drives where it could not stop.
 
-After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), with the defaults of Nav2's controller of
-that name. What is added: the path is cut at sharp bends, and at bends that the footprint cannot take in a curve, into
-sections with turns in place between them; and every command is checked with the footprint over its stopping distance.
+After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), with the defaults of Nav2's controller
+of that name. What is added: the path is cut at sharp bends, and at bends that the footprint cannot take in a curve,
+into sections with turns in place between them; and every command is checked with the footprint over its stopping
+distance.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trundle.control.collision import can_stop
+from trundle.control.collision import can_stop, cost_under
 from trundle.control.sections import Section, Vertex, cut_sections, path_vertices
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, pad_outline, wrap_angle
 from trundle.path import Path
 from trundle.robots import Robot
 
@@ -93,6 +94,7 @@ class RegulatedPurePursuit:
     def __init__(self, robot: Robot, **settings: float | None) -> None:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
+        self._outline = pad_outline(robot.outline, self.settings.footprint_padding)
         self._vertices: list[Vertex] = []
         self._sections: list[Section] | None = None
         self._index = 0
@@ -156,14 +158,14 @@ class RegulatedPurePursuit:
             if bends:
                 yaw = section.headings[0] if first > 0 or stops[0] else pose.yaw
                 driven, along = self._drive_geometrically(section, yaw)
-                hits = np.flatnonzero(costmap.footprint_collides(driven, padding=self.settings.footprint_padding))
+                hits = np.flatnonzero(costmap.footprint_collides(driven, outline=self._outline))
                 if len(hits):
                     s = along[hits[0]]
                     return min(bends, key=lambda i: abs(section.starts[i - first] - s))
             first = last
         return None
 
-    def _drive_geometrically(self, section: Section, yaw: float) -> tuple[np.ndarray, list[float]]:
+    def _drive_geometrically(self, section: Section, yaw: float) -> tuple[FloatArray, list[float]]:
         """Poses of an ideal pure pursuit along a section from its start, and how far along each is [m]."""
         (x, y), s = section.points[0], 0.0
         poses: list[tuple[float, float, float]] = []
@@ -263,8 +265,8 @@ class RegulatedPurePursuit:
     @staticmethod
     def _distance_to_obstacle(pose: Pose2D, costmap: Costmap) -> float:
         """Distance [m] from base_link to the nearest obstacle, read back from the cost; infinite outside inflation."""
-        cost = costmap.cost_at(pose.x, pose.y)
-        if cost <= 0:
+        cost = cost_under(costmap, pose.x, pose.y)
+        if cost == 0:
             return math.inf
         if cost >= INSCRIBED:
             return 0.0
@@ -272,10 +274,9 @@ class RegulatedPurePursuit:
 
     def _is_clear(self, costmap: Costmap, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float) -> bool:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
-        if costmap.cost_at(pose.x, pose.y) == 0 and self._inflation_covers_stop(costmap):
+        if self._inflation_covers_stop(costmap) and cost_under(costmap, pose.x, pose.y) == 0:
             return True
-        padding = self.settings.footprint_padding
-        return can_stop(costmap, self._robot, pose, twist, command, dt, padding=padding)
+        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, outline=self._outline)
 
     def _inflation_covers_stop(self, costmap: Costmap) -> bool:
         limits = self._robot.limits

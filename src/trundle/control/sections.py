@@ -95,10 +95,8 @@ def path_vertices(path: Path) -> list[Vertex]:
     yaw = poses[0][2]
     vertices: list[Vertex] = []
     for i, (x, y, turned) in enumerate(places):
-        if i + 1 < len(places):
-            heading = math.atan2(places[i + 1][1] - y, places[i + 1][0] - x)
-        else:
-            heading = poses[-1][2]
+        following = places[i + 1] if i + 1 < len(places) else None
+        heading = poses[-1][2] if following is None else math.atan2(following[1] - y, following[0] - x)
         # The turns in place say which way round; the exact amount is from direction to direction.
         turn = turned + wrap_angle(heading - yaw - turned)
         if i in (0, len(places) - 1) or abs(turn) > _STRAIGHT_RAD:

@@ -1,4 +1,4 @@
-"""The lookahead follower of the well-known tutorials, for comparison: it drives at a point ahead and looks at nothing."""
+"""The lookahead follower of many tutorials, for comparison: it drives at a point ahead and looks at nothing."""
 
 from __future__ import annotations
 

@@ -255,7 +255,7 @@ class Navigator:
         """Drive straight back while that is clear, then plan anew."""
         command = Twist2D(-_BACK_UP_MPS, 0.0)
         self._back_up_left -= abs(command.v) * self.dt
-        clear = can_stop(self.costmap, self.robot, pose, twist, command, self.dt, padding=0.0)
+        clear = can_stop(self.costmap, self.robot.limits, pose, twist, command, self.dt)
         if clear and self._back_up_left > 0.0:
             return command
         self._back_up_left = 0.0
