@@ -1,0 +1,1 @@
+"""Pictures and windows in 3D. Nothing here imports the engine until one of its modules is used."""

@@ -1,0 +1,158 @@
+"""Where the camera stands: fixed views of a world and views that follow a robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.errors import InputError, UnknownNameError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.robots import Robot
+from trundle.worlds import World
+
+CAMERAS = ("chase", "robot", "overview", "top")
+"""`chase` from behind the robot, `robot` close to its front, `overview` of the world, `top` straight down on it."""
+
+_WIDE, _NARROW = 45.0, 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A camera without roll.
+
+    Attributes:
+        eye: Where it is [m], map frame.
+        target: What is in the middle of the picture [m], map frame; straight below the eye, north is up.
+        fovy_deg: Vertical field of view [deg].
+
+    Raises:
+        InputError: If a number is not finite, eye and target are one point, or the field of view is not in 1..150.
+    """
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    fovy_deg: float = _WIDE
+
+    def __post_init__(self) -> None:
+        numbers = (*self.eye, *self.target, self.fovy_deg)
+        if not all(math.isfinite(number) for number in numbers) or math.dist(self.eye, self.target) < 1e-6:
+            raise InputError(f"a camera needs two different points to look from and at, got {self.eye}, {self.target}")
+        if not 1.0 <= self.fovy_deg <= 150.0:
+            raise InputError(f"a camera's field of view must be 1 to 150 degrees, got {self.fovy_deg}")
+
+    @property
+    def distance(self) -> float:
+        """From eye to target [m]."""
+        return math.dist(self.eye, self.target)
+
+    def angles(self) -> tuple[float, float]:
+        """Azimuth and elevation of the line of sight [rad]; straight up or down the azimuth is north."""
+        dx, dy, dz = (to - at for to, at in zip(self.target, self.eye, strict=True))
+        across = math.hypot(dx, dy)
+        azimuth = math.atan2(dy, dx) if across > 1e-9 * abs(dz) else math.pi / 2.0
+        return azimuth, math.atan2(dz, across)
+
+    def axes(self) -> FloatArray:
+        """Unit vectors right, up and forward in the map frame, shape (3, 3), one a row."""
+        return _axes(*self.angles())
+
+
+IsClear = Callable[[tuple[float, float, float], tuple[float, float, float]], bool]
+"""Whether nothing stands between two points [m]."""
+
+
+def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_clear: IsClear) -> Camera:
+    """Place a camera of `CAMERAS`.
+
+    Args:
+        name: Which one.
+        world: What is seen.
+        robot: Who is seen.
+        pose: Where the robot is.
+        aspect: Width over height of the picture.
+        is_clear: Views that follow the robot rise or turn until this says that it is seen.
+
+    Raises:
+        UnknownNameError: If there is no such camera.
+    """
+    match name:
+        case "chase":
+            return _first_clear(_chase_views(robot, pose), is_clear)
+        case "robot":
+            return _first_clear(_portraits(robot, pose), is_clear)
+        case "overview":
+            return _fit(*_extent(world, pose), math.radians(62.0), math.radians(-48.0), _NARROW, aspect)
+        case "top":
+            return _fit(*_extent(world, pose), math.pi / 2.0, -math.pi / 2.0, _NARROW, aspect)
+        case _:
+            raise UnknownNameError("camera", name, CAMERAS)
+
+
+def _first_clear(cameras: list[Camera], is_clear: IsClear) -> Camera:
+    """The first that sees its target; the last if none does."""
+    return next((camera for camera in cameras if is_clear(camera.target, camera.eye)), cameras[-1])
+
+
+def _reach(robot: Robot) -> float:
+    """Size of a robot [m], by which views of it scale."""
+    return max(float(np.ptp(robot.outline, axis=0).max()), robot.body.height)
+
+
+def _chase_views(robot: Robot, pose: Pose2D) -> list[Camera]:
+    reach = _reach(robot)
+    front = pose.transform_points([(1.2 * reach, 0.0)])[0]
+    target = (float(front[0]), float(front[1]), 0.5 * robot.body.height)
+    return [
+        _camera_at(target, pose.yaw, -math.radians(degrees), 5.6 * reach, _WIDE) for degrees in (24, 34, 46, 58, 68, 78)
+    ]
+
+
+def _portraits(robot: Robot, pose: Pose2D) -> list[Camera]:
+    middle = pose.transform_points([robot.outline.mean(axis=0)])[0]
+    target = (float(middle[0]), float(middle[1]), 0.48 * robot.body.height)
+    distance = 3.3 * _reach(robot)
+    return [
+        _camera_at(target, pose.yaw + math.radians(180.0 + turn), -math.radians(rise), distance, _NARROW)
+        for rise in (20.0, 38.0, 60.0)
+        for turn in (38.0, -38.0, 142.0, -142.0)
+    ]
+
+
+def _camera_at(
+    target: tuple[float, float, float], azimuth: float, elevation: float, distance: float, fovy_deg: float
+) -> Camera:
+    forward = _axes(azimuth, elevation)[2]
+    eye = np.asarray(target) - distance * forward
+    return Camera((float(eye[0]), float(eye[1]), float(eye[2])), target, fovy_deg)
+
+
+def _extent(world: World, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
+    """Bounds [m] of what an overview shows: the world, or some floor around the robot where there is none."""
+    low, high = world.bounds
+    if not world.solids:
+        low, high = np.array([pose.x - 3.0, pose.y - 3.0, 0.0]), np.array([pose.x + 3.0, pose.y + 3.0, 1.0])
+    return low, high
+
+
+def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fovy_deg: float, aspect: float) -> Camera:
+    """Look at the middle of bounds [m] from where all of their eight corners are in the picture."""
+    middle = (low + high) / 2.0
+    corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    right, up, forward = ((corners - middle) @ _axes(azimuth, elevation).T).T
+    half = math.tan(math.radians(fovy_deg) / 2.0) * 0.96
+    distance = float(np.max([np.abs(right) / (half * aspect) - forward, np.abs(up) / half - forward]))
+    target = (float(middle[0]), float(middle[1]), float(middle[2]))
+    return _camera_at(target, azimuth, elevation, distance, fovy_deg)
+
+
+def _axes(azimuth: float, elevation: float) -> FloatArray:
+    forward = (
+        math.cos(elevation) * math.cos(azimuth),
+        math.cos(elevation) * math.sin(azimuth),
+        math.sin(elevation),
+    )
+    right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+    return np.array([right, np.cross(right, forward), forward])

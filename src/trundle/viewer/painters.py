@@ -1,0 +1,109 @@
+"""What draws a model's pictures: OpenGL where there is a driver, else rays."""
+
+from __future__ import annotations
+
+import logging
+import math
+import weakref
+from typing import Literal, Protocol
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from trundle.viewer.cameras import Camera
+from trundle.viewer.gl import GlKind, find_gl, open_context
+from trundle.viewer.rays import RayPainter
+
+RendererKind = Literal["egl", "osmesa", "rays"]
+Pixels = npt.NDArray[np.uint8]
+
+SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
+"""Geom groups in pictures: everything but the robot's colliders."""
+
+_logger = logging.getLogger(__name__)
+
+
+class Painter(Protocol):
+    """Draws pictures of one model."""
+
+    @property
+    def kind(self) -> RendererKind:
+        """How it draws."""
+        ...
+
+    def paint(self, data: mujoco.MjData, camera: Camera) -> Pixels:
+        """Draw one picture, shape (height, width, 3)."""
+        ...
+
+    def close(self) -> None:
+        """Release what it holds; closing twice does nothing."""
+        ...
+
+
+def open_painter(model: mujoco.MjModel, size: tuple[int, int]) -> Painter:
+    """Open the best painter that works here: EGL, then OSMesa, then rays. `size` is (width, height) in pixels."""
+    kind = find_gl()
+    if kind is not None:
+        try:
+            return GlPainter(model, size, kind)
+        except Exception as error:  # noqa: BLE001 - drivers and their bindings share no exception; rays always work
+            _logger.warning("OpenGL by %s failed (%s); drawing with rays instead", kind, error)
+    return RayPainter(model, size, SHOWN_GROUPS)
+
+
+class GlPainter:
+    """Draws with OpenGL.
+
+    Args:
+        model: What to draw.
+        size: Width and height of the pictures, in pixels.
+        kind: The driver, as `find_gl` says it.
+
+    Raises:
+        Exception: Whatever the driver or its bindings raise.
+    """
+
+    def __init__(self, model: mujoco.MjModel, size: tuple[int, int], kind: GlKind) -> None:
+        self._kind: GlKind = kind
+        self._model = model
+        self._size = size
+        self._context = open_context(kind, *size)
+        # An open context at the end of the program makes OSMesa's bindings print an error.
+        self._release = weakref.finalize(self, self._context.free)
+        self._mjr = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
+        self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 200)
+        self._option = mujoco.MjvOption()
+        self._option.geomgroup[:] = SHOWN_GROUPS
+
+    @property
+    def kind(self) -> RendererKind:
+        """The driver."""
+        return self._kind
+
+    def paint(self, data: mujoco.MjData, camera: Camera) -> Pixels:
+        """Draw one picture, shape (height, width, 3)."""
+        azimuth, elevation = camera.angles()
+        view = mujoco.MjvCamera()
+        view.type = mujoco.mjtCamera.mjCAMERA_FREE.value
+        view.lookat[:] = camera.target
+        view.distance = camera.distance
+        view.azimuth, view.elevation = math.degrees(azimuth), math.degrees(elevation)
+        self._model.vis.global_.fovy = camera.fovy_deg
+        everything = mujoco.mjtCatBit.mjCAT_ALL.value
+        mujoco.mjv_updateScene(self._model, data, self._option, None, view, everything, self._scene)
+        width, height = self._size
+        rect = mujoco.MjrRect(0, 0, width, height)
+        pixels = np.empty((height, width, 3), dtype=np.uint8)
+        self._context.make_current()
+        mujoco.mjr_render(rect, self._scene, self._mjr)
+        mujoco.mjr_readPixels(pixels, None, rect, self._mjr)
+        return np.ascontiguousarray(pixels[::-1])
+
+    def close(self) -> None:
+        """Free the context."""
+        if self._release.alive:
+            self._context.make_current()
+            self._mjr.free()
+            self._release()
