@@ -5,3 +5,34 @@ import numpy.typing as npt
 
 def inflate(cells: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
 def png_unfilter(lines: npt.NDArray[np.uint8], step: int) -> npt.NDArray[np.uint8]: ...
+def flood_free(cells: npt.NDArray[np.int8], seeds: npt.NDArray[np.int64]) -> int: ...
+def flood_largest(cells: npt.NDArray[np.int8]) -> int: ...
+def raster_hexahedra(
+    cells: npt.NDArray[np.int8],
+    corners: npt.NDArray[np.float64],
+    low: float,
+    high: float,
+    resolution: float,
+    depth: float,
+    centre: bool,
+) -> None: ...
+def raster_hulls(
+    cells: npt.NDArray[np.int8],
+    points: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.int64],
+    resolution: float,
+    depth: float,
+    centre: bool,
+) -> None: ...
+def raster_discs(
+    cells: npt.NDArray[np.int8], discs: npt.NDArray[np.float64], resolution: float, depth: float, centre: bool
+) -> None: ...
+def raster_triangles(
+    cells: npt.NDArray[np.int8],
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    low: float,
+    high: float,
+    resolution: float,
+    depth: float,
+) -> None: ...

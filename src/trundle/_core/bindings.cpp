@@ -4,10 +4,14 @@
 namespace nb = nanobind;
 
 void bind_inflation(nb::module_ &m);
+void bind_flood(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
+void bind_raster(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
   bind_inflation(m);
+  bind_flood(m);
   bind_png_filter(m);
+  bind_raster(m);
 }

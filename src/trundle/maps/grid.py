@@ -15,6 +15,9 @@ from trundle.geometry import Pose2D
 from trundle.maps.frame import GridFrame
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from trundle.maps.from_world import Bounds, Coverage, SolidWorld
     from trundle.maps.occupancy import Compat, Mode
 
 FREE = 0
@@ -80,6 +83,57 @@ class OccupancyGrid(GridFrame):
         from trundle.maps.ros_reader import load_map
 
         return load_map(path, compat=compat, allow_outside=allow_outside)
+
+    @classmethod
+    def from_world(
+        cls,
+        world: SolidWorld,
+        *,
+        resolution: float = 0.05,
+        z_range: tuple[float, float] = (0.10, 0.62),
+        bounds: Bounds | None = None,
+        seeds: Sequence[tuple[float, float]] | None = None,
+        coverage: Coverage = "any",
+        margin: float = 0.0,
+        max_cells: int = MAX_CELLS,
+    ) -> OccupancyGrid:
+        """Make the map of a world: what stands in a height band, seen from above.
+
+        A cell is occupied if a solid reaches deeper than 1 µm into it in x, y and the band (exact: no cell is missed,
+        none is added). A mesh counts as its surface, and where it touches. Of the other cells those are free that a
+        4-connected flood fill from the seeds reaches; the rest, such as the inside of a closed mesh, is unknown.
+
+        Args:
+            world: Anything with `solids`, `bounds` and `seeds`.
+            resolution: Edge of a cell [m].
+            z_range: Lowest and highest height of the band [m]; by default what Nova Carter could touch.
+            bounds: ((x_min, y_min), (x_max, y_max)) [m]; the lower corner is kept, the upper one moved out to whole
+                cells. By default the world's, with both corners moved out to multiples of the resolution.
+            seeds: Points (x, y) [m] that are free and reachable. By default the world's seeds inside the bounds; where
+                there is none, the largest area without obstacles is free.
+            coverage: "any", or "centre" to mark only cells whose centre is inside a solid (meshes: as for "any").
+            margin: Added around the bounds on all sides [m].
+            max_cells: The most cells to accept.
+
+        Raises:
+            MapError: If an argument is out of range, the map would have too many cells, or a seed lies outside or in
+                an obstacle.
+
+        Warns:
+            MapWarning: If no solid reaches into the band within the bounds.
+        """
+        from trundle.maps.from_world import rasterise_world
+
+        return rasterise_world(
+            world,
+            resolution=resolution,
+            z_range=z_range,
+            bounds=bounds,
+            seeds=seeds,
+            coverage=coverage,
+            margin=margin,
+            max_cells=max_cells,
+        )
 
     def save(
         self,
