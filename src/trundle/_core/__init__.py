@@ -3,21 +3,31 @@
 from trundle._core._kernels import (
     flood_free,
     flood_largest,
+    footprint_clearance,
+    footprint_collides,
+    grid_search,
     inflate,
+    line_costs,
     png_unfilter,
     raster_discs,
     raster_hexahedra,
     raster_hulls,
     raster_triangles,
+    shortcut,
 )
 
 __all__ = [
     "flood_free",
     "flood_largest",
+    "footprint_clearance",
+    "footprint_collides",
+    "grid_search",
     "inflate",
+    "line_costs",
     "png_unfilter",
     "raster_discs",
     "raster_hexahedra",
     "raster_hulls",
     "raster_triangles",
+    "shortcut",
 ]

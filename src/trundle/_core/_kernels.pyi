@@ -3,7 +3,44 @@
 import numpy as np
 import numpy.typing as npt
 
-def inflate(cells: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
+def inflate(occupancy: npt.NDArray[np.int8], table: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
+def footprint_collides(
+    costs: npt.NDArray[np.uint8],
+    resolution: float,
+    origin_x: float,
+    origin_y: float,
+    origin_yaw: float,
+    outline: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+) -> npt.NDArray[np.bool_]: ...
+def footprint_clearance(
+    costs: npt.NDArray[np.uint8],
+    resolution: float,
+    origin_x: float,
+    origin_y: float,
+    origin_yaw: float,
+    outline: npt.NDArray[np.float64],
+    poses: npt.NDArray[np.float64],
+    cap: float,
+) -> npt.NDArray[np.float64]: ...
+def grid_search(
+    costs: npt.NDArray[np.uint8],
+    weights: npt.NDArray[np.uint16],
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    connectivity: int = 8,
+) -> tuple[npt.NDArray[np.int32], float]: ...
+def line_costs(
+    costs: npt.NDArray[np.uint8],
+    weights: npt.NDArray[np.float64],
+    starts: npt.NDArray[np.float64],
+    ends: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
+def shortcut(
+    costs: npt.NDArray[np.uint8],
+    weights: npt.NDArray[np.float64],
+    points: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.int64], float]: ...
 def png_unfilter(lines: npt.NDArray[np.uint8], step: int) -> npt.NDArray[np.uint8]: ...
 def flood_free(cells: npt.NDArray[np.int8], seeds: npt.NDArray[np.int64]) -> int: ...
 def flood_largest(cells: npt.NDArray[np.int8]) -> int: ...

@@ -3,15 +3,21 @@
 
 namespace nb = nanobind;
 
+void bind_footprint(nb::module_ &m);
+void bind_grid_search(nb::module_ &m);
 void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
+void bind_line_of_sight(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
+  bind_footprint(m);
+  bind_grid_search(m);
   bind_inflation(m);
   bind_flood(m);
+  bind_line_of_sight(m);
   bind_png_filter(m);
   bind_raster(m);
 }

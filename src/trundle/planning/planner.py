@@ -15,6 +15,7 @@ PLANNERS = Registry(
     "trundle.planners",
     {
         "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
+        "astar": "trundle.planning.astar:AStarPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
     },
 )

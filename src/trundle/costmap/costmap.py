@@ -1,0 +1,198 @@
+"""`Costmap`: an occupancy grid seen by one robot, with Nav2's cost numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle import _core
+from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribed_radius
+from trundle.errors import InputError, MapError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.frame import GridFrame
+from trundle.maps.grid import OccupancyGrid
+from trundle.robots import Robot
+
+FREE_SPACE = 0
+INSCRIBED = 253
+LETHAL = 254
+NO_INFORMATION = 255
+
+DEFAULT_MARGIN_M = 0.3
+"""By how much the inflation reaches past the circumscribed radius by default [m]."""
+
+DEFAULT_COST_SCALING_FACTOR = 3.0
+"""Decay of the cost with distance [1/m], as in Nav2's bring-up parameters."""
+
+_MAX_INFLATION_CELLS = 4096
+
+
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+class Costmap(GridFrame):
+    """How dear each cell is for one robot, and whether its footprint touches something.
+
+    Costs are Nav2's: 0 free, 1..252 near something, 253 where the inscribed circle touches, 254 occupied, 255 unknown.
+    Planning and checking treat unknown cells, and everything outside the map, as occupied.
+
+    Attributes:
+        data: uint8, shape (rows, cols) = (y, x), row 0 at the bottom, read-only.
+        resolution: Edge of a cell [m].
+        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw turns the whole grid.
+        footprint: Corners of the robot's convex outline in base_link [m], counter-clockwise, shape (N, 2), read-only.
+        inflation_radius: Distance from an occupied or unknown cell up to which costs rise [m].
+        cost_scaling_factor: Decay of the cost with distance [1/m].
+        inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
+        circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
+
+    Raises:
+        MapError: If the costs are not a uint8 array of shape (rows, cols), or the resolution is not positive.
+        InputError: If the footprint is no convex outline around base_link, or an inflation number is out of range.
+    """
+
+    data: npt.NDArray[np.uint8]
+    resolution: float
+    origin: Pose2D
+    footprint: FloatArray
+    inflation_radius: float
+    cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR
+    inscribed_radius: float = field(init=False)
+    circumscribed_radius: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        data = np.asarray(self.data)
+        if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
+            raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
+        resolution = float(self.resolution)
+        if not (math.isfinite(resolution) and resolution > 0.0):
+            raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
+        if data.flags.writeable or not data.flags.c_contiguous:
+            data = np.array(data, order="C", copy=True)
+            data.flags.writeable = False
+        outline = as_outline(self.footprint)
+        object.__setattr__(self, "data", data)
+        object.__setattr__(self, "resolution", resolution)
+        object.__setattr__(self, "origin", Pose2D.of(self.origin))
+        object.__setattr__(self, "footprint", outline)
+        object.__setattr__(self, "inscribed_radius", inscribed_radius(outline))
+        object.__setattr__(self, "circumscribed_radius", circumscribed_radius(outline))
+        check_inflation(self.inflation_radius, self.cost_scaling_factor, resolution)
+
+    @classmethod
+    def from_grid(
+        cls,
+        grid: OccupancyGrid,
+        footprint: Robot | npt.ArrayLike,
+        inflation_radius: float | None = None,
+        cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR,
+    ) -> Costmap:
+        """Inflate a map for a robot.
+
+        As in Nav2's static layer with `trinary_costmap`, only 100 is occupied: 1 to 99 are free. Distances are exact
+        and between the centres of cells; unknown cells inflate like occupied ones. Up to the inscribed radius a cell
+        costs 253 whatever the inflation radius is, then `int(252 · exp(−k · (d − inscribed radius)))` up to the
+        inflation radius, and 0 beyond.
+
+        Args:
+            grid: The map.
+            footprint: A robot, or the corners of its convex outline in base_link [m], shape (N, 2).
+            inflation_radius: [m]; none means the circumscribed radius + 0.3 m, so that costs keep the tail clear.
+            cost_scaling_factor: k above [1/m].
+
+        Raises:
+            InputError: If the footprint is no convex outline around base_link, or a number is out of range.
+        """
+        outline = as_outline(footprint)
+        radius = circumscribed_radius(outline) + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
+        table = cost_table(inscribed_radius(outline), radius, cost_scaling_factor, grid.resolution)
+        data = _core.inflate(grid.data, table)
+        data.flags.writeable = False
+        return cls(data, grid.resolution, grid.origin, outline, float(radius), float(cost_scaling_factor))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, cols)."""
+        rows, cols = self.data.shape
+        return rows, cols
+
+    def cost_at(self, x: npt.ArrayLike, y: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+        """Costs at points x, y [m] in the map frame, of any one shape; 255 (unknown) outside the map."""
+        row, col = self.world_to_cell(x, y)
+        inside = self.contains(row, col)
+        costs = self.data[np.where(inside, row, 0), np.where(inside, col, 0)]
+        return np.where(inside, costs, np.uint8(NO_INFORMATION))
+
+    def footprint_collides(self, poses: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Whether the footprint touches an occupied or unknown cell or leaves the map, at each of many poses.
+
+        The oriented outline is tested exactly against the squares of the cells; contact shallower than 1e-9 m is none.
+
+        Args:
+            poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,). A pose that is not finite collides.
+
+        Returns:
+            Shape (N,).
+        """
+        return _core.footprint_collides(
+            self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses)
+        )
+
+    def clearance(self, poses: npt.ArrayLike, cap: float = 2.0) -> FloatArray:
+        """Distance [m] from the oriented footprint to the nearest occupied or unknown cell or the map's edge.
+
+        Args:
+            poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
+            cap: Larger distances are given as this one [m].
+
+        Returns:
+            Shape (N,); 0 where the footprint touches something.
+
+        Raises:
+            InputError: If `cap` is not a positive number.
+        """
+        if not (math.isfinite(cap) and cap > 0.0):
+            raise InputError(f"cap must be a positive number of metres, got {cap}")
+        return _core.footprint_clearance(
+            self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
+        )
+
+
+def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
+    """Raise `InputError` unless these are inflation numbers that can be used."""
+    if not (math.isfinite(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
+        raise InputError(
+            f"inflation_radius must be from 0 to {_MAX_INFLATION_CELLS} cells "
+            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius}"
+        )
+    if not (math.isfinite(cost_scaling_factor) and cost_scaling_factor >= 0.0):
+        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor}")
+
+
+def cost_table(
+    inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
+) -> npt.NDArray[np.uint8]:
+    """Costs of free cells by squared distance, in cells, to the nearest blocked cell; see `Costmap.from_grid`.
+
+    Raises:
+        InputError: If a number is out of range.
+    """
+    check_inflation(inflation_radius, cost_scaling_factor, resolution)
+    check_inflation(inscribed, cost_scaling_factor, resolution)
+    reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
+    distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
+    costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
+    costs[distances <= inscribed + 1e-9] = INSCRIBED
+    costs[0] = LETHAL
+    return costs
+
+
+def _as_poses(poses: npt.ArrayLike) -> FloatArray:
+    array = np.ascontiguousarray(poses, dtype=np.float64)
+    if array.ndim == 1:
+        array = array.reshape(1, -1)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InputError(f"poses need shape (N, 3): x, y, yaw; got {np.shape(poses)}")
+    return cast("FloatArray", array)

@@ -1,0 +1,121 @@
+"""Where a plan may start and end: snapping to the nearest place where the footprint fits, and the errors if none is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.errors import BlockedPoseError, OutsideMapError
+from trundle.geometry import FloatArray, Pose2D
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One end of a plan.
+
+    Attributes:
+        pose: Where the robot stands there.
+        cell: The (row, col) at which the search joins it: its own, or the nearest one that costs less than 253.
+        snapped_m: How far it was moved to free space [m].
+    """
+
+    pose: Pose2D
+    cell: tuple[int, int]
+    snapped_m: float = 0.0
+
+
+def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, any_yaw: bool = False) -> End:
+    """Find where the robot can stand at, or within `tolerance_m` of, a pose.
+
+    Args:
+        costmap: Where it stands.
+        pose: Where it should stand, map frame.
+        what: "start" or "goal", for the message.
+        tolerance_m: How far it may be moved [m].
+        any_yaw: Leave the yaw open: only the inscribed circle has to fit.
+
+    Raises:
+        OutsideMapError: If the pose lies outside the map.
+        BlockedPoseError: If the footprint does not fit within the tolerance.
+    """
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    if not costmap.contains(row, col):
+        rows, cols = costmap.shape
+        raise OutsideMapError(
+            f"the {what} ({pose.x:.2f}, {pose.y:.2f}) lies outside the map of {cols * costmap.resolution:g} x "
+            f"{rows * costmap.resolution:g} m with its corner at ({costmap.origin.x:g}, {costmap.origin.y:g})",
+            pose=pose.as_tuple(),
+            cell=(row, col),
+        )
+    if costmap.data[row, col] < INSCRIBED if any_yaw else not costmap.footprint_collides([pose.as_tuple()])[0]:
+        join = (row, col) if costmap.data[row, col] < INSCRIBED else _nearest_open_cell(costmap, pose)
+        if join is not None:
+            return End(pose, join)
+    radius = max(tolerance_m, costmap.resolution)
+    diagonal = costmap.resolution * float(np.hypot(*costmap.shape))
+    while True:
+        found = _nearest_fit(costmap, pose, radius, any_yaw=any_yaw)
+        if found is not None or radius > diagonal:
+            break
+        radius *= 2.0
+    if found is not None and found.snapped_m <= tolerance_m:
+        return found
+    raise BlockedPoseError(
+        _blocked_message(costmap, pose, (row, col), what, tolerance_m, found),
+        pose=pose.as_tuple(),
+        cell=(row, col),
+        nearest_free_m=None if found is None else found.snapped_m,
+    )
+
+
+def _blocked_message(
+    costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str, tolerance_m: float, found: End | None
+) -> str:
+    cost = costmap.data[cell]
+    where = "in unknown space" if cost == NO_INFORMATION else "in an obstacle" if cost == LETHAL else "too close to one"
+    message = f"the {what} ({pose.x:.2f}, {pose.y:.2f}, {np.degrees(pose.yaw):.0f}°) is {where}: the robot does not fit"
+    if found is None:
+        return f"{message}, and with this yaw it fits nowhere on the map"
+    return (
+        f"{message}; the nearest place where it does is {found.snapped_m:.2f} m away at "
+        f"({found.pose.x:.2f}, {found.pose.y:.2f}), and the {what} may be moved by {tolerance_m:g} m at most"
+    )
+
+
+def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cells that cost less than 253 with their centre within `radius` of a pose, nearest first: rows, cols, distances."""
+    reach = int(radius / costmap.resolution) + 1
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    bottom, left = max(0, row - reach), max(0, col - reach)
+    window = costmap.data[bottom : row + reach + 1, left : col + reach + 1]
+    rows, cols = np.nonzero(window < INSCRIBED)
+    rows, cols = rows + bottom, cols + left
+    x, y = costmap.cell_to_world(rows, cols)
+    distances = np.hypot(x - pose.x, y - pose.y)
+    order = np.argsort(distances, kind="stable")
+    order = order[distances[order] <= radius]
+    return rows[order], cols[order], distances[order]
+
+
+def _nearest_open_cell(costmap: Costmap, pose: Pose2D) -> tuple[int, int] | None:
+    """The cell to join for a robot that stands free with its centre in a cell of 253, as rounding to cells may give."""
+    rows, cols, _ = _cells_within(costmap, pose, max(costmap.inscribed_radius, 2.0 * costmap.resolution))
+    return (int(rows[0]), int(cols[0])) if len(rows) else None
+
+
+def _nearest_fit(costmap: Costmap, pose: Pose2D, radius: float, *, any_yaw: bool) -> End | None:
+    rows, cols, distances = _cells_within(costmap, pose, radius)
+    x, y = costmap.cell_to_world(rows, cols)
+    for first in range(0, len(rows), 4096):
+        some = slice(first, first + 4096)
+        if any_yaw:
+            fits = np.array([0])
+        else:
+            poses = np.column_stack([x[some], y[some], np.full(len(x[some]), pose.yaw)])
+            fits = np.flatnonzero(~costmap.footprint_collides(poses))
+        if len(fits):
+            k = first + int(fits[0])
+            return End(Pose2D(x[k], y[k], pose.yaw), (int(rows[k]), int(cols[k])), float(distances[k]))
+    return None

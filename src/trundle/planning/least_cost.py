@@ -1,0 +1,38 @@
+"""`LeastCostPlanner`: the cheapest way over a costmap, by name `least_cost`."""
+
+from __future__ import annotations
+
+from trundle.planning.footprint_planner import FootprintPlanner
+
+NEUTRAL_COST = 50.0
+"""Weight of a free cell: `COST_NEUTRAL` of Nav2's NavFn planner."""
+
+COST_WEIGHT = 0.8
+"""Weight of one unit of cost: `COST_FACTOR` of Nav2's NavFn planner."""
+
+
+class LeastCostPlanner(FootprintPlanner):
+    """Weighs length against the costs of the cells, as Nav2's NavFn does: 50 + 0.8 · cost per length.
+
+    `Path.cost` is the integral of that weight along the path [m]. For the options see `FootprintPlanner`.
+    """
+
+    def __init__(
+        self,
+        *,
+        neutral_cost: float = NEUTRAL_COST,
+        cost_weight: float = COST_WEIGHT,
+        start_tolerance: float = 0.05,
+        goal_tolerance: float = 0.25,
+        max_replans: int = 20,
+        spacing: float = 0.1,
+    ) -> None:
+        super().__init__(
+            "least_cost",
+            neutral_cost=neutral_cost,
+            cost_weight=cost_weight,
+            start_tolerance=start_tolerance,
+            goal_tolerance=goal_tolerance,
+            max_replans=max_replans,
+            spacing=spacing,
+        )
