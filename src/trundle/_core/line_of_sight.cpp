@@ -68,8 +68,8 @@ double line_cost(const Grid &grid, const Point &a, const Point &b, double limit,
     return static_cast<std::int64_t>(std::floor(value));
   };
   std::int64_t col = first_cell(a.x, step_col), row = first_cell(a.y, step_row);
-  const double per_col = dx != 0.0 ? std::abs(1.0 / dx) : kInfinity;
-  const double per_row = dy != 0.0 ? std::abs(1.0 / dy) : kInfinity;
+  const double per_col = dx != 0.0 ? std::abs(1.0 / dx) : 0.0;
+  const double per_row = dy != 0.0 ? std::abs(1.0 / dy) : 0.0;
   const double start_col = dx != 0.0 ? (static_cast<double>(col + (step_col > 0 ? 1 : 0)) - a.x) / dx : kInfinity;
   const double start_row = dy != 0.0 ? (static_cast<double>(row + (step_row > 0 ? 1 : 0)) - a.y) / dy : kInfinity;
   const double near = kOnBorder / std::max(length, kOnBorder);

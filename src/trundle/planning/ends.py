@@ -9,6 +9,7 @@ import numpy as np
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.frame import CellArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,14 +85,14 @@ def _blocked_message(
     )
 
 
-def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Cells that cost less than 253 with their centre within `radius` of a pose, nearest first: rows, cols, distances."""
+def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[CellArray, CellArray, FloatArray]:
+    """Rows, cols and distances of the cells below 253 with their centre within `radius` of a pose, nearest first."""
     reach = int(radius / costmap.resolution) + 1
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
     bottom, left = max(0, row - reach), max(0, col - reach)
     window = costmap.data[bottom : row + reach + 1, left : col + reach + 1]
     rows, cols = np.nonzero(window < INSCRIBED)
-    rows, cols = rows + bottom, cols + left
+    rows, cols = (rows + bottom).astype(np.int64), (cols + left).astype(np.int64)
     x, y = costmap.cell_to_world(rows, cols)
     distances = np.hypot(x - pose.x, y - pose.y)
     order = np.argsort(distances, kind="stable")

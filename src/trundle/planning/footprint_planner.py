@@ -119,7 +119,7 @@ class FootprintPlanner:
         cells, _ = _core.grid_search(costs, self._search_weights, first.cell, last.cell)
         if len(cells) == 0:
             return None
-        points = cells[_turning_points(cells)][:, ::-1] + 0.5
+        points: FloatArray = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
         ends = _to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
         before = ends[:1] if _holds(costmap, first) else np.empty((0, 2))
         after = ends[1:] if _holds(costmap, last) else np.empty((0, 2))
@@ -230,9 +230,7 @@ def _block(
 
 
 def _no_path(costmap: Costmap, start: End, goal: End, hit: FloatArray | None) -> NoPathError:
-    ends = (
-        f"from ({start.pose.x:.2f}, {start.pose.y:.2f}) to ({goal.pose.x:.2f}, {goal.pose.y:.2f})"
-    )
+    ends = f"from ({start.pose.x:.2f}, {start.pose.y:.2f}) to ({goal.pose.x:.2f}, {goal.pose.y:.2f})"
     if hit is not None:
         x, y, yaw = hit.tolist()
         return NoPathError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -64,7 +65,7 @@ def motions_along(vertices: FloatArray, start_yaw: float, goal_yaw: float | None
     motions: list[Motion] = []
     yaw = start_yaw
     points = [(float(x), float(y)) for x, y in vertices]
-    for here, there in zip(points, points[1:], strict=False):
+    for here, there in itertools.pairwise(points):
         if here == there:
             continue
         heading = math.atan2(there[1] - here[1], there[0] - here[0])
@@ -118,4 +119,3 @@ def poses_of(motions: list[Motion], start: FloatArray, goal: FloatArray, spacing
     poses[:, 2] = wrap_angles(poses[:, 2])
     poses[-1, 2] = goal[2]
     return poses
-
