@@ -12,9 +12,7 @@ from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.cli.drive_log import DriveLog
-    from trundle.geometry import Pose2D
     from trundle.sim import Simulator
-    from trundle.worlds import World
 
 PERIOD_S = 0.05
 MAX_SECONDS = 3600.0
@@ -41,7 +39,7 @@ def drive(
     ] = None,
     teleop: Annotated[bool, Parameter(negative="")] = False,
     world: str | None = None,
-    start: options.Start = None,
+    start: options.Pose = None,
     backend: options.Backend = "mujoco",
     seed: options.Seed = 0,
     settings: options.Settings = None,
@@ -61,6 +59,7 @@ def drive(
         out: Folder for drive.csv; left out: a new one under runs.
     """
     from trundle.cli.drive_log import DriveLog
+    from trundle.cli.teleop import check_terminal, drive_by_keys
     from trundle.robots import Robot
     from trundle.sim import simulate
 
@@ -68,16 +67,16 @@ def drive(
         raise InputError("give either --command V,W,SECONDS (as often as you like) or --teleop")
     commands = [parse_command(text) for text in command or []]
     machine = Robot.load(robot)
-    place = _load_place(world, seed=seed, settings=options.parse_settings(settings))
-    pose = options.parse_pose("--start", start) if start else _default_start(place)
-    folder = options.run_folder(out, "drive")
+    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings))
+    pose = sources.start_pose(place, start)
+    if teleop:
+        check_terminal()
     log = DriveLog()
     with simulate(place, machine, backend=backend) as simulator:
+        folder = options.run_folder(out, "drive")
         log.add(simulator.reset(pose, seed=seed))
         try:
             if teleop:
-                from trundle.cli.teleop import drive_by_keys
-
                 drive_by_keys(simulator, log, period_s=PERIOD_S)
             else:
                 for v, w, seconds in commands:
@@ -94,22 +93,6 @@ def parse_command(text: str) -> tuple[float, float, float]:
     if not 0.0 < seconds <= MAX_SECONDS:
         raise InputError(f"--command {text!r}: SECONDS must be above 0 and at most {MAX_SECONDS:g}")
     return v, w, seconds
-
-
-def _load_place(world: str | None, *, seed: int, settings: dict[str, bool | int | float | str]) -> World:
-    from trundle.worlds import World
-
-    if world is None:
-        if settings:
-            raise InputError("--set is for a generated world: give --world as well")
-        return World(name="empty", solids=())
-    return sources.load_world(world, seed=seed, settings=settings)
-
-
-def _default_start(world: World) -> Pose2D:
-    from trundle.geometry import Pose2D
-
-    return Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0)
 
 
 def _drive_for(simulator: Simulator, log: DriveLog, v: float, w: float, seconds: float) -> None:

@@ -19,6 +19,7 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
 
 VERBS = {
+    "view": ("trundle.cli.view:app", "Show a robot, alone or in a world."),
     "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
     "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
     "map": ("trundle.cli.map:app", "Make occupancy maps."),

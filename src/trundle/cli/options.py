@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -12,6 +12,7 @@ from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
+    from trundle.mission import Goal
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
@@ -20,6 +21,10 @@ RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or t
 PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
 ControllerName = Annotated[str, Parameter(name="--controller", help="A controller by name.")]
 Backend = Annotated[str, Parameter(name="--backend", help="The simulator: mujoco, kinematic or a plug-in's name.")]
+Compat = Annotated[
+    Literal["humble"] | None,
+    Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),
+]
 Start = Annotated[
     str | None,
     Parameter(
@@ -27,6 +32,15 @@ Start = Annotated[
         allow_leading_hyphen=True,
         metavar="X,Y[,YAW]",
         help="Where the robot starts [m, m, rad], map frame; left out: picked from the free space by seed.",
+    ),
+]
+Pose = Annotated[
+    str | None,
+    Parameter(
+        name="--start",
+        allow_leading_hyphen=True,
+        metavar="X,Y[,YAW]",
+        help="Where the robot stands [m, m, rad], map frame; left out: a free place of the world, or the origin.",
     ),
 ]
 Goals = Annotated[
@@ -78,7 +92,7 @@ def parse_pose(option: str, text: str) -> Pose2D:
     return Pose2D(*parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3))
 
 
-def parse_goal(option: str, text: str) -> tuple[float, float] | tuple[float, float, float]:
+def parse_goal(option: str, text: str) -> Goal:
     """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
     numbers = parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3)
     return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])

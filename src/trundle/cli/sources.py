@@ -7,14 +7,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trundle.cli.options import parse_pose
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
+    from trundle.costmap import Costmap
+    from trundle.geometry import Pose2D
+    from trundle.mission import Goal
     from trundle.worlds import World
 
 
 def is_map(path: Path) -> bool:
-    """Whether a YAML file is a ROS map: it has an `image:` key.
+    """Whether a file is a map: a ROS map's YAML has an `image:` key, a MovingAI map ends in .map.
 
     Raises:
         InputError: If it cannot be read as YAML.
@@ -23,13 +27,15 @@ def is_map(path: Path) -> bool:
 
     from trundle.yamlfile import compose
 
+    if path.suffix.lower() == ".map":
+        return True
     node = compose(path)
     return isinstance(node, yaml.MappingNode) and any(key.value == "image" for key, _ in node.value)
 
 
 def looks_like_file(text: str) -> bool:
     """Whether an argument means a file and not a name."""
-    return text.lower().endswith((".yaml", ".yml")) or os.sep in text
+    return text.lower().endswith((".yaml", ".yml", ".map")) or os.sep in text
 
 
 def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
@@ -50,3 +56,37 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
     if not is_map(Path(text)):
         raise InputError(f"{text}: not a map: it has no image: key")
     return World.from_map(text)
+
+
+def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
+    """Load a world as `load_world` does, or an empty floor where there is no text."""
+    from trundle.worlds import World
+
+    if text is not None:
+        return load_world(text, seed=seed, settings=settings)
+    if settings:
+        raise InputError("--set is for a generated world: give --world as well")
+    return World(name="empty", solids=())
+
+
+def start_pose(world: World, text: str | None) -> Pose2D:
+    """Where a robot stands: as --start says, else at the world's first free place, else at the origin."""
+    from trundle.geometry import Pose2D
+
+    if text is not None:
+        return parse_pose("--start", text)
+    return Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0)
+
+
+def pick_ends(costmap: Costmap, start: Pose2D | None, goal: Goal | None, *, seed: int) -> tuple[Pose2D, Goal]:
+    """Give start and goal, those that are left out picked from the free space by seed.
+
+    Raises:
+        ScenarioError: If none can be picked.
+    """
+    from trundle.mission import sample_mission
+
+    if start is not None and goal is not None:
+        return start, goal
+    first, last = sample_mission(costmap, seed, start=start, goal=goal)
+    return first, goal or last.as_tuple()

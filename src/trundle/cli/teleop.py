@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import select
 import signal
@@ -88,20 +89,24 @@ def split_keys(data: bytes) -> tuple[list[str], bytes]:
     return keys, b""
 
 
-@contextmanager
-def raw_terminal(descriptor: int) -> Iterator[None]:
-    """Hand keys over as they are pressed, without echo; put the terminal back whatever happens.
+def check_terminal() -> None:
+    """See whether keys can be read.
 
     Raises:
-        InputError: If this is no terminal.
+        InputError: If standard input is no terminal, or this system has none that give single keys.
     """
-    try:
-        import termios
-        import tty
-    except ImportError as error:
-        raise InputError("--teleop in a terminal needs a POSIX system; use --command") from error
-    if not os.isatty(descriptor):
+    if importlib.util.find_spec("termios") is None:
+        raise InputError("--teleop in a terminal needs a POSIX system; use --command")
+    if not sys.stdin.isatty():
         raise InputError("--teleop reads keys, and standard input is no terminal; use --command")
+
+
+@contextmanager
+def raw_terminal(descriptor: int) -> Iterator[None]:
+    """Hand keys over as they are pressed, without echo; put the terminal back whatever happens."""
+    import termios
+    import tty
+
     before = termios.tcgetattr(descriptor)
     terminated = signal.signal(signal.SIGTERM, _leave)
     try:
