@@ -84,7 +84,7 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
         case "robot":
             return _first_clear(_portraits(robot, pose), is_clear)
         case "overview":
-            return _fit(*_extent(world, pose), math.radians(62.0), math.radians(-48.0), _NARROW, aspect)
+            return _fit(*_extent(world, pose), math.radians(70.0), math.radians(-42.0), _NARROW, aspect)
         case "top":
             return _fit(*_extent(world, pose), math.pi / 2.0, -math.pi / 2.0, _NARROW, aspect)
         case _:
@@ -138,14 +138,21 @@ def _extent(world: World, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
 
 
 def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fovy_deg: float, aspect: float) -> Camera:
-    """Look at the middle of bounds [m] from where all of their eight corners are in the picture."""
+    """Look at bounds [m] so that they fill the picture; what stands high on the near side may leave it."""
+    axes = _axes(azimuth, elevation)
     middle = (low + high) / 2.0
     corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    right, up, forward = ((corners - middle) @ _axes(azimuth, elevation).T).T
-    half = math.tan(math.radians(fovy_deg) / 2.0) * 0.96
-    distance = float(np.max([np.abs(right) / (half * aspect) - forward, np.abs(up) / half - forward]))
-    target = (float(middle[0]), float(middle[1]), float(middle[2]))
-    return _camera_at(target, azimuth, elevation, distance, fovy_deg)
+    is_far = (corners - middle) @ (axes[2] * (1.0, 1.0, 0.0)) >= -1e-6
+    corners = corners[is_far | (corners[:, 2] == low[2])]
+    half = math.tan(math.radians(fovy_deg) / 2.0) * 0.95
+    target, distance = middle, 1.0
+    for _ in range(20):  # Centre what is seen, then step back until it fits.
+        right, up, forward = axes @ (corners - target).T
+        distance = float(np.max([np.abs(right) / (half * aspect) - forward, np.abs(up) / half - forward]))
+        for axis, offset in ((axes[0], right), (axes[1], up)):
+            seen = offset / (distance + forward)
+            target = target + axis * (seen.max() + seen.min()) / 2.0 * distance
+    return _camera_at((float(target[0]), float(target[1]), float(target[2])), azimuth, elevation, distance, fovy_deg)
 
 
 def _axes(azimuth: float, elevation: float) -> FloatArray:

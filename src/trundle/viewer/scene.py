@@ -15,6 +15,7 @@ from trundle.errors import InputError, SimulationError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mujoco.model import build_spec
+from trundle.sim.mujoco.world_parts import FLOOR
 from trundle.solids import Solid
 from trundle.viewer.cameras import Camera, aim
 from trundle.viewer.painters import Painter, Pixels, RendererKind, open_painter
@@ -72,6 +73,7 @@ class SceneRenderer:
             _add_path(spec, np.asarray(path, dtype=np.float64))
         if goal is not None:
             _add_goal(spec, goal, robot)
+        _lay_slab(spec, world)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         self._walls = _outer_walls(world, self._model)
@@ -141,6 +143,19 @@ class SceneRenderer:
             x, y = camera.eye[:2]
             outside = {"west": x < low[0], "east": x > high[0], "south": y < low[1], "north": y > high[1]}[side]
             self._model.geom_rgba[geom, 3] = 0.0 if outside else alpha
+
+
+def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
+    """Tell the floor of a building from the ground around it: the ground is darker."""
+    low, high = world.bounds
+    if not any(solid.kind == "wall" and _side(solid, low, high) for solid in world.solids):
+        return
+    spec.add_material(name="viewer:ground", rgba=(0.60, 0.64, 0.68, 1.0), specular=0.0)
+    floor = spec.geom(FLOOR)
+    slab = _add_mark(spec, mujoco.mjtGeom.mjGEOM_PLANE, (1.0, 1.0, 1.0, 1.0))
+    slab.material, floor.material = floor.material, "viewer:ground"
+    slab.size = (*((high - low)[:2] / 2.0), 0.05)
+    slab.pos = (*((high + low)[:2] / 2.0), 0.001)
 
 
 def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
