@@ -125,20 +125,22 @@ class Costmap(GridFrame):
         costs = self.data[np.where(inside, row, 0), np.where(inside, col, 0)]
         return np.where(inside, costs, np.uint8(NO_INFORMATION))
 
-    def footprint_collides(self, poses: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    def footprint_collides(
+        self, poses: npt.ArrayLike, *, outline: npt.ArrayLike | None = None
+    ) -> npt.NDArray[np.bool_]:
         """Whether the footprint touches an occupied or unknown cell or leaves the map, at each of many poses.
 
         The oriented outline is tested exactly against the squares of the cells; contact shallower than 1e-9 m is none.
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,). A pose that is not finite collides.
+            outline: Another convex outline than the robot's, e.g. one with a margin, shape (M, 2), counter-clockwise.
 
         Returns:
             Shape (N,).
         """
-        return _core.footprint_collides(
-            self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses)
-        )
+        corners = self.footprint if outline is None else np.ascontiguousarray(outline, dtype=np.float64)
+        return _core.footprint_collides(self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses))
 
     def clearance(self, poses: npt.ArrayLike, cap: float = 2.0) -> FloatArray:
         """Distance [m] from the oriented footprint to the nearest occupied or unknown cell or the map's edge.

@@ -1,0 +1,21 @@
+"""Missions: a scenario is run once, from start to goal, and gives an episode."""
+
+from trundle.mission.episode import Episode, Goal, Metrics, Outcome, Trajectory
+from trundle.mission.run import Observer, RunInfo, Step, run
+from trundle.mission.sampling import sample_mission
+from trundle.mission.scenario import Mission, Scenario
+
+__all__ = [
+    "Episode",
+    "Goal",
+    "Metrics",
+    "Mission",
+    "Observer",
+    "Outcome",
+    "RunInfo",
+    "Scenario",
+    "Step",
+    "Trajectory",
+    "run",
+    "sample_mission",
+]

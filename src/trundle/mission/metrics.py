@@ -1,0 +1,90 @@
+"""From a trajectory to its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from trundle.costmap import Costmap
+from trundle.geometry import FloatArray, path_length, wrap_angles
+from trundle.mission.episode import Metrics, Trajectory
+from trundle.path import Path
+
+CLEARANCE_CAP = 2.0
+"""Distances above this [m] are not told apart."""
+
+_LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance says nothing
+_CHUNK = 1_000_000  # distances at a time
+
+
+def compute_metrics(
+    trajectory: Trajectory,
+    paths: Sequence[Path],
+    costmap: Costmap,
+    *,
+    arrived: bool,
+    path_length_m: float,
+    planning_s: float,
+    replans: int,
+    wall_s: float,
+    contacts: Sequence[str],
+) -> Metrics:
+    """Compute the figures of a run; see `Metrics` for what they are.
+
+    Args:
+        trajectory: The run.
+        paths: What its column `path` counts.
+        costmap: What the clearance is measured on.
+        arrived: Whether it was a success.
+        path_length_m: Length [m] of the first plans to all goals.
+        planning_s: Wall time spent on planning [s].
+        replans: Plans beyond the first ones.
+        wall_s: Wall time of the loop [s].
+        contacts: What was touched.
+    """
+    distance = path_length(np.column_stack([trajectory.x, trajectory.y]))
+    turning = float(np.abs(wrap_angles(np.diff(trajectory.yaw))).sum())
+    errors = cross_track_errors(trajectory, paths)
+    simulated = float(trajectory.time[-1])
+    longest = max(distance, path_length_m)
+    return Metrics(
+        time_s=simulated,
+        distance_m=distance,
+        path_length_m=path_length_m,
+        spl=(path_length_m / longest if longest > 0.0 else 1.0) if arrived else 0.0,
+        min_clearance_m=float(costmap.clearance(trajectory.poses, CLEARANCE_CAP).min()),
+        mean_cross_track_error_m=float(errors.mean()) if len(errors) else None,
+        max_cross_track_error_m=float(errors.max()) if len(errors) else None,
+        smoothness_rad_per_m=turning / distance if distance >= _LEAST_DISTANCE else None,
+        planning_ms=planning_s * 1e3,
+        replans=replans,
+        real_time_factor=simulated / wall_s if wall_s > 0.0 else 0.0,
+        contacts=tuple(contacts),
+    )
+
+
+def cross_track_errors(trajectory: Trajectory, paths: Sequence[Path]) -> FloatArray:
+    """Distance [m] from base_link to the path followed, for every row that has one; shape (M,), M ≤ N."""
+    parts: list[FloatArray] = []
+    for index, path in enumerate(paths):
+        rows = trajectory.path == index
+        if rows.any():
+            parts.append(distances_to_polyline(trajectory.poses[rows, :2], path.poses[:, :2]))
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def distances_to_polyline(points: FloatArray, corners: FloatArray) -> FloatArray:
+    """Distance [m] of each of `points` (N, 2) to the nearest place on a polyline with `corners` (M, 2), M ≥ 1."""
+    starts = corners[:-1] if len(corners) > 1 else corners
+    along = np.diff(corners, axis=0) if len(corners) > 1 else np.zeros_like(corners)
+    squared = (along * along).sum(axis=1)
+    nearest = np.empty(len(points))
+    rows = max(1, _CHUNK // len(starts))
+    for first in range(0, len(points), rows):
+        offsets = points[first : first + rows, None, :] - starts[None, :, :]
+        projected = (offsets * along).sum(axis=2)
+        fraction = np.clip(projected / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
+        gaps = offsets - fraction[:, :, None] * along
+        nearest[first : first + rows] = np.sqrt((gaps * gaps).sum(axis=2).min(axis=1))
+    return nearest

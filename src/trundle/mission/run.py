@@ -1,0 +1,384 @@
+"""`run`: the one loop in which a navigator drives a simulator, and observers are told."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, cast, runtime_checkable
+
+import numpy as np
+
+from trundle.costmap import Costmap
+from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError, SimulationError
+from trundle.geometry import Pose2D, Twist2D
+from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
+from trundle.mission.metrics import compute_metrics
+from trundle.navigation import NavigationStatus, Navigator
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.sim import RobotState, Simulator
+
+_LOGGER = logging.getLogger(__name__)
+
+TIME_PER_GOAL_S = 60.0
+SLOWNESS = 4.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunInfo:
+    """What observers are told before the first step.
+
+    Attributes:
+        name: Name of the run.
+        robot: The robot that is driven.
+        costmap: What it plans and drives on.
+        start: Where it starts, map frame.
+        goals: Where it is to go, in order.
+        path_length_m: Length [m] of the plans to all goals, as far as there are any.
+        time_limit_s: When the run is stopped [s].
+        dt: Control period [s].
+        planner: Name of the planner.
+        controller: Name of the controller.
+        seed: Of the simulator.
+    """
+
+    name: str
+    robot: Robot
+    costmap: Costmap
+    start: Pose2D
+    goals: tuple[Goal, ...]
+    path_length_m: float
+    time_limit_s: float
+    dt: float
+    planner: str
+    controller: str
+    seed: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """What observers are told after the start (index 0) and after every control period.
+
+    Attributes:
+        index: Number of control periods driven.
+        state: What the simulator knows now.
+        command: What was commanded during the period that ends now.
+        goal: Index of the goal that it drives to.
+        path: The path that it follows, or none.
+        status: How the navigator stands.
+    """
+
+    index: int
+    state: RobotState
+    command: Twist2D
+    goal: int
+    path: Path | None
+    status: NavigationStatus
+
+
+@runtime_checkable
+class Observer(Protocol):
+    """Looks on. One that raises is told nothing more, and the run goes on; see `Episode.observer_errors`."""
+
+    def on_start(self, run: RunInfo) -> None:
+        """Before the first step; nothing has moved yet."""
+        ...
+
+    def on_step(self, step: Step) -> None:
+        """After the start and after every control period."""
+        ...
+
+    def on_end(self, episode: Episode) -> None:
+        """When the run is over, however it ended."""
+        ...
+
+
+def run(
+    sim: Simulator,
+    navigator: Navigator,
+    start: Pose2D | Sequence[float],
+    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]],
+    *,
+    time_limit_s: float | None = None,
+    observers: Sequence[Observer] = (),
+    seed: int = 0,
+    stop_on_contact: bool = True,
+    name: str = "run",
+) -> Episode:
+    """Drive a robot from a start to a goal, or through several.
+
+    Ctrl-C (KeyboardInterrupt) while it drives ends the run as aborted; the observers are told the end as always.
+
+    Args:
+        sim: What moves the robot.
+        navigator: What drives it; its goal, if it has one, is forgotten.
+        start: Where it starts: a pose, (x, y) or (x, y, yaw); map frame.
+        goal: Where it is to go: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these.
+        time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
+            what the planned paths take at the robot's top speed.
+        observers: Who is told, in this order.
+        seed: Of the simulator.
+        stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
+        name: Name of the run.
+
+    Returns:
+        The episode. Not getting there is an outcome, not an exception.
+
+    Raises:
+        InputError: If a pose is not two or three finite numbers, there is no goal, or the time limit is not positive.
+        BlockedPoseError: If the robot cannot stand at the start or at a goal.
+        OutsideMapError: If the start or a goal is outside the map.
+    """
+    begin, goals = Pose2D.of(start), _read_goals(goal)
+    if time_limit_s is not None and not (math.isfinite(time_limit_s) and time_limit_s > 0.0):
+        raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
+    planned_m, unreachable = _plan_legs(navigator, begin, goals)
+    if time_limit_s is None:
+        slow = SLOWNESS * planned_m / navigator.robot.limits.linear_speed
+        time_limit_s = TIME_PER_GOAL_S * len(goals) + slow
+    info = RunInfo(
+        name=name,
+        robot=navigator.robot,
+        costmap=navigator.costmap,
+        start=begin,
+        goals=goals,
+        path_length_m=planned_m,
+        time_limit_s=time_limit_s,
+        dt=navigator.dt,
+        planner=navigator.planner_name,
+        controller=navigator.controller_name,
+        seed=seed,
+    )
+    return _Drive(sim, navigator, info, observers, stop_on_contact=stop_on_contact).run(unreachable)
+
+
+class _Drive:
+    """One run under way."""
+
+    def __init__(
+        self,
+        sim: Simulator,
+        navigator: Navigator,
+        info: RunInfo,
+        observers: Sequence[Observer],
+        *,
+        stop_on_contact: bool,
+    ) -> None:
+        self._sim = sim
+        self._navigator = navigator
+        self._info = info
+        self._audience = _Audience(observers)
+        self._stop_on_contact = stop_on_contact
+        self._rows: list[tuple[float, ...]] = []
+        self._paths: list[Path] = []
+        self._contacts: dict[str, None] = {}
+        self._reached = 0
+        self._planning_s = 0.0
+        self._replans = 0
+
+    def run(self, unreachable: PlanningError | None) -> Episode:
+        state = self._sim.reset(self._info.start, seed=self._info.seed)
+        began = clock.perf_counter()
+        try:
+            self._audience.on_start(self._info)
+            self._record(state, Twist2D())
+            outcome, message = self._drive(state, unreachable)
+        except KeyboardInterrupt:
+            outcome, message = Outcome.ABORTED, "stopped by Ctrl-C"
+        except SimulationError as error:
+            outcome, message = Outcome.ABORTED, f"the simulator gave up: {error}"
+        wall_s = clock.perf_counter() - began
+        if not self._rows:  # Ctrl-C came before the first one
+            self._append(state, Twist2D(), -1)
+        self._close_leg()
+        if self._contacts and outcome is not Outcome.COLLIDED:
+            outcome, message = Outcome.COLLIDED, f"touched {', '.join(self._contacts)} on the way; {message}"
+        episode = self._make_episode(outcome, message, wall_s)
+        self._audience.on_end(episode)
+        return replace(episode, observer_errors=tuple(self._audience.errors))
+
+    def _drive(self, state: RobotState, unreachable: PlanningError | None) -> tuple[Outcome, str]:
+        """Step until something ends the run."""
+        navigator, goals, dt = self._navigator, self._info.goals, self._info.dt
+        if unreachable is not None and not state.contacts:
+            return Outcome.NO_PATH, str(unreachable)
+        # `_plan_legs` left the first goal and its plan in the navigator.
+        while True:
+            if state.contacts and self._stop_on_contact:
+                return Outcome.COLLIDED, _describe_contact(state)
+            command = navigator.update(state.pose, state.twist, time=state.time)
+            status = navigator.status
+            if status is NavigationStatus.ARRIVED:
+                if not self._is_there(state.pose):
+                    return Outcome.STUCK, f"the navigator says that it arrived, but it is at {_words(state.pose)}"
+                self._reached += 1
+                if self._reached == len(goals):
+                    return Outcome.ARRIVED, f"arrived after {state.time:.1f} s"
+                self._close_leg()
+                navigator.set_goal(goals[self._reached])
+                continue
+            if status is NavigationStatus.NO_PATH:
+                return Outcome.NO_PATH, str(navigator.error or "there is no way to the goal")
+            if status is NavigationStatus.STUCK:
+                return Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s"
+            if state.time >= self._info.time_limit_s - 1e-9:
+                return Outcome.TIMED_OUT, f"not there within {self._info.time_limit_s:.1f} s"
+            state = self._sim.step(command, dt)
+            self._record(state, command)
+
+    def _is_there(self, pose: Pose2D) -> bool:
+        """Whether the simulator's true pose is at the goal; the navigator may have been told another one."""
+        goal = self._info.goals[self._reached]
+        return self._navigator.goal_checker.is_within(pose, Pose2D.of(goal), any_yaw=len(goal) == 2)
+
+    def _record(self, state: RobotState, command: Twist2D) -> None:
+        path = self._navigator.path
+        if path is not None and (not self._paths or path is not self._paths[-1]):
+            self._paths.append(path)
+        self._append(state, command, len(self._paths) - 1 if path is not None else -1)
+        for contact in state.contacts:
+            self._contacts.setdefault(contact.other)
+        step = Step(len(self._rows) - 1, state, command, self._reached, path, self._navigator.status)
+        self._audience.on_step(step)
+
+    def _append(self, state: RobotState, command: Twist2D, path: int) -> None:
+        self._rows.append(
+            (
+                state.time,
+                *state.pose.as_tuple(),
+                state.twist.v,
+                state.twist.w,
+                command.v,
+                command.w,
+                *state.odometry.as_tuple(),
+                self._reached,
+                path,
+            )
+        )
+
+    def _close_leg(self) -> None:
+        """Take over the navigator's figures for the goal that it drove to; the next `set_goal` clears them."""
+        self._planning_s += self._navigator.planning_time_s
+        self._replans += self._navigator.replans
+
+    def _make_episode(self, outcome: Outcome, message: str, wall_s: float) -> Episode:
+        info = self._info
+        columns = [np.array(column) for column in zip(*self._rows, strict=True)]
+        trajectory = Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
+        metrics = compute_metrics(
+            trajectory,
+            self._paths,
+            info.costmap,
+            arrived=outcome is Outcome.ARRIVED,
+            path_length_m=info.path_length_m,
+            planning_s=self._planning_s,
+            replans=self._replans,
+            wall_s=wall_s,
+            contacts=tuple(self._contacts),
+        )
+        return Episode(
+            outcome=outcome,
+            message=message,
+            metrics=metrics,
+            trajectory=trajectory,
+            paths=tuple(self._paths),
+            start=info.start,
+            goals=info.goals,
+            goals_reached=self._reached,
+            name=info.name,
+            robot=info.robot.name,
+            planner=info.planner,
+            controller=info.controller,
+            seed=info.seed,
+            time_limit_s=info.time_limit_s,
+        )
+
+
+class _Audience:
+    """The observers of one run; one that raises is dropped, and the others are told on."""
+
+    def __init__(self, observers: Sequence[Observer]) -> None:
+        self._observers = list(observers)
+        self.errors: list[BaseException] = []
+
+    def on_start(self, info: RunInfo) -> None:
+        self._tell(lambda observer: observer.on_start(info))
+
+    def on_step(self, step: Step) -> None:
+        self._tell(lambda observer: observer.on_step(step))
+
+    def on_end(self, episode: Episode) -> None:
+        # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
+        self._tell(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
+
+    def _tell(self, tell: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
+        for observer in tuple(self._observers):
+            try:
+                tell(observer)
+            except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
+                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
+                self._observers.remove(observer)
+                self.errors.append(error)
+
+
+def _read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]]) -> tuple[Goal, ...]:
+    if isinstance(goal, Pose2D):
+        return (_read_goal(goal),)
+    if len(goal) == 0:
+        raise ScenarioError("a run needs at least one goal")
+    if all(isinstance(part, int | float) for part in goal):
+        return (_read_goal(cast("Sequence[float]", goal)),)
+    return tuple(_read_goal(cast("Pose2D | Sequence[float]", part)) for part in goal)
+
+
+def _read_goal(goal: Pose2D | Sequence[float]) -> Goal:
+    pose = Pose2D.of(goal)
+    return (pose.x, pose.y) if not isinstance(goal, Pose2D) and len(goal) == 2 else pose.as_tuple()
+
+
+def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[float, PlanningError | None]:
+    """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
+
+    Returns:
+        The length [m] of all plans, and why there is no path to the first goal, if so. The first goal and its plan
+        stay in the navigator.
+    """
+    total, unreachable = 0.0, None
+    here = start
+    for index, goal in enumerate(goals):
+        navigator.set_goal(goal)
+        here, length, error = _plan_leg(navigator, here, goal)
+        total += length
+        if index == 0:
+            unreachable = error
+    if len(goals) > 1:
+        navigator.set_goal(goals[0])
+        if unreachable is None:
+            navigator.plan(start)
+    return total, unreachable
+
+
+def _plan_leg(navigator: Navigator, here: Pose2D, goal: Goal) -> tuple[Pose2D, float, PlanningError | None]:
+    """Plan one leg: where it ends, how long it is [m], and why there is none."""
+    try:
+        path = navigator.plan(here)
+    except (BlockedPoseError, OutsideMapError):
+        raise
+    except PlanningError as error:
+        return Pose2D.of(goal), 0.0, error
+    return path.goal, path.length, None
+
+
+def _describe_contact(state: RobotState) -> str:
+    contact = state.contacts[0]
+    where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
+    if state.time == 0.0:
+        return f"in contact at the start: {where}; start farther from it"
+    return f"{where} after {state.time:.1f} s"
+
+
+def _words(pose: Pose2D) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f})"

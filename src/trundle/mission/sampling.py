@@ -1,0 +1,201 @@
+"""Starts and goals picked from a map's free space by seed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import InputError, ScenarioError
+from trundle.geometry import Pose2D
+
+MIN_DISTANCE = 5.0
+"""Between start and goal, in a straight line [m], where the map has room for it."""
+
+_HEADINGS = 72  # between two of them, a corner of a robot of 1 m moves less than the margin
+_MARGIN = 0.05  # [m]
+_BATCH = 32
+_MAX_PLACES = 256  # places where a robot can turn, looked for at most
+_MAX_TRIED = 8192  # cells tried at most
+_LEAST_DISTANCE = 0.5  # [m]: closer than this is no mission
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A cell's centre where the robot can turn on the spot, and the number of the free area that it is in."""
+
+    x: float
+    y: float
+    area: int
+
+
+def sample_mission(
+    costmap: Costmap,
+    seed: int,
+    *,
+    min_distance: float = MIN_DISTANCE,
+    start: Pose2D | Sequence[float] | None = None,
+    goal: Pose2D | Sequence[float] | None = None,
+) -> tuple[Pose2D, Pose2D]:
+    """Pick a start and a goal, or the one that is not given.
+
+    Both are centres of cells where the robot can turn all round, with random yaws, in one area that is nowhere
+    narrower than the robot. That is no promise of a path: bends may be too tight. Where the map has no two such places
+    `min_distance` apart, the farthest found are taken.
+
+    Args:
+        costmap: The map as the robot sees it.
+        seed: The same seed gives the same poses.
+        min_distance: Between the two, in a straight line [m].
+        start: The start, if it is given.
+        goal: The goal, if it is given.
+
+    Raises:
+        ScenarioError: If the map has no room for it.
+        InputError: If both are given, or `min_distance` is not a number of 0 or more.
+    """
+    if start is not None and goal is not None:
+        raise InputError("start and goal are both given: there is nothing to pick")
+    if not (math.isfinite(min_distance) and min_distance >= 0.0):
+        raise InputError(f"min_distance must be a number of metres of 0 or more, got {min_distance}")
+    rng = np.random.default_rng(seed)
+    areas = label_areas(_wide_enough(costmap))
+    given = start if start is not None else goal
+    if given is None:
+        ends = _pick_two(costmap, areas, rng, min_distance)
+        poses = [Pose2D(place.x, place.y, _random_yaw(rng)) for place in ends]
+        return poses[0], poses[1]
+    fixed = Pose2D.of(given)
+    other = _pick_other(costmap, areas, rng, min_distance, fixed)
+    picked = Pose2D(other.x, other.y, _random_yaw(rng))
+    return (fixed, picked) if start is not None else (picked, fixed)
+
+
+def label_areas(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.int32]:
+    """Number the 4-connected areas of true cells; −1 elsewhere. Shape (rows, cols), as `free`.
+
+    Runs of cells along the rows are joined to those that they touch in the next row, by the lowest number.
+    """
+    rows, cols = free.shape
+    padded = np.zeros((rows, cols + 2), dtype=np.int8)
+    padded[:, 1:-1] = free
+    edges = np.diff(padded, axis=1)
+    row, begin = np.nonzero(edges == 1)
+    end = np.nonzero(edges == -1)[1]  # one past the last cell
+    labels = np.full(free.shape, -1, dtype=np.int32)
+    if len(row) == 0:
+        return labels
+    # Runs are sorted by row and column, so those that a run touches in the next row are neighbours in the list.
+    stride = cols + 2
+    first = np.searchsorted(row * stride + end, (row + 1) * stride + begin, side="right")
+    last = np.searchsorted(row * stride + begin, (row + 1) * stride + end, side="left")
+    counts = np.maximum(0, last - first)
+    lower = np.repeat(np.arange(len(row)), counts)
+    upper = np.repeat(first, counts) + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    root = np.arange(len(row))
+    while True:
+        low = np.minimum(root[lower], root[upper])
+        joined = root.copy()
+        np.minimum.at(joined, root[lower], low)
+        np.minimum.at(joined, root[upper], low)
+        joined = joined[joined]
+        if np.array_equal(joined, root):
+            break
+        root = joined
+    labels[free] = np.repeat(root, end - begin)
+    return labels
+
+
+def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:
+    """Cells that are farther from blocked ones than half of the robot's width."""
+    corners = costmap.footprint
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    across = corners @ normals.T
+    half_width = (float((across.max(axis=0) - across.min(axis=0)).min()) + costmap.resolution) / 2.0
+    decay = costmap.cost_scaling_factor * max(0.0, half_width - costmap.inscribed_radius)
+    return costmap.data < min(INSCRIBED, int(252.0 * math.exp(-decay)) + 1)
+
+
+def _pick_two(
+    costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator, min_distance: float
+) -> tuple[_Place, _Place]:
+    places: list[_Place] = []
+    best, best_distance = None, _LEAST_DISTANCE
+    for place in itertools.islice(_places(costmap, areas, rng), _MAX_PLACES):
+        for other in places:
+            distance = math.hypot(place.x - other.x, place.y - other.y)
+            if place.area != other.area or distance < best_distance:
+                continue
+            if distance >= min_distance:
+                return other, place
+            best, best_distance = (other, place), distance
+        places.append(place)
+    if best is None:
+        raise ScenarioError(
+            "no start and goal can be picked: the map has no two places, joined by free space and at least "
+            f"{_LEAST_DISTANCE:g} m apart, where the robot (swing radius {costmap.circumscribed_radius:.2f} m) can turn"
+        )
+    return best
+
+
+def _pick_other(
+    costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator, min_distance: float, fixed: Pose2D
+) -> _Place:
+    area = _area_near(costmap, areas, fixed)
+    if area < 0:
+        raise ScenarioError(
+            f"nothing can be picked to go with ({fixed.x:g}, {fixed.y:g}): the robot cannot stand there; give both ends"
+        )
+    best, best_distance = None, _LEAST_DISTANCE
+    places = _places(costmap, np.where(areas == area, areas, -1), rng)
+    for place in itertools.islice(places, _MAX_PLACES):
+        distance = math.hypot(place.x - fixed.x, place.y - fixed.y)
+        if distance >= min_distance:
+            return place
+        if distance >= best_distance:
+            best, best_distance = place, distance
+    if best is None:
+        raise ScenarioError(
+            f"nothing can be picked to go with ({fixed.x:g}, {fixed.y:g}): no place joined to it by free space leaves "
+            f"room to turn (swing radius {costmap.circumscribed_radius:.2f} m)"
+        )
+    return best
+
+
+def _area_near(costmap: Costmap, areas: npt.NDArray[np.int32], pose: Pose2D) -> int:
+    """Number of the area nearest to a pose, −1 where there is none as near as the robot is long.
+
+    A robot may stand closer to a wall than it could pass along it.
+    """
+    row, col = np.nonzero(areas >= 0)
+    x, y = costmap.cell_to_world(row, col)
+    distances = np.hypot(x - pose.x, y - pose.y)
+    if len(distances) == 0 or distances.min() > costmap.circumscribed_radius + costmap.resolution:
+        return -1
+    nearest = int(distances.argmin())
+    return int(areas[row[nearest], col[nearest]])
+
+
+def _places(costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator) -> Iterator[_Place]:
+    """Places in random order where the robot can turn all round."""
+    cells = np.flatnonzero(areas >= 0)
+    drawn = rng.choice(cells, size=min(_MAX_TRIED, len(cells)), replace=False)
+    headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
+    for first in range(0, len(drawn), _BATCH):
+        row, col = np.unravel_index(drawn[first : first + _BATCH], areas.shape)
+        x, y = costmap.cell_to_world(row, col)
+        poses = np.column_stack([np.repeat(x, _HEADINGS), np.repeat(y, _HEADINGS), np.tile(headings, len(x))])
+        clear = costmap.clearance(poses, cap=2.0 * _MARGIN).reshape(-1, _HEADINGS).min(axis=1) >= _MARGIN
+        for index in np.flatnonzero(clear):
+            area = int(areas[row[index], col[index]])
+            yield _Place(round(float(x[index]), 6), round(float(y[index]), 6), area)
+
+
+def _random_yaw(rng: np.random.Generator) -> float:
+    return round(float(rng.uniform(-math.pi, math.pi)), 4)

@@ -1,0 +1,286 @@
+"""`Scenario`: a mission as a YAML file, and what it is made into before it runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeAlias
+
+import yaml
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from trundle.errors import InputError, ScenarioError
+from trundle.files import write_text
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.mission.episode import Episode, Goal
+from trundle.mission.run import Observer, run
+from trundle.mission.sampling import sample_mission
+from trundle.navigation import Navigator
+from trundle.robots import Robot
+from trundle.sim import Simulator, simulate
+from trundle.worlds import World
+from trundle.yamlfile import Config, load_config
+
+Positive = Annotated[float, Field(gt=0.0)]
+Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
+Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
+
+
+class Choice(Config):
+    """A name with options: `least_cost`, or `{name: least_cost, options: {…}}`.
+
+    Attributes:
+        name: What is chosen.
+        options: Passed to it by keyword.
+    """
+
+    name: str
+    options: dict[str, Option] = Field(default_factory=dict)
+
+
+class WorldChoice(Choice):
+    """A generated world: `warehouse`, or `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`.
+
+    Attributes:
+        seed: Of the world; none means the scenario's.
+    """
+
+    seed: int | None = None
+
+
+def _name_alone(value: object) -> object:
+    return {"name": value} if isinstance(value, str) else value
+
+
+class Scenario(Config):
+    """Everything that a run depends on. The same scenario gives the same run, bit for bit, on one machine.
+
+    Attributes:
+        name: Of the run; none means robot and place.
+        world: A generated world; its map is made as the robot needs it. Either this or `map`.
+        map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
+        compat: "humble" reads the map as ROS 2 Humble does.
+        robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
+        start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
+        goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
+        goals: Several of these, to be reached in order.
+        planner: Planner by name.
+        controller: Controller by name.
+        backend: Simulator by name.
+        seed: For everything random: the world, the picked poses and the simulator.
+        resolution: Edge of a cell [m] of the map that is made of a generated world.
+        inflation_radius: Of the costmap [m]; none means the default for the robot.
+        cost_scaling_factor: Of the costmap [1/m]; none means the default.
+        control_frequency: Commands per second of simulated time [Hz].
+        time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
+    """
+
+    name: str | None = None
+    world: Annotated[WorldChoice | None, BeforeValidator(_name_alone)] = None
+    map: str | None = None
+    compat: Literal["humble"] | None = None
+    robot: str = "nova_carter"
+    start: Numbers | None = None
+    goal: Numbers | None = None
+    goals: Annotated[tuple[Numbers, ...], Field(min_length=1)] | None = None
+    planner: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="least_cost")
+    controller: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="regulated_pure_pursuit")
+    backend: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="mujoco")
+    seed: Annotated[int, Field(ge=0)] = 0
+    resolution: Positive = 0.05
+    inflation_radius: Positive | None = None
+    cost_scaling_factor: Positive | None = None
+    control_frequency: Positive = 20.0
+    time_limit_s: Positive | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.world is None) == (self.map is None):
+            raise ValueError("give either world or map")
+        if self.goal is not None and self.goals is not None:
+            raise ValueError("give either goal or goals")
+        if self.compat is not None and self.map is None:
+            raise ValueError("compat says how a map is read: it needs map")
+        return self
+
+    @classmethod
+    def make(cls, **settings: Any) -> Self:
+        """Make a scenario from keywords; `Scenario(…)` with errors as everywhere in trundle.
+
+        Raises:
+            ScenarioError: If a setting cannot be used; one line for each.
+        """
+        try:
+            return cls(**settings)
+        except ValidationError as error:
+            problems = [(".".join(map(str, problem["loc"])), problem["msg"]) for problem in error.errors()]
+            lines = [f"{where}: {message}" if where else message for where, message in problems]
+            raise ScenarioError("\n".join(lines)) from error
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a scenario from YAML. Relative paths in it are relative to its folder.
+
+        Raises:
+            ScenarioError: If it cannot be used; every mistake is listed as file:line:column.
+        """
+        try:
+            scenario = load_config(path, cls)
+        except InputError as error:
+            raise ScenarioError(str(error)) from error
+        folder = Path(path).parent
+        found = {name: str(folder / value) for name, value in scenario._paths().items()}
+        return scenario.model_copy(update=found)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it as YAML that `load` reads back as the same scenario.
+
+        Files below the current folder are named relative to the YAML, where that is below it too; others in full.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        settings = self.model_dump(mode="json", exclude_none=True)
+        for key in ("world", "planner", "controller", "backend"):
+            if key in settings:
+                settings[key] = _shorten(settings[key])
+        here = Path.cwd()
+        folder = Path(path).resolve().parent
+        for key, value in self._paths().items():
+            target = Path(value).resolve()
+            together = _is_yaml(value) and target.is_relative_to(here) and folder.is_relative_to(here)
+            settings[key] = os.path.relpath(target, folder) if together else str(target)
+        write_text(path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True))
+
+    def build(self) -> Mission:
+        """Make world, robot, map, navigator and simulator, and pick the start and the goal that are not given.
+
+        Raises:
+            UnknownNameError: If a name is not known; the nearest is offered.
+            InputError: If a file or an option cannot be used.
+            ScenarioError: If no start or goal can be picked.
+        """
+        robot = Robot.load(self.robot)
+        world, grid = self._make_place(robot)
+        navigator = Navigator(
+            grid,
+            robot,
+            planner=self.planner.name,
+            controller=self.controller.name,
+            planner_options=self.planner.options,
+            controller_options=self.controller.options,
+            inflation_radius=self.inflation_radius,
+            cost_scaling_factor=self.cost_scaling_factor,
+            control_frequency=self.control_frequency,
+        )
+        start, goals = self._pick_ends(navigator)
+        exact = self.model_copy(
+            update={
+                "start": start.as_tuple(),
+                "goal": goals[0] if len(goals) == 1 else None,
+                "goals": goals if len(goals) > 1 else None,
+            }
+        )
+        sim = simulate(world, robot, backend=self.backend.name, **self.backend.options)
+        return Mission(exact, world, robot, grid, navigator, sim, start, goals)
+
+    @property
+    def title(self) -> str:
+        """Its name, or robot and place, fit for a folder's name."""
+        if self.name is not None:
+            return self.name
+        place = self.world.name if self.world is not None else Path(self.map or "").stem
+        return f"{Path(self.robot).stem}-{place}"
+
+    def _paths(self) -> dict[str, str]:
+        paths = {} if self.map is None else {"map": self.map}
+        if _is_yaml(self.robot) or os.sep in self.robot:
+            paths["robot"] = self.robot
+        return paths
+
+    def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid]:
+        if self.map is not None:
+            grid = OccupancyGrid.load(self.map, compat=self.compat)
+            return World.from_map(grid), grid
+        if self.world is None:
+            raise ScenarioError("give either world or map")
+        seed = self.seed if self.world.seed is None else self.world.seed
+        world = World.generate(self.world.name, seed=seed, **self.world.options)
+        return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range)
+
+    def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
+        given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)
+        goals = tuple(_as_goal(numbers) for numbers in given)
+        start = None if self.start is None else Pose2D.of(self.start)
+        if start is not None and goals:
+            return start, goals
+        first, last = sample_mission(
+            navigator.costmap, self.seed, start=start, goal=goals[0] if start is None and goals else None
+        )
+        return first, goals or (last.as_tuple(),)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mission:
+    """A scenario that is ready to run; close it, or use it in a `with` block.
+
+    Attributes:
+        scenario: The exact scenario, with the start and the goals that were picked.
+        world: Where it drives.
+        robot: What drives.
+        grid: The map.
+        navigator: The autonomy.
+        sim: The simulator.
+        start: Where it starts.
+        goals: Where it is to go, in order.
+    """
+
+    scenario: Scenario
+    world: World
+    robot: Robot
+    grid: OccupancyGrid
+    navigator: Navigator
+    sim: Simulator
+    start: Pose2D
+    goals: tuple[Goal, ...]
+
+    def run(self, *, observers: Sequence[Observer] = (), stop_on_contact: bool = True) -> Episode:
+        """Run it once; see `trundle.run` for the errors."""
+        return run(
+            self.sim,
+            self.navigator,
+            self.start,
+            self.goals,
+            time_limit_s=self.scenario.time_limit_s,
+            observers=observers,
+            seed=self.scenario.seed,
+            stop_on_contact=stop_on_contact,
+            name=self.scenario.title,
+        )
+
+    def close(self) -> None:
+        """Close the simulator."""
+        self.sim.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _shorten(choice: dict[str, Any]) -> object:
+    """Write a choice without options as its name alone."""
+    kept = {key: value for key, value in choice.items() if value not in (None, {})}
+    return kept["name"] if set(kept) == {"name"} else kept
+
+
+def _is_yaml(path: str) -> bool:
+    return path.lower().endswith((".yaml", ".yml"))
+
+
+def _as_goal(numbers: tuple[float, ...]) -> Goal:
+    return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])
