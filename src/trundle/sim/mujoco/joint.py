@@ -1,0 +1,32 @@
+"""`Joint`: one joint of a robot, in URDF's words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "ball")
+"""URDF's joint types, and MuJoCo's ball joint, which URDF has none of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One joint.
+
+    Attributes:
+        name: Its name; MJCF allows it to be empty.
+        type: One of `TYPES`.
+        axis: Unit vector in the child body's frame (MJCF) or the joint's frame (URDF; the two are the same frame); none
+            for a type that has no axis.
+        limits: Lower and upper position [rad or m], or none.
+        parent: Name of the body or link that it is on.
+        child: Name of the body or link that it moves.
+        drives: Whether an actuator moves it.
+    """
+
+    name: str
+    type: str
+    axis: tuple[float, float, float] | None
+    limits: tuple[float, float] | None
+    parent: str
+    child: str
+    drives: bool

@@ -1,0 +1,123 @@
+"""The joints of a robot, of an MJCF file or of a URDF file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import mujoco
+
+from trundle.errors import RobotError
+from trundle.robots import Robot
+from trundle.sim.mujoco.joint import Joint
+from trundle.sim.mujoco.model import robot_spec
+from trundle.sim.mujoco.urdf import parse_xml, urdf_joints
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Largest description that is read."""
+
+
+def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
+    """List joints, in the order of the description.
+
+    Args:
+        source: A robot, or the path of an MJCF or URDF file. Its meshes and textures need not be there.
+
+    Returns:
+        The joints. A `Robot`'s are those within it: that it floats in the world is not listed.
+
+    Raises:
+        RobotError: If the file is missing, too large, not XML, neither MJCF nor URDF, or MuJoCo cannot build it.
+    """
+    if isinstance(source, Robot):
+        joints = _model_joints(robot_spec(source).compile())
+        return [joint for joint in joints if joint.type != "floating"]
+    path = Path(source)
+    root = parse_xml(path, _read(path))
+    if root.tag == "robot":
+        return urdf_joints(path, root)
+    if root.tag in ("mujoco", "mujocoinclude"):
+        return _model_joints(_compile_without_assets(path))
+    raise RobotError(
+        f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
+    )
+
+
+def _read(path: Path) -> bytes:
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise RobotError(f"{path}: {size} bytes is more than a robot's description may have ({MAX_BYTES})")
+        return path.read_bytes()
+    except OSError as error:
+        raise RobotError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def _compile_without_assets(path: Path) -> mujoco.MjModel:
+    """Compile an MJCF file with a small ball in the place of every mesh, as joints do not depend on them."""
+    try:
+        spec = mujoco.MjSpec.from_file(os.fspath(path))
+        _drop_assets(spec)
+        return spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise RobotError(f"{path}: MuJoCo cannot build it: {error}") from error
+
+
+def _drop_assets(spec: mujoco.MjSpec) -> None:
+    for geom in spec.geoms:
+        if geom.meshname or geom.hfieldname:
+            geom.meshname = geom.hfieldname = ""
+            geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+            geom.size = (0.01, 0.0, 0.0)
+            geom.fromto = (float("nan"),) * 6
+        geom.material = ""
+    for body in spec.bodies:
+        body.mass, body.explicitinertial = 1.0, True
+        body.inertia, body.ipos = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+        body.fullinertia = (float("nan"),) * 6
+    for assets in (spec.skins, spec.materials, spec.meshes, spec.hfields, spec.textures):
+        for asset in list(assets):
+            spec.delete(asset)
+
+
+def _model_joints(model: mujoco.MjModel) -> list[Joint]:
+    driven = _driven(model)
+    return [_model_joint(model, index, index in driven) for index in range(model.njnt)]
+
+
+def _model_joint(model: mujoco.MjModel, index: int, drives: bool) -> Joint:
+    body = int(model.jnt_bodyid[index])
+    limits = (float(model.jnt_range[index][0]), float(model.jnt_range[index][1])) if model.jnt_limited[index] else None
+    x, y, z = (float(number) for number in model.jnt_axis[index])
+    match mujoco.mjtJoint(int(model.jnt_type[index])):
+        case mujoco.mjtJoint.mjJNT_HINGE:
+            kind = "continuous" if limits is None else "revolute"
+        case mujoco.mjtJoint.mjJNT_SLIDE:
+            kind = "prismatic"
+        case mujoco.mjtJoint.mjJNT_BALL:
+            kind = "ball"
+        case _:
+            kind = "floating"
+    return Joint(
+        name=model.joint(index).name,
+        type=kind,
+        axis=(x, y, z) if kind in ("continuous", "revolute", "prismatic") else None,
+        limits=limits,
+        parent=model.body(int(model.body_parentid[body])).name,
+        child=model.body(body).name,
+        drives=drives,
+    )
+
+
+def _driven(model: mujoco.MjModel) -> set[int]:
+    """Joints that an actuator moves, itself or through a tendon that couples joints."""
+    driven: set[int] = set()
+    for kind, target in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True):
+        if kind in (mujoco.mjtTrn.mjTRN_JOINT.value, mujoco.mjtTrn.mjTRN_JOINTINPARENT.value):
+            driven.add(int(target))
+        elif kind == mujoco.mjtTrn.mjTRN_TENDON.value:
+            first = int(model.tendon_adr[target])
+            for wrap in range(first, first + int(model.tendon_num[target])):
+                if model.wrap_type[wrap] == mujoco.mjtWrap.mjWRAP_JOINT.value:
+                    driven.add(int(model.wrap_objid[wrap]))
+    return driven

@@ -1,0 +1,123 @@
+"""The joints of a URDF file, read from its own XML: MuJoCo's importer drops fixed joints and the names around them."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from xml.parsers import expat
+
+from trundle.errors import RobotError
+from trundle.sim.mujoco.joint import TYPES, Joint
+
+_WITHOUT_AXIS = ("fixed", "floating")
+_WITH_LIMITS = ("revolute", "prismatic")
+
+
+def parse_xml(path: Path, content: bytes) -> ElementTree.Element:
+    """Parse XML without document types, and so without entities.
+
+    Raises:
+        RobotError: If it is not well-formed, or declares a document type; the message has the line and column.
+    """
+    builder = ElementTree.TreeBuilder()
+    parser = expat.ParserCreate()
+
+    def refuse(*_: object) -> None:
+        raise RobotError(f"{path}:{parser.CurrentLineNumber}: a <!DOCTYPE …> is not accepted; take it out")
+
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
+    parser.CharacterDataHandler = builder.data
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise RobotError(f"{path}:{error.lineno}:{error.offset + 1}: not XML: {reason}") from error
+    return builder.close()
+
+
+def urdf_joints(path: Path, robot: ElementTree.Element) -> list[Joint]:
+    """List the joints below a URDF's `<robot>`, in the order of the file.
+
+    Raises:
+        RobotError: If a joint has no name, type, parent or child, an unknown type, or numbers that are none; or if the
+            file is a xacro that was not expanded.
+    """
+    if any(element.tag.startswith("xacro:") for element in robot.iter()):
+        raise RobotError(f"{path}: this is a xacro file; expand it first: xacro {path.name} > robot.urdf")
+    driven = _driven_joints(robot)
+    joints = [_joint(path, element, driven) for element in robot.findall("joint")]
+    names = [joint.name for joint in joints]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise RobotError(f"{path}: two joints are named {twice!r}")
+    return joints
+
+
+def _joint(path: Path, element: ElementTree.Element, driven: set[str]) -> Joint:
+    name, kind = element.get("name"), element.get("type")
+    if not name:
+        raise RobotError(f"{path}: a joint has no name")
+    where = f"{path}: joint {name!r}"
+    if kind not in TYPES or kind == "ball":
+        choices = ", ".join(choice for choice in TYPES if choice != "ball")
+        raise RobotError(f"{where} has type {kind!r}; URDF has {choices}")
+    links = {role: element.find(role) for role in ("parent", "child")}
+    parent, child = ("" if link is None else link.get("link", "") for link in links.values())
+    if not parent or not child:
+        raise RobotError(f'{where} needs <parent link="…"/> and <child link="…"/>')
+    return Joint(
+        name=name,
+        type=kind,
+        axis=None if kind in _WITHOUT_AXIS else _axis(where, element.find("axis")),
+        limits=_limits(where, element.find("limit")) if kind in _WITH_LIMITS else None,
+        parent=parent,
+        child=child,
+        drives=name in driven,
+    )
+
+
+def _axis(where: str, element: ElementTree.Element | None) -> tuple[float, float, float]:
+    """The unit axis; x where none is given, as URDF says."""
+    if element is None:
+        return (1.0, 0.0, 0.0)
+    words = element.get("xyz", "1 0 0").split()
+    numbers = [_number(f"{where}: axis", word) for word in words]
+    length = math.hypot(*numbers)
+    if len(numbers) != 3 or length < 1e-9:
+        raise RobotError(f"{where}: axis must be three numbers, not all 0, got {' '.join(words)!r}")
+    return (numbers[0] / length, numbers[1] / length, numbers[2] / length)
+
+
+def _limits(where: str, element: ElementTree.Element | None) -> tuple[float, float] | None:
+    if element is None:
+        return None
+    lower = _number(f"{where}: limit lower", element.get("lower", "0"))
+    upper = _number(f"{where}: limit upper", element.get("upper", "0"))
+    if lower > upper:
+        raise RobotError(f"{where}: limit lower {lower:g} is above upper {upper:g}")
+    return (lower, upper)
+
+
+def _number(what: str, word: str) -> float:
+    try:
+        number = float(word)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise RobotError(f"{what} must be a finite number, got {word!r}")
+    return number
+
+
+def _driven_joints(robot: ElementTree.Element) -> set[str]:
+    """Joints that a transmission or ros2_control commands."""
+    driven: set[str] = set()
+    for transmission in robot.iter("transmission"):
+        driven |= {joint.get("name", "") for joint in transmission.findall("joint")}
+    for control in robot.iter("ros2_control"):
+        for joint in control.findall("joint"):
+            if joint.find("command_interface") is not None:
+                driven.add(joint.get("name", ""))
+    return driven
