@@ -14,13 +14,12 @@ from trundle.sim import Contact, RobotState
 
 
 def make_room(width_m=8.0, height_m=6.0, resolution=0.05):
-    """A walled room with its lower-left corner at the map's origin, and a wall from the south up to y = 3 m at x = 4 m."""
+    """A walled room with its lower-left corner at the map's origin, and a block from the south up to y = 3 m."""
     rows, cols = round(height_m / resolution), round(width_m / resolution)
     data = np.zeros((rows, cols), dtype=np.int8)
     data[[0, -1], :] = 100
     data[:, [0, -1]] = 100
-    middle = round(4.0 / resolution)
-    data[: round(3.0 / resolution), middle : middle + 2] = 100
+    data[: round(3.0 / resolution), round(3.6 / resolution) : round(4.4 / resolution)] = 100
     return OccupancyGrid(data, resolution)
 
 

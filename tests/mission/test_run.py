@@ -14,9 +14,9 @@ from trundle.navigation import NavigationStatus, Navigator
 class Log:
     """An observer that keeps what it is told, and may fail or press Ctrl-C at one step."""
 
-    def __init__(self, *, raises_at=None, error=RuntimeError("full"), fails_at_end=False):
+    def __init__(self, *, raises_at=None, error=None, fails_at_end=False):
         self.raises_at = raises_at
-        self.error = error
+        self.error = error or RuntimeError("full")
         self.fails_at_end = fails_at_end
         self.info = None
         self.steps = []
@@ -43,7 +43,7 @@ def same(one, other):
     )
 
 
-def test_a_free_goal_is_reached_around_the_wall(make_sim, navigator, start):
+def test_a_free_goal_is_reached_around_the_block(make_sim, navigator, start):
     episode = run(make_sim(), navigator, start, (6.5, 1.5, math.pi / 2))
     assert episode.outcome is Outcome.ARRIVED
     assert episode.arrived
@@ -56,7 +56,7 @@ def test_a_free_goal_is_reached_around_the_wall(make_sim, navigator, start):
     assert metrics.distance_m > 5.5
     assert metrics.path_length_m == pytest.approx(episode.paths[0].length)
     assert metrics.spl == pytest.approx(metrics.path_length_m / max(metrics.path_length_m, metrics.distance_m))
-    assert 0.0 < metrics.min_clearance_m < 0.6
+    assert 0.3 < metrics.min_clearance_m < 0.9
     assert 0.0 <= metrics.mean_cross_track_error_m <= metrics.max_cross_track_error_m < 0.3
     assert metrics.time_s == pytest.approx(episode.trajectory.time[-1])
     assert metrics.planning_ms > 0.0
@@ -96,9 +96,9 @@ def test_several_goals_are_reached_in_order(make_sim, navigator, start):
 def test_a_blocked_or_outside_pose_is_bad_input_and_nothing_moves(make_sim, navigator, start):
     sim, log = make_sim(), Log()
     with pytest.raises(BlockedPoseError):
-        run(sim, navigator, (4.05, 1.0, 0.0), (6.5, 1.5), observers=[log])
+        run(sim, navigator, (4.0, 1.0, 0.0), (6.5, 1.5), observers=[log])
     with pytest.raises(BlockedPoseError):
-        run(sim, navigator, start, [(1.5, 4.5), (4.05, 1.0)], observers=[log])
+        run(sim, navigator, start, [(1.5, 4.5), (4.0, 1.0)], observers=[log])
     with pytest.raises(OutsideMapError):
         run(sim, navigator, start, (60.0, 1.5), observers=[log])
     assert sim.seeds == []

@@ -40,8 +40,8 @@ def test_areas_are_those_of_scipy(free):
 def test_a_spiral_is_one_area():
     free = np.zeros((41, 41), dtype=bool)
     for ring in range(0, 20, 2):
-        free[ring, ring:-ring or None] = free[-1 - ring, ring:-ring or None] = True
-        free[ring:-ring or None, ring] = free[ring:-ring or None, -1 - ring] = True
+        free[ring, ring : -ring or None] = free[-1 - ring, ring : -ring or None] = True
+        free[ring : -ring or None, ring] = free[ring : -ring or None, -1 - ring] = True
         free[ring + 1, ring] = ring == 0
         free[ring + 2 : ring + 3, ring + 1] = True
     expected, count = ndimage.label(free)

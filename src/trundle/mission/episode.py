@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
+from pathlib import Path as FilePath
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -151,7 +152,7 @@ class Trajectory:
             InputError: If the file cannot be read, or is not a trajectory.
         """
         try:
-            with np.load(path, allow_pickle=False) as archive:
+            with FilePath(path).open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
                 arrays = {name: archive[name] for name in cls.columns()}
         except KeyError as error:
             raise InputError(f"{os.fspath(path)}: not a trajectory: {error.args[0]}") from error

@@ -1,0 +1,135 @@
+from pathlib import Path
+
+import pytest
+
+from trundle.errors import OutputError, ScenarioError
+from trundle.mission import Scenario
+
+
+def write(folder, text, name="scenario.yaml"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def test_names_alone_stand_for_choices_without_options(tmp_path):
+    scenario = Scenario.load(write(tmp_path, "world: warehouse\nplanner: blog\nbackend: kinematic\n"))
+    assert scenario.world.name == "warehouse"
+    assert scenario.planner.name == "blog"
+    assert scenario.backend.options == {}
+    assert scenario.controller.name == "regulated_pure_pursuit"
+
+
+def test_options_and_numbers_are_read(tmp_path):
+    text = """
+world: {name: warehouse, seed: 7, options: {aisle_width: 1.4, size: [20, 12.5]}}
+robot: turtlebot3_burger
+start: [0, 1.5]
+goals: [[3, 4], [5, 6, 1.57]]
+controller: {name: regulated_pure_pursuit, options: {lookahead: 6e-1}}
+time_limit_s: 90
+"""
+    scenario = Scenario.load(write(tmp_path, text))
+    assert scenario.world.seed == 7
+    assert scenario.world.options == {"aisle_width": 1.4, "size": [20, 12.5]}
+    assert scenario.goals == ((3.0, 4.0), (5.0, 6.0, 1.57))
+    assert scenario.controller.options == {"lookahead": 0.6}
+
+
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        ("world: warehouse\nspeed: 3\n", ":2:1: speed: Extra inputs"),
+        ("world: warehouse\nstart: [1]\n", ":2:8: start:"),
+        ("world: warehouse\nstart: [1, 2, 3, 4]\n", ":2:8: start:"),
+        ("world: warehouse\nstart: [1, .nan]\n", ":2:12: start.1:"),
+        ("world: warehouse\ngoals: []\n", ":2:8: goals:"),
+        ("world: warehouse\nseed: -1\n", ":2:7: seed:"),
+        ("world: warehouse\nresolution: 0\n", ":2:13: resolution:"),
+        ("world: {name: warehouse, sede: 1}\n", ":1:26: world.sede: Extra inputs"),
+        ("world: {seed: 1}\n", ":1:8: world.name:"),
+        ("planner: 3\nworld: warehouse\n", ":1:10: planner:"),
+        ("robot: nova_carter\n", "either world or map"),
+        ("world: warehouse\nmap: m.yaml\n", "either world or map"),
+        ("world: warehouse\ngoal: [1, 2]\ngoals: [[1, 2]]\n", "either goal or goals"),
+        ("world: warehouse\ncompat: humble\n", "needs map"),
+    ],
+)
+def test_every_mistake_is_reported_with_its_place(tmp_path, text, where):
+    path = write(tmp_path, text)
+    with pytest.raises(ScenarioError) as caught:
+        Scenario.load(path)
+    assert where in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_a_missing_file_is_a_scenario_error(tmp_path):
+    with pytest.raises(ScenarioError, match="cannot read"):
+        Scenario.load(tmp_path / "none.yaml")
+
+
+def test_mistakes_in_keywords_are_scenario_errors():
+    with pytest.raises(ScenarioError, match="either world or map"):
+        Scenario.make(robot="nova_carter")
+    with pytest.raises(ScenarioError, match="speed: Extra"):
+        Scenario.make(world="warehouse", speed=3)
+
+
+def test_paths_are_relative_to_the_file(tmp_path, monkeypatch):
+    (tmp_path / "sub").mkdir()
+    path = write(tmp_path / "sub", "map: maps/m.yaml\nrobot: ./mine.yaml\n")
+    monkeypatch.chdir(tmp_path)
+    scenario = Scenario.load("sub/scenario.yaml")
+    assert Path(scenario.map) == Path("sub/maps/m.yaml")
+    assert Path(scenario.robot) == Path("sub/mine.yaml")
+    assert Scenario.load(path).map == str(path.parent / "maps" / "m.yaml")
+
+
+def test_a_catalogue_robot_is_no_path(tmp_path):
+    assert Scenario.load(write(tmp_path, "world: warehouse\nrobot: jackal\n")).robot == "jackal"
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"world": "warehouse"},
+        {"world": {"name": "warehouse", "seed": 7, "options": {"aisle_width": 1.4}}, "seed": 3, "time_limit_s": 12.5},
+        {"world": "warehouse", "start": (1.0, 2.0, 0.1), "goal": (0.1 + 0.2, 1e-7), "backend": "kinematic"},
+        {"world": "warehouse", "goals": ((1.0, 2.0), (3.0, 4.0, -1.5)), "name": "two goals", "inflation_radius": 1.0},
+    ],
+)
+def test_a_saved_scenario_comes_back_as_it_was(tmp_path, settings):
+    scenario = Scenario.make(**settings)
+    scenario.save(tmp_path / "s.yaml")
+    assert Scenario.load(tmp_path / "s.yaml") == scenario
+
+
+def test_saved_paths_still_lead_to_the_files(tmp_path, monkeypatch):
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "runs" / "one").mkdir(parents=True)
+    (tmp_path / "maps" / "m.yaml").write_text("")
+    monkeypatch.chdir(tmp_path)
+    Scenario.make(map="maps/m.yaml", robot="mine.yaml").save("runs/one/scenario.yaml")
+    text = (tmp_path / "runs" / "one" / "scenario.yaml").read_text()
+    assert "../../maps/m.yaml" in text
+    again = Scenario.load("runs/one/scenario.yaml")
+    assert Path(again.map).samefile("maps/m.yaml")
+    assert Path(again.robot).resolve() == (tmp_path / "mine.yaml").resolve()
+
+
+def test_a_map_from_elsewhere_is_named_in_full(tmp_path, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    Scenario.make(map="../m.yaml").save("s.yaml")
+    assert Scenario.load("s.yaml").map == str(tmp_path / "m.yaml")
+
+
+def test_saving_where_there_is_no_folder_is_an_output_error(tmp_path):
+    with pytest.raises(OutputError):
+        Scenario.make(world="warehouse").save(tmp_path / "none" / "s.yaml")
+
+
+def test_the_title_names_robot_and_place():
+    assert Scenario.make(world="warehouse").title == "nova_carter-warehouse"
+    assert Scenario.make(map="maps/office.yaml", robot="robots/mine.yaml").title == "mine-office"
+    assert Scenario.make(world="warehouse", name="night shift").title == "night shift"
