@@ -1,6 +1,7 @@
 """The C++ kernels: plain functions on arrays. They release the GIL and check their bounds at this edge."""
 
 from trundle._core._kernels import (
+    cast_grid_rays,
     flood_free,
     flood_largest,
     footprint_clearance,
@@ -17,6 +18,7 @@ from trundle._core._kernels import (
 )
 
 __all__ = [
+    "cast_grid_rays",
     "flood_free",
     "flood_largest",
     "footprint_clearance",

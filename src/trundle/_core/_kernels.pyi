@@ -73,3 +73,7 @@ def raster_triangles(
     resolution: float,
     depth: float,
 ) -> None: ...
+def cast_grid_rays(
+    blocked: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
+) -> npt.NDArray[np.float64]:
+    """Distances in cells from (x, y), in cell units, to the first blocked cell along each angle [rad], or infinity."""

@@ -5,6 +5,7 @@ namespace nb = nanobind;
 
 void bind_footprint(nb::module_ &m);
 void bind_grid_search(nb::module_ &m);
+void bind_grid_rays(nb::module_ &m);
 void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
 void bind_line_of_sight(nb::module_ &m);
@@ -15,6 +16,7 @@ NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
   bind_footprint(m);
   bind_grid_search(m);
+  bind_grid_rays(m);
   bind_inflation(m);
   bind_flood(m);
   bind_line_of_sight(m);

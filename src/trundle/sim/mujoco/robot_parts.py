@@ -11,6 +11,7 @@ from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
 from trundle.sim.mujoco.robot_looks import add_looks, add_prism_mesh
 from trundle.sim.mujoco.world_parts import ROBOT_TYPE
+from trundle.sim.ramp import Motion
 
 BASE = "base_link"
 GROUP_COLLIDERS = 3
@@ -19,6 +20,11 @@ GRAVITY = 9.81
 # Rubber on concrete.
 _WHEEL_FRICTION = 1.0
 _CASTER_FRICTION = 0.7
+# As stiff as the timestep allows: wheels that sink into the floor roll on a smaller radius.
+_STIFF_SOLREF = (0.01, 1.0)
+_STIFF_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+_SOFT_SOLREF = (0.02, 1.0)
+_SOFT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +47,65 @@ class Servo:
         inertia = robot.total_mass * robot.drive.wheel_radius**2
         return cls(
             gain=180.0 * inertia,
-            torque=_WHEEL_FRICTION * robot.total_mass * GRAVITY * robot.drive.wheel_radius / 2.0,
+            torque=4.0 * _WHEEL_FRICTION * robot.total_mass * GRAVITY * robot.drive.wheel_radius / 2.0,
             armature=0.045 * inertia,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class FeedForward:
+    """Tells the wheels' servos the torque that a change of speed needs, so that they need no speed error to find it.
+
+    Attributes:
+        mass: Of the whole robot [kg].
+        moment: Of inertia of the whole robot about z at base_link [kg·m²].
+        arm: Mass times how far the centre of mass is ahead of base_link [kg·m].
+        wheel: Inertia of one wheel and its motor about the axle [kg·m²].
+        radius: Of a wheel [m].
+        track: Distance between the wheels [m].
+        gain: Of the servos [N·m·s/rad].
+        timestep: [s].
+    """
+
+    mass: float
+    moment: float
+    arm: float
+    wheel: float
+    radius: float
+    track: float
+    gain: float
+    timestep: float
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel, robot: Robot) -> FeedForward:
+        """Read the inertias off a compiled model that has this robot in it."""
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        inertia = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, inertia)
+        base = int(model.body(BASE).dofadr[0])
+        wheel = int(model.joint(robot.drive.left_joint).dofadr[0])
+        return cls(
+            mass=float(inertia[base, base]),
+            moment=float(inertia[base + 5, base + 5]),
+            arm=float(inertia[base + 1, base + 5]),
+            wheel=float(inertia[wheel, wheel]),
+            radius=robot.drive.wheel_radius,
+            track=robot.drive.track_width,
+            gain=Servo.of(robot).gain,
+            timestep=float(model.opt.timestep),
+        )
+
+    def control(self, before: Motion, now: Motion) -> tuple[float, float]:
+        """Speeds [rad/s] to set the left and right servo to, in the step that goes from one motion to the next."""
+        v_rate, w_rate = (now.v - before.v) / self.timestep, (now.w - before.w) / self.timestep
+        # Newton and Euler at base_link, whose origin is not the centre of mass.
+        force = self.mass * v_rate - self.arm * now.w * now.w
+        moment = self.moment * w_rate + self.arm * now.v * now.w
+        along, across = force * self.radius / 2.0, moment * self.radius / self.track
+        left = along - across + self.wheel * (now.left - before.left) / self.timestep
+        right = along + across + self.wheel * (now.right - before.right) / self.timestep
+        return now.left + left / self.gain, now.right + right / self.gain
 
 
 def add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -130,11 +192,14 @@ def _add_ball(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
     """A ball that slides without friction, fixed to the chassis."""
     body = base.add_body(name=f"caster_{index}", pos=(caster.x, caster.y, caster.radius))
     body.mass = caster.mass
+    body.ipos = (0.0, 0.0, 0.0)
     body.inertia = np.full(3, 0.4 * caster.mass * caster.radius**2)
     body.explicitinertial = True
     size = (caster.radius, 0.0, 0.0)
     geom = _add_collider(body, f"robot:caster_{index}", mujoco.mjtGeom.mjGEOM_SPHERE, size, friction=0.0)
     geom.condim = 1
+    # Softer than the wheels, so that where there are more legs than needed the driven ones carry the most.
+    geom.solref, geom.solimp = _SOFT_SOLREF, _SOFT_SOLIMP
 
 
 def _add_collider(
@@ -157,6 +222,8 @@ def _add_collider(
         friction=(friction, 0.005, 0.0001),
         priority=priority,
         condim=3,
+        solref=_STIFF_SOLREF,
+        solimp=_STIFF_SOLIMP,
         mass=0.0,
         contype=ROBOT_TYPE,
         conaffinity=0,
@@ -168,5 +235,6 @@ def _add_collider(
 def _set_cylinder_inertia(body: mujoco.MjsBody, mass: float, radius: float, width: float) -> None:
     across = mass * (3.0 * radius**2 + width**2) / 12.0
     body.mass = mass
+    body.ipos = (0.0, 0.0, 0.0)  # Left out, MuJoCo takes the body's own place for it: an unbalanced wheel.
     body.inertia = (across, mass * radius**2 / 2.0, across)
     body.explicitinertial = True

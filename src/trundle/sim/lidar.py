@@ -1,0 +1,86 @@
+"""When a robot's lidars scan, in which directions, and with what noise; how far a beam goes is the simulator's part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import TypeAlias
+
+import numpy as np
+
+from trundle.errors import UnknownNameError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.robots import Lidar, Robot
+from trundle.sim.simulator import Scan
+
+BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
+"""`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
+[rad] to the nearest solid, infinity where there is none within `reach` [m]."""
+
+LidarChoice: TypeAlias = bool | str | Iterable[str]
+"""True for all of a robot's lidars, False for none, or names."""
+
+
+def beam_angles(lidar: Lidar) -> FloatArray:
+    """Directions of a lidar's beams [rad] in its own frame, shape (beams,), counter-clockwise.
+
+    They include both ends of the field of view, except on a full turn, whose ends are one direction.
+    """
+    full_turn = lidar.fov > 2.0 * math.pi - 1e-6
+    return np.linspace(-lidar.fov / 2.0, lidar.fov / 2.0, lidar.beams, endpoint=not full_turn)
+
+
+class LidarSet:
+    """The lidars of a robot that are switched on.
+
+    Beams are level, at the mount's height above the floor, and pass through the robot itself. A hit nearer than
+    `range_min` reads `range_min`; noise is Gaussian, drawn per beam from the run's seed.
+
+    Args:
+        robot: Whose lidars.
+        choice: Which of them.
+        cast: Measures distances.
+
+    Raises:
+        UnknownNameError: If the robot has no lidar of a chosen name.
+    """
+
+    def __init__(self, robot: Robot, choice: LidarChoice, cast: BeamCaster) -> None:
+        if isinstance(choice, bool):
+            names = tuple(robot.lidars) if choice else ()
+        else:
+            names = (choice,) if isinstance(choice, str) else tuple(choice)
+        for name in names:
+            if name not in robot.lidars:
+                raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
+        self._lidars = [(name, robot.lidars[name], beam_angles(robot.lidars[name])) for name in names]
+        self._cast = cast
+        self.reset(0)
+
+    @property
+    def heights(self) -> tuple[float, ...]:
+        """Heights [m] above the floor at which beams run."""
+        return tuple(lidar.z for _, lidar, _ in self._lidars)
+
+    def reset(self, seed: int) -> None:
+        """Start the noise again."""
+        self._rng = np.random.default_rng(seed)
+
+    def scan(self, pose: Pose2D, since: float, now: float) -> tuple[Scan, ...]:
+        """Take the scans that became due after `since` and until `now` [s], one per lidar at most, at `pose`."""
+        if not self._lidars:
+            return ()
+        return tuple(
+            self._take(name, lidar, angles, pose)
+            for name, lidar, angles in self._lidars
+            if math.floor(now * lidar.rate + 1e-6) > math.floor(since * lidar.rate + 1e-6)
+        )
+
+    def _take(self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D) -> Scan:
+        mount = pose @ Pose2D(lidar.x, lidar.y, lidar.yaw)
+        ranges = self._cast(mount.x, mount.y, lidar.z, angles + mount.yaw, lidar.range_max)
+        hit = ranges <= lidar.range_max
+        if lidar.noise > 0.0:
+            ranges = ranges + self._rng.normal(0.0, lidar.noise, len(angles))
+        ranges = np.where(hit, np.clip(ranges, lidar.range_min, lidar.range_max), np.inf)
+        return Scan(name, mount, angles, ranges)

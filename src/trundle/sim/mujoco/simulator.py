@@ -1,0 +1,224 @@
+"""`MujocoSimulator`: the robot as rigid bodies on wheels, with contacts, slip and inertia."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Literal, Self
+
+import mujoco
+import numpy as np
+
+from trundle.errors import InputError, SimulationError
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.mujoco.contacts import ContactReader
+from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec
+from trundle.sim.mujoco.rays import MujocoRays
+from trundle.sim.mujoco.robot_parts import FeedForward
+from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.simulator import Contact, RobotState, Scan
+from trundle.worlds import World
+
+Casters = Literal["trailing", "reversed"]
+
+_SETTLE_S = 2.0
+
+
+class MujocoSimulator:
+    """Drives a robot through a world in MuJoCo.
+
+    The limits of the robot are applied at every physics step; its wheels are velocity servos that are told the torque
+    which the acceleration needs. After a reset the robot stands on the floor at rest, as it does after settling there.
+
+    Args:
+        world: Where it drives.
+        robot: What drives.
+        lidar: Take scans: with all lidars of the robot, or with those named.
+        timestep: Length of a physics step [s].
+        casters: How swivel casters stand after a reset: behind their axis for driving forward, or the other way.
+
+    Attributes:
+        model: The compiled MuJoCo model, for viewers and renderers.
+        data: Its state, in step with what `step` returned; observers read it and never write.
+
+    Raises:
+        InputError: If an option is out of range.
+        WorldError: If the world cannot be modelled.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        robot: Robot,
+        *,
+        lidar: LidarChoice = False,
+        timestep: float = TIMESTEP,
+        casters: Casters = "trailing",
+    ) -> None:
+        if not 0.0 < timestep <= 0.02:
+            raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 0.02")
+        if casters not in ("trailing", "reversed"):
+            raise InputError(f"casters {casters!r} is not a way to stand; use 'trailing' or 'reversed'")
+        self._robot = robot
+        self._timestep = timestep
+        self._rest = _resting_state(robot, timestep, casters)
+        try:
+            self.model = build_spec(world, robot, timestep=timestep).compile()
+        except ValueError as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"MuJoCo cannot model {robot.name} in {world.name}: {error}") from error
+        self.data = mujoco.MjData(self.model)
+        self._wheel_qpos, self._wheel_qvel = _wheel_addresses(self.model, robot)
+        self._ramp = CommandRamp(robot, timestep)
+        self._feed_forward = FeedForward.of(self.model, robot)
+        self._contacts = ContactReader(self.model, world)
+        self._lidars = LidarSet(robot, lidar, MujocoRays(self.model, self.data, world).cast)
+        self._closed = False
+        self.reset(Pose2D(0.0, 0.0))
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that it moves."""
+        return self._robot
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run.
+
+        A pose inside a solid is taken; the state's contacts then say what the robot stands in.
+        """
+        self._check_open()
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = self._rest
+        self.data.qpos[0:2] = pose.x, pose.y
+        half = pose.yaw / 2.0
+        turned = np.empty(4)
+        mujoco.mju_mulQuat(turned, np.array([math.cos(half), 0.0, 0.0, math.sin(half)]), self._rest[3:7])
+        self.data.qpos[3:7] = turned
+        mujoco.mj_forward(self.model, self.data)
+        self._ramp.reset()
+        self._lidars.reset(seed)
+        self._steps = 0
+        self._wheel_start = self._wheel_angles()
+        self._odometry = (pose.x, pose.y, pose.yaw)
+        self._told = Motion(0.0, 0.0, 0.0, 0.0)
+        touched: dict[tuple[str, str], Contact] = {}
+        self._contacts.read(self.data, touched)
+        return self._state(tuple(touched.values()), since=-1.0)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
+
+        Raises:
+            SimulationError: If it was closed, or the physics broke down.
+            InputError: If `dt` is not a multiple of the physics step.
+        """
+        self._check_open()
+        since = self._steps * self._timestep
+        motions = self._ramp.advance(command, count_steps(dt, self._timestep))
+        touched: dict[tuple[str, str], Contact] = {}
+        model, data, control, qpos = self.model, self.data, self.data.ctrl, self.data.qpos
+        step, told = mujoco.mj_step, self._told
+        left_address, right_address = self._wheel_qpos
+        angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
+        for motion in motions:
+            control[0], control[1] = self._feed_forward.control(told, motion)
+            told = motion
+            step(model, data)
+            angles.append((qpos[left_address], qpos[right_address]))
+            if data.contact.geom1.any():  # The floor is geom 0, and a plane comes first in its contacts.
+                self._contacts.read(data, touched)
+        self._told = told
+        self._steps += len(motions)
+        self._integrate_odometry(angles)
+        self._check_sound()
+        return self._state(tuple(touched.values()), since)
+
+    def close(self) -> None:
+        """Let go of the model; closing twice does nothing."""
+        self._closed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
+
+    def _check_sound(self) -> None:
+        if not (np.isfinite(self.data.qpos).all() and float(np.abs(self.data.qvel).max()) < 1e4):
+            raise SimulationError(
+                f"the physics broke down at {self._steps * self._timestep:.3f} s: a position is not finite or a speed "
+                f"above 10000; use a smaller timestep than {self._timestep} s, and check the robot's masses"
+            )
+
+    def _wheel_angles(self) -> tuple[float, float]:
+        left, right = self._wheel_qpos
+        return float(self.data.qpos[left]), float(self.data.qpos[right])
+
+    def _integrate_odometry(self, angles: list[tuple[float, float]]) -> None:
+        radius, track = self._robot.drive.wheel_radius, self._robot.drive.track_width
+        x, y, yaw = self._odometry
+        for (left, right), (next_left, next_right) in itertools.pairwise(angles):
+            by_left, by_right = radius * (next_left - left), radius * (next_right - right)
+            x, y, yaw = integrate_twist(x, y, yaw, (by_left + by_right) / 2.0, (by_right - by_left) / track, 1.0)
+        self._odometry = (float(x), float(y), float(yaw))
+
+    def _state(self, contacts: tuple[Contact, ...], since: float) -> RobotState:
+        time = self._steps * self._timestep
+        x, y, _, qw, qx, qy, qz = self.data.qpos[0:7].tolist()
+        pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
+        vx, vy, _, _, _, w = self.data.qvel[0:6].tolist()
+        left, right = self._wheel_angles()
+        left_speed, right_speed = (float(self.data.qvel[address]) for address in self._wheel_qvel)
+        scans: tuple[Scan, ...] = self._lidars.scan(pose, since, time)
+        return RobotState(
+            time=time,
+            pose=pose,
+            twist=Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w),
+            wheel_positions=WheelSpeeds(left - self._wheel_start[0], right - self._wheel_start[1]),
+            wheel_speeds=WheelSpeeds(left_speed, right_speed),
+            odometry=Pose2D(*self._odometry),
+            contacts=contacts,
+            scans=scans,
+        )
+
+
+def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, int], tuple[int, int]]:
+    joints = [model.joint(name) for name in (robot.drive.left_joint, robot.drive.right_joint)]
+    left, right = joints
+    return (int(left.qposadr[0]), int(right.qposadr[0])), (int(left.dofadr[0]), int(right.dofadr[0]))
+
+
+def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArray:
+    """Joint positions of the robot after it has settled on a bare floor, looking along x from the origin.
+
+    Raises:
+        SimulationError: If it does not come to rest on its wheels.
+    """
+    model = robot_spec(robot, floor=True, timestep=timestep).compile()
+    data = mujoco.MjData(model)
+    if casters == "reversed":
+        for caster in robot.casters:
+            if caster.swivel_joint is not None:
+                data.qpos[model.joint(caster.swivel_joint).qposadr[0]] = math.pi
+    start = data.qpos.copy()
+    for _ in range(round(_SETTLE_S / timestep)):
+        mujoco.mj_step(model, data)
+    rest = data.qpos.copy()
+    upright = 1.0 - 2.0 * (rest[4] ** 2 + rest[5] ** 2)
+    if not (np.isfinite(rest).all() and upright > math.cos(0.1)):
+        raise SimulationError(
+            f"{robot.name} does not stand on its wheels: it tips over or falls; check body.center_of_mass and casters"
+        )
+    # Height, roll and pitch are what settling is for; everything else starts where it was put.
+    height = rest[2]
+    tilt = np.array([rest[3], rest[4], rest[5], 0.0])
+    start[2] = height
+    start[3:7] = tilt / np.linalg.norm(tilt)
+    return start

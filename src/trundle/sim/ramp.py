@@ -1,0 +1,74 @@
+"""What every simulator does to a command first: the robot's limits, physics step by physics step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from trundle.errors import InputError
+from trundle.geometry import Twist2D
+from trundle.robots import Robot
+
+
+class Motion(NamedTuple):
+    """What the robot is told for one physics step: v [m/s], w [rad/s], and its wheels' speeds [rad/s]."""
+
+    v: float
+    w: float
+    left: float
+    right: float
+
+
+class CommandRamp:
+    """Brings commands within a robot's limits: the numbers of `Limits.approach`, then the clipping of each wheel.
+
+    Args:
+        robot: Whose limits.
+        timestep: Length of a physics step [s].
+    """
+
+    def __init__(self, robot: Robot, timestep: float) -> None:
+        self._limits = robot.limits
+        self._drive = robot.drive
+        self._linear_step = robot.limits.linear_acceleration * timestep
+        self._angular_step = robot.limits.angular_acceleration * timestep
+        self.reset()
+
+    def reset(self) -> None:
+        """Start again from rest."""
+        self._v = 0.0
+        self._w = 0.0
+
+    def advance(self, command: Twist2D, steps: int) -> list[Motion]:
+        """Return what the robot is told at each of the next physics steps while this command holds."""
+        target = self._limits.clamp(command)
+        radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
+        motions: list[Motion] = []
+        for _ in range(steps):
+            if self._v == target.v and self._w == target.w and motions:
+                motions.append(motions[-1])
+                continue
+            self._v += min(self._linear_step, max(-self._linear_step, target.v - self._v))
+            self._w += min(self._angular_step, max(-self._angular_step, target.w - self._w))
+            v, w = self._v, self._w
+            across = w * track / 2.0
+            left, right = (v - across) / radius, (v + across) / radius
+            if most is not None and (abs(left) > most or abs(right) > most):
+                left, right = min(most, max(-most, left)), min(most, max(-most, right))
+                v, w = radius * (left + right) / 2.0, radius * (right - left) / track
+            motions.append(Motion(v, w, left, right))
+        return motions
+
+
+def count_steps(dt: float, timestep: float) -> int:
+    """Return how many physics steps a control period has.
+
+    Raises:
+        InputError: If `dt` [s] is not a positive multiple of `timestep` [s]. It is not rounded: time would drift.
+    """
+    steps = round(dt / timestep) if 0.0 < dt < 1e6 else 0
+    if steps < 1 or abs(steps * timestep - dt) > 1e-9 * max(1.0, steps):
+        raise InputError(
+            f"a control period of {dt} s is not a multiple of the physics step of {timestep} s; "
+            f"use one, or make the simulator with a timestep that divides it"
+        )
+    return steps
