@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class RegulatedPurePursuit:
         InputError: If a setting is out of range.
     """
 
-    def __init__(self, robot: Robot, **settings: float | None) -> None:
+    def __init__(self, robot: Robot, **settings: Any) -> None:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
         self._outline = pad_outline(robot.outline, self.settings.footprint_padding)
@@ -160,10 +161,13 @@ class RegulatedPurePursuit:
                 driven, along = self._drive_geometrically(section, yaw)
                 hits = np.flatnonzero(costmap.footprint_collides(driven, outline=self._outline))
                 if len(hits):
-                    s = along[hits[0]]
-                    return min(bends, key=lambda i: abs(section.starts[i - first] - s))
+                    return self._nearest_bend(bends, section, first, along[int(hits[0])])
             first = last
         return None
+
+    @staticmethod
+    def _nearest_bend(bends: list[int], section: Section, first: int, s: float) -> int:
+        return min(bends, key=lambda bend: abs(section.starts[bend - first] - s))
 
     def _drive_geometrically(self, section: Section, yaw: float) -> tuple[FloatArray, list[float]]:
         """Poses of an ideal pure pursuit along a section from its start, and how far along each is [m]."""
