@@ -6,6 +6,8 @@ from cyclopts import App
 
 from trundle.cli import options, output
 
+MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf")
+
 app = App(
     name="joints",
     version_flags=[],
@@ -26,9 +28,10 @@ def joints(
     Args:
         robot: A robot by name, or the path of a robot's YAML, an MJCF or a URDF.
     """
+    from trundle.robots import Robot
     from trundle.sim.mujoco.joints import list_joints
 
-    found = list_joints(robot)
+    found = list_joints(robot if robot.lower().endswith(MODEL_SUFFIXES) else Robot.load(robot))
     if json:
         output.print_json(found)
         return 0
@@ -36,7 +39,7 @@ def joints(
         ("name", "type", "axis", "limits", "parent", "child", "drives"),
         [
             (
-                joint.name,
+                joint.name or "-",
                 joint.type,
                 " ".join(f"{number:g}" for number in joint.axis) if joint.axis else "-",
                 "-" if joint.limits is None else f"{joint.limits[0]:g} to {joint.limits[1]:g}",
