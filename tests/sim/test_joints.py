@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from trundle.errors import RobotError
+from trundle.errors import RobotError, UnknownNameError
 from trundle.robots import Robot
 from trundle.sim.mujoco.joints import list_joints
 
@@ -150,8 +150,15 @@ def test_files_that_are_no_robot_are_refused_with_the_reason(tmp_path, text, mes
     assert "robot.xml" in str(caught.value)
 
 
-def test_a_missing_file_and_a_folder_are_refused(tmp_path):
+def test_a_missing_file_a_folder_and_an_unknown_name_are_refused(tmp_path):
     with pytest.raises(RobotError, match="cannot read"):
         list_joints(tmp_path / "missing.urdf")
+    (tmp_path / "folder.xml").mkdir()
     with pytest.raises(RobotError, match="cannot read"):
-        list_joints(tmp_path)
+        list_joints(tmp_path / "folder.xml")
+    with pytest.raises(UnknownNameError, match="nova_carter"):
+        list_joints("nova_carte")
+
+
+def test_a_robot_is_found_by_name():
+    assert list_joints("nova_carter") == list_joints(Robot.load("nova_carter"))

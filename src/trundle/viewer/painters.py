@@ -14,12 +14,10 @@ import numpy.typing as npt
 from trundle.viewer.cameras import Camera
 from trundle.viewer.gl import GlKind, find_gl, open_context
 from trundle.viewer.rays import RayPainter
+from trundle.viewer.stage import SHOWN_GROUPS
 
 RendererKind = Literal["egl", "osmesa", "rays"]
 Pixels = npt.NDArray[np.uint8]
-
-SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
-"""Geom groups in pictures: everything but the robot's colliders."""
 
 _logger = logging.getLogger(__name__)
 

@@ -16,21 +16,25 @@ from trundle.sim.mujoco.urdf import parse_xml, urdf_joints
 MAX_BYTES = 64 * 1024 * 1024
 """Largest description that is read."""
 
+_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
+
 
 def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
     """List joints, in the order of the description.
 
     Args:
-        source: A robot, or the path of an MJCF or URDF file. Its meshes and textures need not be there.
+        source: A robot, the path of an MJCF (.xml, .mjcf) or URDF file, or what `Robot.load` takes. The meshes and
+            textures of a file need not be there.
 
     Returns:
         The joints. A `Robot`'s are those within it: that it floats in the world is not listed.
 
     Raises:
         RobotError: If the file is missing, too large, not XML, neither MJCF nor URDF, or MuJoCo cannot build it.
+        UnknownNameError: If it is neither a path nor the name of a robot.
     """
-    if isinstance(source, Robot):
-        joints = _model_joints(robot_spec(source).compile())
+    if isinstance(source, Robot) or Path(source).suffix.lower() not in _SUFFIXES:
+        joints = _model_joints(robot_spec(Robot.load(source)).compile())
         return [joint for joint in joints if joint.type != "floating"]
     path = Path(source)
     root = parse_xml(path, _read(path))

@@ -1,0 +1,164 @@
+"""`Stage`: a robot in a world as a MuJoCo model to look at; nothing moves by itself."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.mujoco.model import build_spec
+from trundle.sim.mujoco.world_parts import FLOOR
+from trundle.solids import Solid
+from trundle.viewer.cameras import Camera, aim
+from trundle.worlds import World
+
+SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
+"""Geom groups in pictures: everything but the robot's colliders."""
+
+AT_REST = WheelSpeeds(0.0, 0.0)
+
+_GROUP_MARKS = 4
+_PATH_COLOR = (0.05, 0.55, 0.95, 1.0)
+_GOAL_COLOR = (0.10, 0.72, 0.35, 1.0)
+_MAX_MARKS = 500
+_AT_EDGE = 0.35  # how far from the edge of its world a wall still is an outer one [m]
+
+
+class Stage:
+    """A robot in a world, to be posed and drawn.
+
+    Args:
+        world: What stands on the floor.
+        robot: Who is there.
+        size: Width and height of the pictures, in pixels.
+        path: Waypoints [m] in the map frame, shape (N, 2) or more columns, drawn on the floor.
+        goal: Drawn on the floor as a disc.
+        samples: Samples a pixel at edges.
+        shadow_size: Edge of the shadow map, in pixels.
+
+    Raises:
+        InputError: If the path is none.
+        WorldError: If a solid cannot be modelled.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        robot: Robot,
+        *,
+        size: tuple[int, int],
+        path: npt.ArrayLike | None = None,
+        goal: Pose2D | None = None,
+        samples: int = 0,
+        shadow_size: int = 1024,
+    ) -> None:
+        self.world, self.robot = world, robot
+        self._aspect = size[0] / size[1]
+        spec = build_spec(world, robot)
+        spec.visual.global_.offwidth, spec.visual.global_.offheight = size
+        spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, shadow_size
+        if path is not None:
+            _add_path(spec, np.asarray(path, dtype=np.float64))
+        if goal is not None:
+            _add_goal(spec, goal, robot)
+        _lay_slab(spec, world)
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        self._walls = _outer_walls(world, self.model)
+        self._bounds = world.bounds
+        self._sight = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)
+
+    def place(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST) -> None:
+        """Put the robot at a pose (map frame), with its drive wheels turned by these angles [rad]."""
+        upright = (math.cos(pose.yaw / 2.0), 0.0, 0.0, math.sin(pose.yaw / 2.0))
+        self.data.joint("base_link").qpos[:] = (pose.x, pose.y, 0.0, *upright)
+        drive = self.robot.drive
+        self.data.joint(drive.left_joint).qpos[0] = wheel_positions.left
+        self.data.joint(drive.right_joint).qpos[0] = wheel_positions.right
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        mujoco.mj_camlight(self.model, self.data)
+
+    def aim(self, camera: str | Camera, pose: Pose2D) -> Camera:
+        """Place a camera by name for a robot at `pose`, and let it see past the outer walls on its side."""
+        if isinstance(camera, str):
+            camera = aim(camera, self.world, self.robot, pose, self._aspect, self._is_clear)
+        (west, south, _), (east, north, _) = self._bounds
+        x, y = camera.eye[:2]
+        outside = {"west": x < west, "east": x > east, "south": y < south, "north": y > north}
+        for geom, side, alpha in self._walls:
+            self.model.geom_rgba[geom, 3] = 0.0 if outside[side] else alpha
+        return camera
+
+    def _is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
+        start, ray = np.array(target), np.subtract(eye, target)
+        met = mujoco.mj_ray(self.model, self.data, start, ray, self._sight, True, -1, None)
+        return not 0.0 <= met <= 1.0
+
+
+def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
+    """Geom, side and opacity of the walls at the edges of a world."""
+    low, high = world.bounds
+    walls: list[tuple[int, str, float]] = []
+    for solid in world.solids:
+        side = _side(solid, low, high)
+        if side is not None:
+            walls.append((model.geom(solid.name).id, side, float(solid.color[3])))
+    return walls
+
+
+def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
+    """The edge of its world that a wall lies along, if it does."""
+    if solid.kind != "wall":
+        return None
+    solid_low, solid_high = solid.bounds()
+    reaches = {
+        "west": solid_high[0] - low[0],
+        "east": high[0] - solid_low[0],
+        "south": solid_high[1] - low[1],
+        "north": high[1] - solid_low[1],
+    }
+    return next((name for name, reach in reaches.items() if reach < _AT_EDGE), None)
+
+
+def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
+    """Tell the floor of a building from the ground around it: the ground is darker."""
+    low, high = world.bounds
+    if not any(_side(solid, low, high) for solid in world.solids):
+        return
+    spec.add_material(name="viewer:ground", rgba=(0.60, 0.64, 0.68, 1.0), specular=0.0)
+    floor = spec.geom(FLOOR)
+    slab = _add_mark(spec, mujoco.mjtGeom.mjGEOM_PLANE, (1.0, 1.0, 1.0, 1.0))
+    slab.material, floor.material = floor.material, "viewer:ground"
+    slab.size = (*((high - low)[:2] / 2.0), 0.05)
+    slab.pos = (*((high + low)[:2] / 2.0), 0.001)
+
+
+def _add_path(spec: mujoco.MjSpec, path: FloatArray) -> None:
+    """Draw a line on the floor, of at most `_MAX_MARKS` pieces."""
+    if path.ndim != 2 or path.shape[1] < 2 or not np.isfinite(path[:, :2]).all():
+        raise InputError(f"a path to draw needs finite waypoints of shape (N, 2), got {path.shape}")
+    keep = np.unique(np.linspace(0, len(path) - 1, min(len(path), _MAX_MARKS)).round().astype(int))
+    for start, end in itertools.pairwise(path[keep, :2]):
+        if np.hypot(*(end - start)) < 1e-6:
+            continue
+        geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CAPSULE, _PATH_COLOR)
+        geom.size = (0.02, 0.0, 0.0)
+        geom.fromto = (*start, 0.012, *end, 0.012)
+
+
+def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
+    geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CYLINDER, _GOAL_COLOR)
+    geom.size = (max(0.08, 0.5 * robot.circumscribed_radius), 0.004, 0.0)
+    geom.pos = (goal.x, goal.y, 0.005)
+
+
+def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
+    """Add a geom that nothing touches."""
+    return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)
