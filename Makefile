@@ -16,6 +16,9 @@ else
   INSTALL := VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --compile-bytecode --python $(BIN)/python -c constraints.txt
 endif
 
+# Built with what is installed in $(VENV), so that a rebuild compiles only what changed. FLAGS: see scripts/sanitize.sh.
+BUILD = --no-build-isolation $(FLAGS)
+
 # Written once here, so that no start has to compile Python first, whatever PYTHONDONTWRITEBYTECODE says.
 COMPILE := $(BIN)/python -m compileall -q src/trundle
 
@@ -42,22 +45,20 @@ $(VENV)/.tools: scripts/check_tools.py
 	@$(PYTHON) scripts/check_tools.py
 	@mkdir -p $(VENV) && touch $@
 
-$(VENV)/.trundle: pyproject.toml constraints.txt $(SOURCES) | $(VENV)/.tools
+$(VENV)/.trundle: Makefile scripts/requirements.py pyproject.toml constraints.txt $(SOURCES) | $(VENV)/.tools
 	@$(CREATE)
 	@echo "Setting up trundle in $(VENV) (builds the C++ kernels; about a minute)"
-	@$(INSTALL) -e .
+	@$(INSTALL) $$($(BIN)/python scripts/requirements.py build)
+	@$(INSTALL) $(BUILD) -e .
 	@$(COMPILE)
 	@touch $@
 
 $(VENV)/.trundle-dev: $(VENV)/.trundle
-	@$(INSTALL) $$($(BIN)/python scripts/dev_requirements.py)
+	@$(INSTALL) $$($(BIN)/python scripts/requirements.py dev)
 	@touch $@
 
-build: | $(VENV)/.tools
-	@$(CREATE)
-	@$(INSTALL) -e .
-	@$(COMPILE)
-	@touch $(VENV)/.trundle
+build: setup
+	@$(INSTALL) $(BUILD) -e .
 
 clean:
 	rm -rf $(VENV) build dist

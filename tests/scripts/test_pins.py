@@ -28,6 +28,6 @@ def test_no_requirement_names_a_place_to_load_from() -> None:
 
 def test_development_requirements_are_those_of_the_project() -> None:
     done = subprocess.run(
-        [sys.executable, str(ROOT / "scripts" / "dev_requirements.py")], capture_output=True, text=True, check=True
+        [sys.executable, str(ROOT / "scripts" / "requirements.py"), "dev"], capture_output=True, text=True, check=True
     )
     assert done.stdout.split() == [item.replace(" ", "") for item in PROJECT["dependency-groups"]["dev"]]

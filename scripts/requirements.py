@@ -1,0 +1,20 @@
+"""Print the requirements to build (`build`) or to develop (`dev`), from pyproject.toml, for an installer."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+
+def requirements(purpose: str) -> list[str]:
+    """Requirements of a purpose, without blanks."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    lists = {
+        # What a build environment of its own would bring; with them in ours, a rebuild compiles only what changed.
+        "build": [*project["build-system"]["requires"], "cmake>=3.18", "ninja>=1.10"],
+        "dev": project["dependency-groups"]["dev"],
+    }
+    return [requirement.replace(" ", "") for requirement in lists[purpose]]
+
+
+if __name__ == "__main__":
+    print(" ".join(requirements(sys.argv[1])))
