@@ -57,7 +57,6 @@ Box bounds(const std::vector<Point> &polygon) {
   return box;
 }
 
-// A NaN compares false and so counts as outside.
 bool is_inside(const Costs &costs, const Box &box, double touch) {
   return box.min_x >= -touch && box.min_y >= -touch && box.max_x <= static_cast<double>(costs.cols) + touch &&
          box.max_y <= static_cast<double>(costs.rows) + touch;
@@ -150,6 +149,16 @@ double nearest(const Costs &costs, const std::vector<Point> &polygon, const Box 
   return best;
 }
 
+// Whether the footprint at a pose touches something; it is placed in `polygon` and `box` for that.
+bool collides(const Costs &costs, const Frame &frame, const In<double, 2> &outline, const double *pose,
+              std::vector<Point> &polygon, Box &box) {
+  if (!(std::isfinite(pose[0]) && std::isfinite(pose[1]) && std::isfinite(pose[2]))) return true;
+  place(frame, outline.data(), outline.shape(0), pose, polygon);
+  box = bounds(polygon);
+  const double touch = kTouch / frame.resolution;
+  return !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch);
+}
+
 Frame make_frame(double resolution, double x, double y, double yaw) {
   return {x, y, yaw, std::cos(yaw), std::sin(yaw), resolution};
 }
@@ -172,12 +181,10 @@ static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells
     const Costs costs{cells.data(), static_cast<std::ptrdiff_t>(cells.shape(0)),
                       static_cast<std::ptrdiff_t>(cells.shape(1))};
     const Frame frame = make_frame(resolution, origin_x, origin_y, origin_yaw);
-    const double touch = kTouch / resolution;
     std::vector<Point> polygon;
+    Box box;
     for (std::size_t i = 0; i < count; ++i) {
-      place(frame, outline.data(), outline.shape(0), poses.data() + 3 * i, polygon);
-      const Box box = bounds(polygon);
-      hits[i] = !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch);
+      hits[i] = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box);
     }
   }
   bool *data = hits.release();
@@ -196,12 +203,10 @@ static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> ce
     const Costs costs{cells.data(), static_cast<std::ptrdiff_t>(cells.shape(0)),
                       static_cast<std::ptrdiff_t>(cells.shape(1))};
     const Frame frame = make_frame(resolution, origin_x, origin_y, origin_yaw);
-    const double touch = kTouch / resolution;
     std::vector<Point> polygon;
+    Box box;
     for (std::size_t i = 0; i < count; ++i) {
-      place(frame, outline.data(), outline.shape(0), poses.data() + 3 * i, polygon);
-      const Box box = bounds(polygon);
-      const bool hit = !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch);
+      const bool hit = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box);
       distances[i] = hit ? 0.0 : std::min(cap, resolution * nearest(costs, polygon, box, cap / resolution));
     }
   }

@@ -1,0 +1,279 @@
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from trundle.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.errors import InputError, MapError
+from trundle.geometry import Pose2D
+from trundle.maps.grid import OccupancyGrid
+from trundle.robots import Robot
+
+SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
+LONG = ((0.14, 0.25), (-0.607, 0.25), (-0.607, -0.25), (0.14, -0.25))
+
+
+def expected_costs(data, resolution, inscribed, radius, factor):
+    """Nav2's numbers from SciPy's exact distances."""
+    blocked = (data < 0) | (data == 100)
+    if blocked.any():
+        distances = ndimage.distance_transform_edt(~blocked) * resolution
+    else:
+        distances = np.full(data.shape, np.inf)
+    costs = (252.0 * np.exp(-factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
+    costs[distances > max(radius, inscribed) + 1e-9] = 0
+    costs[distances <= inscribed + 1e-9] = INSCRIBED
+    costs[data == 100] = LETHAL
+    costs[data < 0] = NO_INFORMATION
+    return costs
+
+
+def make_grid(rows, cols, density, seed, resolution=0.05):
+    rng = np.random.default_rng(seed)
+    data = np.where(rng.random((rows, cols)) < density, 100, 0).astype(np.int8)
+    data[rng.random((rows, cols)) < density / 2] = -1
+    return OccupancyGrid(data, resolution)
+
+
+def test_one_obstacle_gives_nav2s_costs():
+    data = np.zeros((1, 41), np.int8)
+    data[0, 20] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.05), SQUARE, 0.5, 10.0)
+    row = costmap.data[0]
+    assert row[20] == LETHAL
+    assert (row[16:20] == INSCRIBED).all()
+    assert row[15] == int(252 * math.exp(-10 * (0.25 - 0.2)))
+    assert row[10] == int(252 * math.exp(-10 * (0.5 - 0.2)))
+    assert row[9] == FREE_SPACE
+    assert (row == row[::-1]).all()
+
+
+def test_unknown_stays_unknown_and_inflates():
+    data = np.zeros((1, 9), np.int8)
+    data[0, 0] = -1
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.1), SQUARE)
+    assert costmap.data[0, 0] == NO_INFORMATION
+    assert costmap.data[0, 1] == INSCRIBED
+
+
+def test_only_100_is_occupied_as_in_nav2s_trinary_costmap():
+    data = np.array([[0, 1, 65, 99, 0]], np.int8)
+    assert (Costmap.from_grid(OccupancyGrid(data, 0.1), SQUARE).data == FREE_SPACE).all()
+
+
+def test_the_inscribed_radius_is_kept_when_the_inflation_is_smaller():
+    data = np.zeros((1, 9), np.int8)
+    data[0, 4] = 100
+    costs = Costmap.from_grid(OccupancyGrid(data, 0.1), SQUARE, 0.0).data[0]
+    assert costs.tolist() == [0, 0, 253, 253, 254, 253, 253, 0, 0]
+
+
+def test_the_default_inflation_reaches_past_the_circumscribed_radius():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((4, 4), np.int8), 0.05), Robot.load("nova_carter"))
+    assert costmap.circumscribed_radius == pytest.approx(0.6565, abs=1e-3)
+    assert costmap.inscribed_radius == pytest.approx(0.14)
+    assert costmap.inflation_radius >= costmap.circumscribed_radius + 0.3 - 1e-12
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    rows=st.sampled_from([1, 2, 3, 17, 40]),
+    cols=st.sampled_from([1, 2, 31, 32, 33, 63, 64, 65, 127, 130, 200]),
+    density=st.sampled_from([0.0, 0.001, 0.01, 0.1, 0.9]),
+    radius=st.floats(0.0, 3.0),
+    transpose=st.booleans(),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_inflation_matches_scipy(rows, cols, density, radius, transpose, seed):
+    grid = make_grid(cols, rows, density, seed) if transpose else make_grid(rows, cols, density, seed)
+    costmap = Costmap.from_grid(grid, SQUARE, radius, 3.0)
+    expected = expected_costs(grid.data, 0.05, costmap.inscribed_radius, radius, 3.0)
+    np.testing.assert_array_equal(costmap.data, expected)
+
+
+@pytest.mark.parametrize("radius_cells", [179, 180, 181, 182, 300])
+def test_inflation_matches_scipy_where_squares_outgrow_16_bits(radius_cells):
+    data = np.zeros((330, 401), np.int8)
+    data[3, 7] = data[300, 390] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.1), SQUARE, radius_cells * 0.1, 0.02)
+    expected = expected_costs(data, 0.1, costmap.inscribed_radius, radius_cells * 0.1, 0.02)
+    np.testing.assert_array_equal(costmap.data, expected)
+
+
+def test_a_costmap_cannot_be_written_to():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((3, 3), np.int8), 0.1), SQUARE)
+    with pytest.raises(ValueError, match="read-only"):
+        costmap.data[0, 0] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        costmap.footprint[0, 0] = 1.0
+
+
+def test_writable_costs_are_copied():
+    data = np.zeros((3, 3), np.uint8)
+    costmap = Costmap(data, 0.1, Pose2D(0, 0), np.array(SQUARE), 1.0)
+    data[:] = LETHAL
+    assert (costmap.data == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"inflation_radius": -1.0}, "inflation_radius"),
+        ({"inflation_radius": math.nan}, "inflation_radius"),
+        ({"inflation_radius": 1e9}, "inflation_radius"),
+        ({"cost_scaling_factor": -1.0}, "cost_scaling_factor"),
+        ({"cost_scaling_factor": math.inf}, "cost_scaling_factor"),
+    ],
+)
+def test_bad_inflation_numbers_are_named(options, message):
+    with pytest.raises(InputError, match=message):
+        Costmap.from_grid(OccupancyGrid(np.zeros((3, 3), np.int8), 0.1), SQUARE, **options)
+
+
+@pytest.mark.parametrize(
+    ("outline", "message"),
+    [
+        ([(0, 0), (1, 0)], "at least 3"),
+        ([(1, 1), (-1, 1), (0, 0.2), (-1, -1), (1, -1)], "convex"),
+        ([(1, 1), (2, 1), (2, 2), (1, 2)], "inside the footprint"),
+        ([(1, 1), (math.nan, 1), (-1, -1)], "finite"),
+        ([(1, 0), (-0.8, 0.6), (0.3, -0.95), (0.3, 0.95), (-0.8, -0.6)], "convex"),
+    ],
+)
+def test_bad_footprints_are_refused(outline, message):
+    with pytest.raises(InputError, match=message):
+        Costmap.from_grid(OccupancyGrid(np.zeros((3, 3), np.int8), 0.1), outline)
+
+
+@pytest.mark.parametrize(
+    "data", [np.zeros((3, 3), np.int8), np.zeros(3, np.uint8), np.zeros((0, 3), np.uint8)], ids=["int8", "1d", "empty"]
+)
+def test_bad_costs_are_refused(data):
+    with pytest.raises(MapError, match="uint8"):
+        Costmap(data, 0.1, Pose2D(0, 0), np.array(SQUARE), 1.0)
+
+
+def test_a_clockwise_outline_is_turned_round():
+    grid = OccupancyGrid(np.zeros((3, 3), np.int8), 0.1)
+    clockwise = Costmap.from_grid(grid, SQUARE[::-1]).footprint
+    assert clockwise.tolist() == [list(corner) for corner in SQUARE]
+
+
+def test_cost_at_reads_cells_and_is_unknown_outside():
+    data = np.zeros((10, 20), np.int8)
+    data[5, 7] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.5, Pose2D(-3.0, 2.0, 0.7)), SQUARE)
+    x, y = costmap.cell_to_world([5, 0], [7, 19])
+    assert costmap.cost_at(x, y).tolist() == [LETHAL, FREE_SPACE]
+    assert costmap.cost_at(1e6, 0.0) == NO_INFORMATION
+    assert costmap.cost_at([[1e6], [x[0]]], [[0.0], [y[0]]]).tolist() == [[NO_INFORMATION], [LETHAL]]
+
+
+def boxes_of(costmap):
+    """Every blocked cell as a shapely box in grid units."""
+    rows, cols = np.nonzero(costmap.data >= LETHAL)
+    return shapely.box(cols, rows, cols + 1, rows + 1)
+
+
+def placed(costmap, pose):
+    """The footprint at a pose as a shapely polygon in grid units."""
+    in_map = Pose2D(*pose).transform_points(costmap.footprint)
+    return shapely.Polygon(costmap.origin.inverse().transform_points(in_map) / costmap.resolution)
+
+
+def cases(seed, density=0.02):
+    grid = make_grid(40, 50, density, seed)
+    costmap = Costmap.from_grid(OccupancyGrid(grid.data, 0.05, Pose2D(-1.0, 0.5, 0.3)), LONG)
+    rng = np.random.default_rng(seed)
+    x, y = costmap.cell_to_world(rng.uniform(-3, 43, 60), rng.uniform(-3, 53, 60))
+    return costmap, np.column_stack([x, y, rng.uniform(-4, 4, 60)])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_footprint_collides_as_shapely_says(seed):
+    costmap, poses = cases(seed, density=0.02 if seed % 2 else 0.002)
+    boxes, area = shapely.STRtree(boxes_of(costmap)), shapely.box(0, 0, costmap.shape[1], costmap.shape[0])
+    hits = costmap.footprint_collides(poses)
+    for pose, hit in zip(poses, hits, strict=True):
+        polygon = placed(costmap, pose)
+        grown, shrunk = polygon.buffer(1e-6), polygon.buffer(-1e-6)
+        touches_grown = len(boxes.query(grown, "intersects")) > 0 or not area.contains(grown)
+        touches_shrunk = len(boxes.query(shrunk, "intersects")) > 0 or not area.contains(shrunk)
+        if touches_grown == touches_shrunk:
+            assert hit == touches_grown
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_clearance_is_shapelys_distance(seed):
+    costmap, poses = cases(seed, density=0.01 if seed % 2 else 0.0005)
+    frame = shapely.box(0, 0, costmap.shape[1], costmap.shape[0])
+    outside = frame.buffer(100.0).difference(frame)
+    blocked = shapely.union_all([*boxes_of(costmap), outside])
+    cap = 0.5 + 0.25 * seed
+    for pose, clearance in zip(poses, costmap.clearance(poses, cap), strict=True):
+        polygon = placed(costmap, pose)
+        assert clearance == pytest.approx(min(cap, polygon.distance(blocked) * 0.05), abs=1e-9)
+
+
+def test_touching_a_wall_is_no_collision_and_reaching_into_it_is():
+    data = np.zeros((20, 20), np.int8)
+    data[:, 10:] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.1), SQUARE)
+    assert not costmap.footprint_collides([(0.8, 1.0, 0.0)])[0]
+    assert not costmap.footprint_collides([(0.8, 1.0, math.pi / 2)])[0]
+    assert costmap.footprint_collides([(0.8 + 1e-6, 1.0, 0.0)])[0]
+    assert costmap.clearance([(0.8, 1.0, 0.0)])[0] == pytest.approx(0.0, abs=1e-12)
+    assert costmap.clearance([(0.7, 1.0, 0.0)])[0] == pytest.approx(0.1)
+
+
+def test_an_off_centre_footprint_swings_its_tail():
+    data = np.zeros((60, 60), np.int8)
+    data[:, 40:] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.05), LONG)
+    x = 40 * 0.05 - 0.3
+    assert not costmap.footprint_collides([(x, 1.5, 0.0)])[0]
+    assert costmap.footprint_collides([(x, 1.5, math.pi)])[0]
+
+
+def test_leaving_the_map_collides():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), SQUARE)
+    poses = [(1.0, 1.0, 0.3), (0.1, 1.0, 0.0), (1.0, 1.95, 0.0), (50.0, 1.0, 0.0), (0.2, 0.2, 0.0)]
+    assert costmap.footprint_collides(poses).tolist() == [False, True, True, True, False]
+
+
+def test_a_pose_that_is_not_finite_collides():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), SQUARE)
+    assert costmap.footprint_collides([(math.nan, 1, 0), (1, math.inf, 0), (1, 1, math.nan), (1e300, 1, 0)]).all()
+
+
+def test_clearance_is_capped():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((200, 200), np.int8), 0.1), SQUARE)
+    assert costmap.clearance([(10.0, 10.0, 0.4)]).tolist() == [2.0]
+    assert costmap.clearance([(10.0, 10.0, 0.0)], cap=100.0)[0] == pytest.approx(9.8)
+    with pytest.raises(InputError, match="cap"):
+        costmap.clearance([(10.0, 10.0, 0.0)], cap=0.0)
+
+
+def test_one_pose_and_no_pose_are_batches_too():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), SQUARE)
+    assert costmap.footprint_collides((1.0, 1.0, 0.0)).shape == (1,)
+    assert costmap.footprint_collides(np.empty((0, 3))).shape == (0,)
+    with pytest.raises(InputError, match="shape"):
+        costmap.footprint_collides([(1.0, 1.0)])
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=st.floats(-5, 5), y=st.floats(-5, 5), yaw=st.floats(-7, 7), turn=st.floats(-3.1, 3.1))
+def test_collision_does_not_depend_on_the_maps_frame(x, y, yaw, turn):
+    grid = make_grid(30, 30, 0.02, 5)
+    local = Costmap.from_grid(grid, LONG)
+    moved = Costmap.from_grid(OccupancyGrid(grid.data, 0.05, Pose2D(x, y, turn)), LONG)
+    pose = Pose2D(0.75, 0.75, yaw)
+    there = Pose2D(x, y, turn) @ pose
+    clearance = local.clearance([pose.as_tuple()])[0]
+    if abs(clearance) > 1e-6:
+        assert moved.clearance([there.as_tuple()])[0] == pytest.approx(clearance, abs=1e-6)
