@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +15,7 @@ from trundle.errors import InputError
 if TYPE_CHECKING:
     from trundle.cli.drive_log import DriveLog
     from trundle.sim import Simulator
+    from trundle.viewer.native import NativeWindow
 
 PERIOD_S = 0.05
 MAX_SECONDS = 3600.0
@@ -38,6 +41,7 @@ def drive(
         Parameter(name="--command", allow_leading_hyphen=True, negative="", metavar="V,W,SECONDS"),
     ] = None,
     teleop: Annotated[bool, Parameter(negative="")] = False,
+    view: Annotated[bool, Parameter(negative="")] = False,
     world: str | None = None,
     start: options.Pose = None,
     backend: options.Backend = "mujoco",
@@ -54,12 +58,15 @@ def drive(
     Args:
         robot: A robot by name, or the path of its YAML.
         command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
-        teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends.
+        teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends. With --view by
+            the arrow keys in the window; close it to end.
+        view: Watch it in a window, in real time.
         world: Where to drive: a world by name, or the YAML of a map; left out: an empty floor.
         out: Folder for drive.csv; left out: a new one under runs.
     """
     from trundle.cli.drive_log import DriveLog
     from trundle.cli.teleop import check_terminal, drive_by_keys
+    from trundle.cli.window import drive_in_window, open_window
     from trundle.robots import Robot
     from trundle.sim import simulate
 
@@ -69,18 +76,22 @@ def drive(
     machine = Robot.load(robot)
     place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings))
     pose = sources.start_pose(place, start)
-    if teleop:
+    if teleop and not view:
         check_terminal()
     log = DriveLog()
-    with simulate(place, machine, backend=backend) as simulator:
+    with ExitStack() as stack:
+        simulator = stack.enter_context(simulate(place, machine, backend=backend))
+        window = stack.enter_context(open_window(place, machine, pose)) if view else None
         folder = options.run_folder(out, "drive")
         log.add(simulator.reset(pose, seed=seed))
         try:
-            if teleop:
+            if not teleop:
+                for v, w, seconds in commands:
+                    _drive_for(simulator, log, v, w, seconds, window)
+            elif window is None:
                 drive_by_keys(simulator, log, period_s=PERIOD_S)
             else:
-                for v, w, seconds in commands:
-                    _drive_for(simulator, log, v, w, seconds)
+                drive_in_window(simulator, log, window, period_s=PERIOD_S)
         finally:
             log.save(folder / "drive.csv")
     _report(log, folder, json=json)
@@ -95,16 +106,23 @@ def parse_command(text: str) -> tuple[float, float, float]:
     return v, w, seconds
 
 
-def _drive_for(simulator: Simulator, log: DriveLog, v: float, w: float, seconds: float) -> None:
+def _drive_for(
+    simulator: Simulator, log: DriveLog, v: float, w: float, seconds: float, window: NativeWindow | None
+) -> None:
     from trundle.geometry import Twist2D
 
     twist = Twist2D(v, w)
     log.begin(v, w, seconds)
+    began = time.monotonic()
     left = seconds
     while left > 1e-9:
         period = min(PERIOD_S, left)
-        log.add(simulator.step(twist, period), twist)
+        state = simulator.step(twist, period)
+        log.add(state, twist)
         left -= period
+        if window is not None:
+            window.show(state.pose, state.wheel_positions)
+            time.sleep(max(0.0, began + seconds - left - time.monotonic()))
 
 
 def _report(log: DriveLog, folder: Path, *, json: bool) -> None:

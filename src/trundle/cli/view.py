@@ -37,6 +37,8 @@ def view(
 ) -> int:
     """Show a robot, alone or in a world: in a window where there is a screen, else as a picture.
 
+    With --out or --json it is always a picture.
+
     Args:
         robot: A robot by name, or the path of its YAML.
         world: Where it stands: a world by name, or the YAML of a map; left out: an empty floor.
@@ -51,6 +53,14 @@ def view(
     place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings))
     pose = sources.start_pose(place, start)
     width, height = parse_size(size)
+    if out is None and not json:
+        from trundle.viewer.native import NativeWindow, has_screen
+
+        if has_screen():
+            with NativeWindow(place, machine, pose) as window:
+                output.remark("close the window to end", quiet=quiet)
+                window.wait()
+            return 0
     target = options.output_file(out or Path("scene.png"), "scene.png", (".png",))
     picture = render(
         place, machine, pose, size=(width, height), camera=camera or ("robot" if world is None else "overview")
