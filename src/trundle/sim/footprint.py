@@ -1,0 +1,209 @@
+"""What a footprint touches: convex outlines against the sections of solids, for many poses at once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.robots import Robot
+from trundle.sim.sections import Disc, Polygon, slab_section
+from trundle.sim.simulator import Contact
+from trundle.solids import OccupancyCells, Solid
+from trundle.worlds import World
+
+_TOUCH = 1e-9
+"""Overlaps up to this depth [m] are float noise of shapes that lie side by side."""
+
+_MOST_CELLS = 8
+"""Of blocked cells under a footprint, at most this many are reported in one period, the deepest first."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellField:
+    """Blocked cells in the plane.
+
+    Attributes:
+        name: Of the solid; a cell of it is `name[row,col]`.
+        frame: Pose of the corner of cell (0, 0) in the map frame.
+        blocked: bool, shape (rows, cols).
+        resolution: [m].
+    """
+
+    name: str
+    frame: Pose2D
+    blocked: npt.NDArray[np.bool_]
+    resolution: float
+
+    @classmethod
+    def of(cls, solid: Solid, cells: OccupancyCells) -> CellField:
+        """Take the cells of a solid.
+
+        Raises:
+            WorldError: If they do not lie level.
+        """
+        if not solid.pose.is_upright():
+            raise WorldError(f"blocked cells {solid.name!r} must lie level; their pose is tilted")
+        x, y, _ = solid.pose.position
+        return cls(solid.name, Pose2D(x, y, solid.pose.yaw()), cells.blocked, cells.resolution)
+
+
+class FootprintChecker:
+    """Finds what the robot's prism, its footprint from clearance to height, overlaps.
+
+    Args:
+        world: What stands around.
+        robot: Whose footprint.
+    """
+
+    def __init__(self, world: World, robot: Robot) -> None:
+        self._outline = robot.outline
+        self._reach = robot.circumscribed_radius
+        low, high = robot.body.clearance, robot.body.height
+        self._names: list[str] = []
+        self._sections: list[Polygon | Disc] = []
+        self._fields: list[CellField] = []
+        for solid in world.solids:
+            if isinstance(solid.shape, OccupancyCells):
+                base = solid.pose.position[2]
+                if base < high and base + solid.shape.height > low:
+                    self._fields.append(CellField.of(solid, solid.shape))
+                continue
+            section = slab_section(solid, low, high)
+            if section is not None:
+                self._names.append(solid.name)
+                self._sections.append(section)
+        bounds = [_bounds(section) for section in self._sections]
+        self._bounds = np.array(bounds).reshape(-1, 4)
+
+    def find(self, poses: FloatArray) -> tuple[Contact, ...]:
+        """Return what is touched at any of the poses (x, y, yaw), map frame, shape (P, 3), once each."""
+        low, high = poses[:, :2].min(axis=0) - self._reach, poses[:, :2].max(axis=0) + self._reach
+        box = self._bounds
+        near = (box[:, 0] < high[0]) & (box[:, 2] > low[0]) & (box[:, 1] < high[1]) & (box[:, 3] > low[1])
+        outlines = _placed(self._outline, poses) if near.any() or self._fields else None
+        contacts: list[Contact] = []
+        if outlines is None:
+            return ()
+        for index in np.flatnonzero(near):
+            section = self._sections[index]
+            if isinstance(section, Disc):
+                depth = _disc_depth(outlines, section)
+            else:
+                depth = polygon_depth(outlines, section.corners[None])[:, 0]
+            hits = np.flatnonzero(depth > _TOUCH)
+            if len(hits):
+                x, y = _middle_of_overlap(outlines[hits[0]], section)
+                contacts.append(Contact("chassis", self._names[index], x, y))
+        for field in self._fields:
+            contacts += self._touched_cells(field, poses)
+        return tuple(contacts)
+
+    def _touched_cells(self, field: CellField, poses: FloatArray) -> list[Contact]:
+        local = field.frame.inverse()
+        placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
+        outlines = _placed(self._outline, placed)
+        rows, cols = field.blocked.shape
+        low = np.floor(outlines.min(axis=(0, 1)) / field.resolution).astype(int)
+        high = np.floor(outlines.max(axis=(0, 1)) / field.resolution).astype(int) + 1
+        first_col, first_row = np.clip(low, 0, (cols, rows))
+        last_col, last_row = np.clip(high, 0, (cols, rows))
+        cells = np.argwhere(field.blocked[first_row:last_row, first_col:last_col])
+        if len(cells) == 0:
+            return []
+        cells += np.array([first_row, first_col])
+        corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        squares = (cells[:, None, ::-1] + corners) * field.resolution
+        depth = polygon_depth(outlines, squares).max(axis=0)
+        found: list[Contact] = []
+        for index in np.argsort(-depth, kind="stable")[:_MOST_CELLS]:
+            if depth[index] <= _TOUCH:
+                break
+            row, col = cells[index].tolist()
+            x, y = field.frame.transform_points([squares[index].mean(axis=0)])[0].tolist()
+            found.append(Contact("chassis", f"{field.name}[{row},{col}]", x, y))
+        return found
+
+
+def polygon_depth(first: FloatArray, second: FloatArray) -> FloatArray:
+    """How deep convex polygons overlap [m], by the separating axis theorem; 0 or less where they do not.
+
+    Args:
+        first: Corners, counter-clockwise, shape (P, N, 2).
+        second: Corners, counter-clockwise, shape (Q, M, 2).
+
+    Returns:
+        Smallest overlap over the normals of both, shape (P, Q).
+    """
+    own = _overlap_along(first, second)
+    other = _overlap_along(second, first).T
+    return np.minimum(own, other)
+
+
+def _overlap_along(polygons: FloatArray, others: FloatArray) -> FloatArray:
+    edges = np.roll(polygons, -1, axis=1) - polygons
+    normals = np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    reach = np.einsum("pnd,pnd->pn", normals, polygons)
+    # The nearest point of each other polygon along each outward normal: (P, N, Q).
+    nearest = np.einsum("pnd,qmd->pnqm", normals, others).min(axis=-1)
+    return (reach[:, :, None] - nearest).min(axis=1)
+
+
+def _disc_depth(outlines: FloatArray, disc: Disc) -> FloatArray:
+    """How deep a disc reaches into outlines, shape (P, N, 2) → (P,) [m]; negative: the distance between them."""
+    offset = np.array([disc.x, disc.y]) - outlines
+    edges = np.roll(outlines, -1, axis=1) - outlines
+    along = np.clip(np.einsum("pnd,pnd->pn", offset, edges) / np.einsum("pnd,pnd->pn", edges, edges), 0.0, 1.0)
+    distance = np.linalg.norm(offset - along[..., None] * edges, axis=-1).min(axis=1)
+    inside = (edges[..., 0] * offset[..., 1] - edges[..., 1] * offset[..., 0] > 0.0).all(axis=1)
+    return np.where(inside, disc.radius + distance, disc.radius - distance)
+
+
+def _placed(outline: FloatArray, poses: FloatArray) -> FloatArray:
+    """Outlines (P, N, 2) at poses (P, 3)."""
+    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    x = poses[:, 0, None] + cos * outline[:, 0] - sin * outline[:, 1]
+    y = poses[:, 1, None] + sin * outline[:, 0] + cos * outline[:, 1]
+    return np.stack([x, y], axis=-1)
+
+
+def _bounds(section: Polygon | Disc) -> tuple[float, float, float, float]:
+    if isinstance(section, Disc):
+        radius = section.radius
+        return section.x - radius, section.y - radius, section.x + radius, section.y + radius
+    (left, bottom), (right, top) = section.corners.min(axis=0), section.corners.max(axis=0)
+    return float(left), float(bottom), float(right), float(top)
+
+
+def _middle_of_overlap(outline: FloatArray, section: Polygon | Disc) -> tuple[float, float]:
+    """Mean of the corners of what an outline and a section share: where to say that they touch."""
+    if isinstance(section, Disc):
+        angles = np.arange(24) * (math.tau / 24)
+        corners = np.c_[section.x + section.radius * np.cos(angles), section.y + section.radius * np.sin(angles)]
+    else:
+        corners = section.corners
+    shared = outline
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        shared = _clip(shared, start, end)
+        if len(shared) == 0:
+            return float(corners[:, 0].mean()), float(corners[:, 1].mean())
+    return float(shared[:, 0].mean()), float(shared[:, 1].mean())
+
+
+def _clip(polygon: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """The part of a polygon on the left of the line from `start` to `end` (Sutherland and Hodgman, 1974)."""
+    edge = end - start
+    side = edge[0] * (polygon[:, 1] - start[1]) - edge[1] * (polygon[:, 0] - start[0])
+    kept: list[FloatArray] = []
+    for index, point in enumerate(polygon):
+        following, here, there = (index + 1) % len(polygon), side[index], side[(index + 1) % len(polygon)]
+        if here >= 0.0:
+            kept.append(point)
+        if here * there < 0.0:
+            kept.append(point + (here / (here - there)) * (polygon[following] - point))
+    return np.array(kept).reshape(-1, 2)

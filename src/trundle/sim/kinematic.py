@@ -1,0 +1,122 @@
+"""`KinematicSimulator`: the robot exactly as it is told, with NumPy alone. The reference for every other simulator."""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+import numpy as np
+
+from trundle.errors import InputError, SimulationError
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.beams import WorldOutline
+from trundle.sim.footprint import FootprintChecker
+from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.simulator import RobotState
+from trundle.worlds import World
+
+TIMESTEP = 0.005
+"""Length of a step [s]: the same as the physics engine's, so that limits act alike."""
+
+
+class KinematicSimulator:
+    """Moves a robot without mass: no slip, no lag, every arc integrated exactly.
+
+    The robot's limits are applied at every step. Where the footprint overlaps a solid a contact is reported, and the
+    robot drives on through it: what follows from a contact is for the mission to say. Solids count where they reach
+    between the robot's clearance and its height, meshes as their convex hulls.
+
+    Args:
+        world: Where it drives.
+        robot: What drives.
+        lidar: Take scans: with all lidars of the robot, or with those named.
+        timestep: Length of a step [s].
+
+    Raises:
+        InputError: If the timestep is out of range.
+        UnknownNameError: If the robot has no lidar of a chosen name.
+    """
+
+    def __init__(self, world: World, robot: Robot, *, lidar: LidarChoice = False, timestep: float = TIMESTEP) -> None:
+        if not 0.0 < timestep <= 1.0:
+            raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 1")
+        self._robot = robot
+        self._timestep = timestep
+        self._ramp = CommandRamp(robot, timestep)
+        self._footprint = FootprintChecker(world, robot)
+        self._outlines: dict[float, WorldOutline] = {}
+        self._lidars = LidarSet(robot, lidar, self._cast)
+        for height in self._lidars.heights:
+            self._outlines.setdefault(height, WorldOutline(world, height))
+        self._closed = False
+        self.reset(Pose2D(0.0, 0.0))
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that it moves."""
+        return self._robot
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""
+        self._check_open()
+        self._ramp.reset()
+        self._lidars.reset(seed)
+        self._steps = 0
+        self._pose = pose.as_tuple()
+        self._wheels = (0.0, 0.0)
+        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), since=-1.0)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s], a multiple of the timestep, with a commanded twist.
+
+        Raises:
+            SimulationError: If it was closed.
+            InputError: If `dt` is not a multiple of the timestep.
+        """
+        self._check_open()
+        since = self._steps * self._timestep
+        motions = self._ramp.advance(command, count_steps(dt, self._timestep))
+        poses: list[tuple[float, float, float]] = []
+        x, y, yaw = self._pose
+        left, right = self._wheels
+        for motion in motions:
+            x, y, yaw = integrate_twist(x, y, yaw, motion.v, motion.w, self._timestep)
+            left += motion.left * self._timestep
+            right += motion.right * self._timestep
+            poses.append((x, y, yaw))
+        self._pose, self._wheels = (x, y, yaw), (left, right)
+        self._steps += len(motions)
+        return self._state(motions[-1], np.array(poses), since)
+
+    def close(self) -> None:
+        """End it; closing twice does nothing."""
+        self._closed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
+
+    def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
+        return self._outlines[z].cast(x, y, angles, reach)
+
+    def _state(self, motion: Motion, poses: FloatArray, since: float) -> RobotState:
+        time = self._steps * self._timestep
+        pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
+        return RobotState(
+            time=time,
+            pose=pose,
+            twist=Twist2D(motion.v, motion.w),
+            wheel_positions=WheelSpeeds(*self._wheels),
+            wheel_speeds=WheelSpeeds(motion.left, motion.right),
+            odometry=pose,
+            contacts=self._footprint.find(poses),
+            scans=self._lidars.scan(pose, since, time),
+        )

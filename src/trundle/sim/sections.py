@@ -1,0 +1,140 @@
+"""What a planar robot sees of solids: their extent between two heights, and their outline at one height."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+
+_SIDES = 128
+"""A lying or leaning cylinder is taken as a prism of this many sides: 0.03 % of its radius short."""
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon:
+    """A convex polygon: corners [m] in the map frame, counter-clockwise, shape (N, 2), N ≥ 3."""
+
+    corners: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A disc: centre and radius [m] in the map frame."""
+
+    x: float
+    y: float
+    radius: float
+
+
+IndexArray: TypeAlias = npt.NDArray[np.integer]
+Section: TypeAlias = Polygon | Disc
+
+
+def slab_section(solid: Solid, low: float, high: float) -> Section | None:
+    """The extent, seen from above, of the part of a solid between two heights [m]; None where there is none.
+
+    A mesh counts as its convex hull. Blocked cells are no convex shape: see `trundle.sim.footprint.CellField`.
+    """
+    x, y, z = solid.pose.position
+    match solid.shape:
+        case Sphere(radius):
+            height = min(max(z, low), high) - z
+            reach = math.sqrt(radius * radius - height * height) if abs(height) < radius else 0.0
+            return Disc(x, y, reach) if reach > 0.0 else None
+        case Cylinder(radius, length) if solid.pose.is_upright():
+            return Disc(x, y, radius) if z - length / 2.0 < high and z + length / 2.0 > low else None
+        case OccupancyCells():
+            raise WorldError(f"blocked cells {solid.name!r} have no convex section")
+        case shape:
+            corners, edges = _polyhedron(shape)
+            return _cut(solid.pose.transform_points(corners), edges, low, high)
+
+
+def outline_segments(solid: Solid, height: float) -> FloatArray:
+    """The outline of a solid's cut at one height [m], as segments (x0, y0, x1, y1) [m], shape (N, 4).
+
+    For what has straight edges; spheres and upright cylinders are discs, see `slab_section`.
+    """
+    if isinstance(solid.shape, Mesh):
+        return _mesh_segments(solid.pose.transform_points(solid.shape.vertices), solid.shape.faces, height)
+    section = slab_section(solid, height, height)
+    if not isinstance(section, Polygon):
+        return np.empty((0, 4))
+    return np.hstack([section.corners, np.roll(section.corners, -1, axis=0)])
+
+
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered).reshape(-1, 2)
+
+    def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        chain: list[tuple[float, float]] = []
+        for point in sequence:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
+                chain.pop()
+            chain.append(point)
+        return chain[:-1]
+
+    return np.array(half(ordered) + half(ordered[::-1]))
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _polyhedron(shape: Box | Cylinder | Mesh) -> tuple[FloatArray, IndexArray]:
+    """Corners (N, 3) in the shape's frame and edges (M, 2) as pairs of their indices."""
+    match shape:
+        case Box(size):
+            signs = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)]) - 0.5
+            edges = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
+            return signs * np.asarray(size), np.array(edges)
+        case Cylinder(radius, length):
+            angles = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
+            ring = np.c_[radius * np.cos(angles), radius * np.sin(angles)]
+            corners = np.vstack([np.c_[ring, np.full(_SIDES, sign * length / 2.0)] for sign in (-1.0, 1.0)])
+            index = np.arange(_SIDES)
+            around = np.c_[index, np.roll(index, -1)]
+            return corners, np.vstack([around, around + _SIDES, np.c_[index, index + _SIDES]])
+        case Mesh(vertices, faces):
+            pairs = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+            return vertices, np.unique(pairs, axis=0)
+
+
+def _cut(points: FloatArray, edges: IndexArray, low: float, high: float) -> Polygon | None:
+    heights = points[:, 2]
+    kept = [points[(heights >= low) & (heights <= high), :2]]
+    start, end = points[edges[:, 0]], points[edges[:, 1]]
+    for plane in {low, high}:
+        above, below = start[:, 2] - plane, end[:, 2] - plane
+        crossing = above * below < 0.0
+        along = (above[crossing] / (above[crossing] - below[crossing]))[:, None]
+        kept.append(start[crossing, :2] + along * (end[crossing, :2] - start[crossing, :2]))
+    hull = convex_hull(np.vstack(kept))
+    return Polygon(hull) if len(hull) >= 3 else None
+
+
+def _mesh_segments(points: FloatArray, faces: IndexArray, height: float) -> FloatArray:
+    """Where triangles cross a plane. A corner in the plane counts as above it, so that no segment is found twice."""
+    corners = points[faces]
+    above = corners[:, :, 2] >= height
+    mixed = above.any(axis=1) & ~above.all(axis=1)
+    corners, above = corners[mixed], above[mixed]
+    segments = np.empty((len(corners), 2, 2))
+    found = np.zeros(len(corners), dtype=int)
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        crosses = np.flatnonzero(above[:, first] != above[:, second])
+        a, b = corners[crosses, first], corners[crosses, second]
+        along = ((height - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None]
+        segments[crosses, found[crosses]] = a[:, :2] + along * (b[:, :2] - a[:, :2])
+        found[crosses] += 1
+    return segments.reshape(-1, 4)
