@@ -2,8 +2,8 @@
 
     python benchmarks/missions.py --map carter_warehouse_navigation.yaml [--backend mujoco] [--robot nova_carter]
 
-Seeds 0 to 49; start and goal at least 5 m apart, with room for a full turn at both. The warehouses have aisles of 1.1 to
-1.8 m by seed. Every mission counts: none is drawn again, and those that fail are listed.
+Seeds 0 to 49; start and goal at least 5 m apart, with room for a full turn at both. The warehouses have aisles of 1.1
+to 1.8 m by seed. Every mission counts: none is drawn again, and those that fail are listed.
 """
 
 from __future__ import annotations

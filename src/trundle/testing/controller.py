@@ -1,0 +1,87 @@
+"""What every controller must do."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from trundle.control import Controller
+from trundle.costmap import Costmap
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.testing.conformance import require
+
+_DT = 0.05
+_SECONDS = 90.0
+
+
+def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None = None) -> None:
+    """Check that a controller keeps the promises of `trundle.control.Controller`.
+
+    It stands without a path; follows a straight and a bent path to their ends in an open room, each time anew;
+    answers finite twists within the robot's speed limits; changes nothing that it is given; gives the same answers to
+    the same questions; and leaves one controller's path to that controller.
+
+    Args:
+        make: Makes the controller for a robot.
+        robot: The robot to drive; Nova Carter when left out.
+
+    Raises:
+        ConformanceError: If it breaks one of them.
+    """
+    driven = Robot.load("nova_carter") if robot is None else robot
+    costmap = _open_room(driven)
+    standing = make(driven).compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
+    require(standing == Twist2D(), "a controller without a path stands", found=standing)
+    controller = make(driven)
+    for path in (_path((0, 0), (3, 0)), _path((0, 0), (2, 0), (3, 2)), _path((0, 0), (-2, -2))):
+        first = _follow(controller, path, driven, costmap)
+        again = _follow(make(driven), path, driven, costmap)
+        require(first == again, "a controller answers the same after another path as when new", found=(first, again))
+    one, other = make(driven), make(driven)
+    one.set_path(_path((0, 0), (3, 0)))
+    command = other.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
+    require(command == Twist2D(), "two controllers share no path", found=command)
+
+
+def _open_room(robot: Robot) -> Costmap:
+    cells = np.zeros((240, 240), dtype=np.int8)
+    return Costmap.from_grid(OccupancyGrid(cells, 0.05, Pose2D(-6.0, -6.0)), robot)
+
+
+def _path(*corners: tuple[float, float]) -> Path:
+    """A polyline with the turns in place at its corners; it starts with yaw 0."""
+    poses = [(*corners[0], 0.0)]
+    for (x0, y0), (x1, y1) in itertools.pairwise(corners):
+        yaw = math.atan2(y1 - y0, x1 - x0)
+        poses += [(x0, y0, yaw), (x1, y1, yaw)]
+    return Path(np.array(poses))
+
+
+def _follow(controller: Controller, path: Path, robot: Robot, costmap: Costmap) -> Pose2D:
+    """Drive ideally within the robot's limits to the end of a path; return where the robot stopped."""
+    costs, poses = costmap.data.copy(), path.poses.copy()
+    controller.set_path(path)
+    pose, twist = path.start, Twist2D()
+    for _ in range(round(_SECONDS / _DT)):
+        command = controller.compute_velocity(pose, twist, costmap, _DT)
+        finite = math.isfinite(command.v) and math.isfinite(command.w)
+        require(finite, "a command is finite", found=command)
+        clamped = robot.limits.clamp(command)
+        within = math.isclose(clamped.v, command.v, abs_tol=1e-9) and math.isclose(clamped.w, command.w, abs_tol=1e-9)
+        require(within, f"a command keeps the speed limits of {robot.name}", found=command)
+        if command == Twist2D() and twist == Twist2D():
+            break
+        twist = robot.limits.approach(twist, command, _DT)
+        pose = twist.integrate(pose, _DT)
+    near = pose.distance_to(path.goal)
+    require(near <= 0.25, f"a controller stops within 0.25 m of the path's end {path.goal}", found=pose)
+    require(twist == Twist2D(), "a controller brings the robot to a stand at the end", found=twist)
+    require(np.array_equal(costs, costmap.data), "a controller leaves the costmap as it is", found="other costs")
+    require(np.array_equal(poses, path.poses), "a controller leaves the path as it is", found="other poses")
+    return pose

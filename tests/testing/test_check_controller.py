@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+
+from trundle.control import create_controller
+from trundle.geometry import Twist2D
+from trundle.robots import Robot
+from trundle.testing import ConformanceError, check_controller
+
+
+@pytest.mark.parametrize("name", ["regulated_pure_pursuit", "blog"])
+@pytest.mark.parametrize("robot", ["nova_carter", "turtlebot3_burger"])
+def test_our_controllers_keep_their_promises(name, robot):
+    check_controller(lambda driven: create_controller(name, driven), robot=Robot.load(robot))
+
+
+class Standing:
+    def __init__(self, robot):
+        self.robot = robot
+        self.path = None
+
+    def set_path(self, path):
+        self.path = path
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        return Twist2D()
+
+
+class Restless(Standing):
+    def compute_velocity(self, pose, twist, costmap, dt):
+        return Twist2D(0.1, 0.0)
+
+
+class Speeding(Standing):
+    def compute_velocity(self, pose, twist, costmap, dt):
+        return Twist2D() if self.path is None else Twist2D(100.0, 0.0)
+
+
+class Vandal(Standing):
+    def compute_velocity(self, pose, twist, costmap, dt):
+        if self.path is not None:
+            costmap.data.flags.writeable = True
+            costmap.data[0, 0] = 200
+            pose_x = self.path.goal.x - pose.x
+            return Twist2D(np.clip(pose_x, -0.2, 0.2) if abs(pose_x) > 0.01 else 0.0, 0.0)
+        return Twist2D()
+
+
+@pytest.mark.parametrize(
+    ("broken", "promise"),
+    [
+        (Standing, "stops within 0.25 m"),
+        (Restless, "without a path stands"),
+        (Speeding, "keeps the speed limits"),
+        (Vandal, "leaves the costmap as it is"),
+    ],
+)
+def test_a_controller_that_breaks_a_promise_is_told_which(broken, promise):
+    with pytest.raises(ConformanceError, match=promise):
+        check_controller(broken)
