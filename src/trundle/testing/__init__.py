@@ -1,7 +1,4 @@
-"""What every planner, controller and simulator must pass, ours and other people's.
-
-Each check drives the real thing and raises `ConformanceError`, which says what was asked and what came back.
-"""
+"""Conformance checks that every planner, controller and simulator must pass, ours and yours."""
 
 from trundle.testing.conformance import ConformanceError
 from trundle.testing.controller import check_controller

@@ -1,4 +1,4 @@
-"""How a failed check is told."""
+"""What a failed conformance check raises."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from trundle.errors import TrundleError
 
 
 class ConformanceError(TrundleError, AssertionError):
-    """Something behind a seam does not keep its promise."""
+    """Something that stands behind one of the seams does not do what the seam promises."""
 
 
-def require(holds: bool, promise: str, *, found: object) -> None:
-    """Raise `ConformanceError` unless a promise holds."""
-    if not holds:
-        raise ConformanceError(f"{promise}; found: {found}")
+def expect(condition: bool, message: str) -> None:
+    """Raise a `ConformanceError` where a promise is not kept.
+
+    Raises:
+        ConformanceError: If the condition does not hold.
+    """
+    if not condition:
+        raise ConformanceError(message)

@@ -14,7 +14,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.testing.conformance import require
+from trundle.testing.conformance import expect
 
 _DT = 0.05
 _SECONDS = 90.0
@@ -37,16 +37,16 @@ def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None
     driven = Robot.load("nova_carter") if robot is None else robot
     costmap = _open_room(driven)
     standing = make(driven).compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
-    require(standing == Twist2D(), "a controller without a path stands", found=standing)
+    expect(standing == Twist2D(), f"a controller without a path stands; found: {standing}")
     controller = make(driven)
     for path in (_path((0, 0), (3, 0)), _path((0, 0), (2, 0), (3, 2)), _path((0, 0), (-2, -2))):
         first = _follow(controller, path, driven, costmap)
         again = _follow(make(driven), path, driven, costmap)
-        require(first == again, "a controller answers the same after another path as when new", found=(first, again))
+        expect(first == again, f"a controller answers the same after another path as when new; found: {(first, again)}")
     one, other = make(driven), make(driven)
     one.set_path(_path((0, 0), (3, 0)))
     command = other.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
-    require(command == Twist2D(), "two controllers share no path", found=command)
+    expect(command == Twist2D(), f"two controllers share no path; found: {command}")
 
 
 def _open_room(robot: Robot) -> Costmap:
@@ -71,17 +71,17 @@ def _follow(controller: Controller, path: Path, robot: Robot, costmap: Costmap) 
     for _ in range(round(_SECONDS / _DT)):
         command = controller.compute_velocity(pose, twist, costmap, _DT)
         finite = math.isfinite(command.v) and math.isfinite(command.w)
-        require(finite, "a command is finite", found=command)
+        expect(finite, f"a command is finite; found: {command}")
         clamped = robot.limits.clamp(command)
         within = math.isclose(clamped.v, command.v, abs_tol=1e-9) and math.isclose(clamped.w, command.w, abs_tol=1e-9)
-        require(within, f"a command keeps the speed limits of {robot.name}", found=command)
+        expect(within, f"a command keeps the speed limits of {robot.name}; found: {command}")
         if command == Twist2D() and twist == Twist2D():
             break
         twist = robot.limits.approach(twist, command, _DT)
         pose = twist.integrate(pose, _DT)
     near = pose.distance_to(path.goal)
-    require(near <= 0.25, f"a controller stops within 0.25 m of the path's end {path.goal}", found=pose)
-    require(twist == Twist2D(), "a controller brings the robot to a stand at the end", found=twist)
-    require(np.array_equal(costs, costmap.data), "a controller leaves the costmap as it is", found="other costs")
-    require(np.array_equal(poses, path.poses), "a controller leaves the path as it is", found="other poses")
+    expect(near <= 0.25, f"a controller stops within 0.25 m of the path's end {path.goal}; found: {pose}")
+    expect(twist == Twist2D(), f"a controller brings the robot to a stand at the end; found: {twist}")
+    expect(np.array_equal(costs, costmap.data), f"a controller leaves the costmap as it is; found: other costs")
+    expect(np.array_equal(poses, path.poses), f"a controller leaves the path as it is; found: other poses")
     return pose
