@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import Trundle
 
@@ -30,6 +31,15 @@ def test_a_coarse_map_and_another_band(trundle: Trundle) -> None:
     done = trundle("map", "build", "warehouse", "--resolution", "0.2", "--z-min", "1.0", "--z-max", "1.5", "--json")
     assert done.code == 0, done.err
     assert (done.json["resolution_m"], done.json["z_range_m"]) == (0.2, [1.0, 1.5])
+
+
+def test_a_map_of_a_map_is_that_map(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    done = trundle("map", "build", room_map, "-o", "again.yaml")
+    assert done.code == 0, done.err
+    before, after = OccupancyGrid.load(room_map), OccupancyGrid.load(tmp_path / "again.yaml")
+    x, y = before.cell_to_world(*(index[1:-1, 1:-1] for index in np.indices(before.shape)))
+    row, col = after.world_to_cell(x, y)
+    assert ((before.data[1:-1, 1:-1] == 0) == (after.data[row, col] == 0)).all()
 
 
 @pytest.mark.parametrize(
