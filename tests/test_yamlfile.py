@@ -41,6 +41,9 @@ def test_quoted_text_stays_text(tmp_path):
         ("", r"wheel.yaml: the file is empty"),
         ("- 1", r"wheel.yaml:1:1: .*"),
         ("a: 1\n---\nb: 2", r"not valid YAML"),
+        (r'radius: "\UFFFFFFFF"', r"not valid YAML"),
+        (r'radius: "\U00110000"', r"not valid YAML"),
+        ("%YAML 1." + "9" * 5000 + "\n---\nradius: 1", r"not valid YAML"),
     ],
 )
 def test_every_mistake_is_reported_with_its_place(tmp_path, text, message):

@@ -14,6 +14,28 @@ MAX_BYTES = 250_000
 MAX_DEPTH = 32
 
 
+class _LimitedLoader(yaml.SafeLoader):
+    """Composes nodes, and stops at anchors, aliases and deep nesting before they cost anything."""
+
+    def __init__(self, text: str, name: str) -> None:
+        self._name = name
+        self._depth = 0
+        super().__init__(text)
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        event = self.peek_event()
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            raise InputError(
+                f"{_place(self._name, event.start_mark)}: anchors and aliases are not accepted; write the value out"
+            )
+        if self._depth > MAX_DEPTH:
+            raise InputError(f"{_place(self._name, event.start_mark)}: nested more than {MAX_DEPTH} levels deep")
+        self._depth += 1
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
+
+
 def compose(
     path: str | os.PathLike[str], *, max_bytes: int = MAX_BYTES, allow_duplicate_keys: bool = False
 ) -> yaml.Node:
@@ -35,21 +57,17 @@ def compose(
 def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) -> yaml.Node:
     """Read one YAML document from text; `name` stands for the file in messages. Raises as `compose` does."""
     try:
-        depth = 0
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > MAX_DEPTH:
-                raise InputError(f"{_place(name, event.start_mark)}: nested more than {MAX_DEPTH} levels deep")
-            if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-                raise InputError(
-                    f"{_place(name, event.start_mark)}: anchors and aliases are not accepted; write the value out"
-                )
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        node = _LimitedLoader(text, name).get_single_node()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = _place(name, mark) if mark is not None else name
         raise InputError(f"{where}: not valid YAML: {error.problem or error.context}") from error
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, OverflowError) as error:
+        raise InputError(f"{name}: not valid YAML: {error}") from error
+    except ValueError as error:
+        # From numbers inside escapes and directives, which PyYAML hands to int() and chr() unchecked.
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"{name}: not valid YAML: {error}") from error
     if node is None:
         raise InputError(f"{name}: the file is empty")

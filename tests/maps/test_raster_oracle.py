@@ -1,0 +1,160 @@
+"""The raster against shapely on random scenes: 0 missed, 0 extra.
+
+The oracle cuts each solid in its own way (all pairs of corners, fine prisms for cylinders) and asks shapely which
+cells, made smaller by 1 µm, it meets. Cells within 1 nm of that decision are left out and counted (for tilted
+cylinders: those between a prism inside and one outside of the cylinder).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from trundle.geometry import Pose3D
+from trundle.maps.rasterise import DEPTH, HeightBand, SolidRaster
+from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
+
+RESOLUTION = 0.05
+ORIGIN = (-1.013, -0.987)
+SHAPE = (40, 44)
+BAND = HeightBand(0.1, 0.62)
+CLOSE = 1e-9
+
+
+def raster(solids: list[Solid], *, centre: bool = False) -> np.ndarray:
+    cells = np.full(SHAPE, -1, dtype=np.int8)
+    SolidRaster(cells, RESOLUTION, ORIGIN, BAND, centre=centre).add(solids)
+    assert set(np.unique(cells)) <= {-1, 100}
+    return cells == 100
+
+
+def cell_boxes(shrink: float) -> np.ndarray:
+    rows, cols = np.indices(SHAPE)
+    x, y = ORIGIN[0] + cols * RESOLUTION, ORIGIN[1] + rows * RESOLUTION
+    return shapely.box(x + shrink, y + shrink, x + RESOLUTION - shrink, y + RESOLUTION - shrink)
+
+
+def reached(shape: shapely.Geometry, shrink: float) -> np.ndarray:
+    shapely.prepare(shape)
+    return shapely.intersects(shape, cell_boxes(shrink))
+
+
+def check(cells: np.ndarray, inside: shapely.Geometry, outside: shapely.Geometry | None = None) -> int:
+    """Compare with a shape, or with one inside and one outside of the true one; return how many cells are left out."""
+    surely = reached(inside, DEPTH + CLOSE)
+    maybe = reached(inside if outside is None else outside, DEPTH - CLOSE)
+    assert not (surely & ~cells).any(), f"missed {np.argwhere(surely & ~cells)}"
+    assert not (cells & ~maybe).any(), f"extra {np.argwhere(cells & ~maybe)}"
+    return int((maybe & ~surely).sum())
+
+
+def cut_hull(points: np.ndarray, pairs) -> shapely.Geometry:
+    """Seen from above, the part of a convex body in the band, from its corners and (at least) its edges."""
+    low, high = BAND.low + DEPTH, BAND.high - DEPTH
+    kept = [points[(points[:, 2] >= low) & (points[:, 2] <= high)][:, :2]]
+    a, b = points[[i for i, _ in pairs]], points[[j for _, j in pairs]]
+    for height in (low, high):
+        crossing = (a[:, 2] - height) * (b[:, 2] - height) < 0
+        share = ((height - a[:, 2]) / np.where(crossing, b[:, 2] - a[:, 2], 1.0))[:, None]
+        kept.append((a + share * (b - a))[crossing, :2])
+    return shapely.MultiPoint(np.concatenate(kept)).convex_hull
+
+
+def random_pose(generator: np.random.Generator, *, upright: bool = False) -> Pose3D:
+    x, y = generator.uniform(-1.0, 1.0, 2)
+    z = generator.uniform(-0.3, 1.0)
+    if upright:
+        return Pose3D.planar(x, y, z, generator.uniform(-4.0, 4.0))
+    return Pose3D((x, y, z), tuple(generator.normal(size=4)))
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_boxes_at_any_orientation(seed):
+    generator = np.random.default_rng(seed)
+    solids, parts = [], []
+    for number in range(4):
+        size = tuple(np.exp(generator.uniform(math.log(0.002), math.log(1.5), 3)))
+        solid = Solid(str(number), Box(size), random_pose(generator, upright=number % 2 == 0))
+        corners = np.array(list(itertools.product((-0.5, 0.5), repeat=3))) * size
+        solids.append(solid)
+        parts.append(cut_hull(solid.pose.transform_points(corners), list(itertools.combinations(range(8), 2))))
+    assert check(raster(solids), shapely.union_all(parts)) <= 1
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_centres_of_boxes(seed):
+    generator = np.random.default_rng(seed)
+    size = tuple(generator.uniform(0.05, 1.0, 3))
+    solid = Solid("box", Box(size), random_pose(generator))
+    corners = solid.pose.transform_points(np.array(list(itertools.product((-0.5, 0.5), repeat=3))) * size)
+    shape = cut_hull(corners, list(itertools.combinations(range(8), 2)))
+    rows, cols = np.indices(SHAPE)
+    centres = shapely.points(ORIGIN[0] + (cols + 0.5) * RESOLUTION, ORIGIN[1] + (rows + 0.5) * RESOLUTION)
+    far = ~(shapely.distance(shapely.boundary(shape), centres) < 1e-5)  # There is no distance to an empty shape.
+    inside = shapely.contains(shape, centres)
+    assert np.array_equal(raster([solid], centre=True) & far, inside & far)
+    assert far.mean() > 0.99
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_discs_of_cylinders_and_spheres(seed):
+    generator = np.random.default_rng(seed)
+    for number in range(4):
+        pose = random_pose(generator, upright=True)
+        radius = float(np.exp(generator.uniform(math.log(0.005), math.log(1.0))))
+        x, y, z = pose.position
+        off = max(BAND.low + DEPTH - z, z - BAND.high + DEPTH, 0.0)
+        if number % 2:
+            solid, there, disc = Solid("a", Sphere(radius), pose), off < radius, math.sqrt(max(0.0, radius**2 - off**2))
+        else:
+            solid, there, disc = Solid("a", Cylinder(radius, 0.8), pose), off < 0.4, radius
+        boxes = cell_boxes(DEPTH)
+        distance = shapely.distance(boxes, shapely.Point(x, y))
+        assert not there or np.abs(distance - disc).min() > CLOSE
+        assert np.array_equal(raster([solid]), there & (distance < disc))
+
+
+def prism(cylinder: Cylinder, pose: Pose3D, corners: int, scale: float) -> shapely.Geometry:
+    angles = np.arange(corners) * 2 * math.pi / corners
+    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(corners)], axis=1) * cylinder.radius * scale
+    half = np.array([0.0, 0.0, cylinder.length / 2])
+    points = pose.transform_points(np.concatenate([ring - half, ring + half]))
+    following = np.roll(np.arange(corners), -1)
+    ring_pairs = np.stack([np.arange(corners), following], axis=1)
+    sides = np.stack([np.arange(corners), np.arange(corners) + corners], axis=1)
+    return cut_hull(points, np.concatenate([ring_pairs, ring_pairs + corners, sides]))
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_tilted_cylinders(seed):
+    generator = np.random.default_rng(seed)
+    pose = random_pose(generator)
+    if seed % 4 == 0:  # Nearly upright or nearly lying: the sections become long.
+        tilt = float(10.0 ** generator.uniform(-8, -1)) + (math.pi / 2 if seed % 8 else 0.0)
+        pose = Pose3D(pose.position, (math.cos(tilt / 2), math.sin(tilt / 2), 0.0, 0.0))
+    cylinder = Cylinder(*np.exp(generator.uniform(math.log(0.02), math.log(0.8), 2)).tolist())
+    corners = 5_000
+    inside = prism(cylinder, pose, corners, 1.0)
+    outside = prism(cylinder, pose, corners, 1.0 / math.cos(math.pi / corners))
+    assert check(raster([Solid("a", cylinder, pose)]), inside, outside) <= 3
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_triangles_count_where_they_touch(seed):
+    generator = np.random.default_rng(seed)
+    vertices = generator.uniform((-1.2, -1.2, -0.3), (1.2, 1.2, 1.0), (12, 3))
+    vertices[3:6, 2] = 0.3  # A flat one.
+    vertices[6:9, 0] = 0.5 * vertices[6:9, 1]  # An upright one.
+    faces = np.arange(12).reshape(-1, 3)
+    pose = random_pose(generator, upright=True)
+    placed = pose.transform_points(vertices)
+    parts = [cut_hull(placed[face], [(0, 1), (1, 2), (2, 0)]) for face in faces]
+    shape = shapely.GeometryCollection([part for part in parts if not part.is_empty])
+    cells = raster([Solid("mesh", Mesh(vertices, faces), pose)])
+    surely, maybe = reached(shape, CLOSE), reached(shapely.buffer(shape, 3 * CLOSE), 0.0)
+    assert not (surely & ~cells).any()
+    assert not (cells & ~maybe).any()
