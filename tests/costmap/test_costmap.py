@@ -20,10 +20,9 @@ LONG = ((0.14, 0.25), (-0.607, 0.25), (-0.607, -0.25), (0.14, -0.25))
 def expected_costs(data, resolution, inscribed, radius, factor):
     """Nav2's numbers from SciPy's exact distances."""
     blocked = (data < 0) | (data == 100)
-    if blocked.any():
-        distances = ndimage.distance_transform_edt(~blocked) * resolution
-    else:
-        distances = np.full(data.shape, np.inf)
+    distances = ndimage.distance_transform_edt(~blocked) * resolution
+    if not blocked.any():
+        distances[:] = np.inf
     costs = (252.0 * np.exp(-factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
     costs[distances > max(radius, inscribed) + 1e-9] = 0
     costs[distances <= inscribed + 1e-9] = INSCRIBED

@@ -62,32 +62,49 @@ bool is_inside(const Costs &costs, const Box &box, double touch) {
          box.max_y <= static_cast<double>(costs.rows) + touch;
 }
 
+// From where to where a polygon reaches in each row of cells.
+struct Spans {
+  std::vector<double> left, right;
+
+  void clear(std::size_t rows) {
+    left.assign(rows, kInfinity);
+    right.assign(rows, -kInfinity);
+  }
+
+  void add(std::ptrdiff_t row, double x, double other) {
+    left[row] = std::min(left[row], std::min(x, other));
+    right[row] = std::max(right[row], std::max(x, other));
+  }
+};
+
 // The part of a convex polygon in the strip of one row of cells is convex, so it meets exactly the cells that its
-// x extent meets.
-bool touches_cells(const Costs &costs, const std::vector<Point> &polygon, const Box &box, double touch) {
+// x extent there meets.
+bool touches_cells(const Costs &costs, const std::vector<Point> &polygon, const Box &box, double touch, Spans &spans) {
   const auto first_row = std::max<std::ptrdiff_t>(0, static_cast<std::ptrdiff_t>(std::floor(box.min_y + touch)));
   const auto last_row =
       std::min<std::ptrdiff_t>(costs.rows, static_cast<std::ptrdiff_t>(std::ceil(box.max_y - touch))) - 1;
-  const std::size_t corners = polygon.size();
-  for (std::ptrdiff_t row = first_row; row <= last_row; ++row) {
-    const double low = static_cast<double>(row), high = low + 1.0;
-    double left = kInfinity, right = -kInfinity;
-    for (std::size_t i = 0, j = corners - 1; i < corners; j = i++) {
-      Point a = polygon[j], b = polygon[i];
-      if (a.y > b.y) std::swap(a, b);
-      if (b.y < low || a.y > high) continue;
-      const double slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0;
-      const double x_low = a.y < low ? a.x + (low - a.y) * slope : a.x;
-      const double x_high = b.y > high ? a.x + (high - a.y) * slope : b.x;
-      left = std::min(left, std::min(x_low, x_high));
-      right = std::max(right, std::max(x_low, x_high));
+  if (last_row < first_row) return false;
+  spans.clear(static_cast<std::size_t>(last_row - first_row + 1));
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    Point a = polygon[j], b = polygon[i];
+    if (a.y > b.y) std::swap(a, b);
+    const double slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0;
+    const auto first = std::max(first_row, static_cast<std::ptrdiff_t>(std::floor(a.y)));
+    const auto last = std::min(last_row, static_cast<std::ptrdiff_t>(std::floor(b.y)));
+    for (std::ptrdiff_t row = first; row <= last; ++row) {
+      const double low = static_cast<double>(row), high = low + 1.0;
+      spans.add(row - first_row, a.y < low ? a.x + (low - a.y) * slope : a.x,
+                b.y > high ? a.x + (high - a.y) * slope : b.x);
     }
+  }
+  for (std::ptrdiff_t row = first_row; row <= last_row; ++row) {
+    const double left = spans.left[row - first_row], right = spans.right[row - first_row];
     const auto first = std::max<std::ptrdiff_t>(0, static_cast<std::ptrdiff_t>(std::floor(left + touch)));
     const auto last = std::min<std::ptrdiff_t>(costs.cols, static_cast<std::ptrdiff_t>(std::ceil(right - touch))) - 1;
     const std::uint8_t *cells = costs.data + row * costs.cols;
-    for (std::ptrdiff_t col = first; col <= last; ++col) {
-      if (cells[col] >= kLethal) return true;
-    }
+    std::uint8_t highest = 0;
+    for (std::ptrdiff_t col = first; col <= last; ++col) highest = std::max(highest, cells[col]);
+    if (highest >= kLethal) return true;
   }
   return false;
 }
@@ -151,12 +168,12 @@ double nearest(const Costs &costs, const std::vector<Point> &polygon, const Box 
 
 // Whether the footprint at a pose touches something; it is placed in `polygon` and `box` for that.
 bool collides(const Costs &costs, const Frame &frame, const In<double, 2> &outline, const double *pose,
-              std::vector<Point> &polygon, Box &box) {
+              std::vector<Point> &polygon, Box &box, Spans &spans) {
   if (!(std::isfinite(pose[0]) && std::isfinite(pose[1]) && std::isfinite(pose[2]))) return true;
   place(frame, outline.data(), outline.shape(0), pose, polygon);
   box = bounds(polygon);
   const double touch = kTouch / frame.resolution;
-  return !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch);
+  return !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch, spans);
 }
 
 Frame make_frame(double resolution, double x, double y, double yaw) {
@@ -182,9 +199,10 @@ static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells
                       static_cast<std::ptrdiff_t>(cells.shape(1))};
     const Frame frame = make_frame(resolution, origin_x, origin_y, origin_yaw);
     std::vector<Point> polygon;
-    Box box;
+    Box box{};
+    Spans spans;
     for (std::size_t i = 0; i < count; ++i) {
-      hits[i] = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box);
+      hits[i] = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box, spans);
     }
   }
   bool *data = hits.release();
@@ -204,9 +222,10 @@ static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> ce
                       static_cast<std::ptrdiff_t>(cells.shape(1))};
     const Frame frame = make_frame(resolution, origin_x, origin_y, origin_yaw);
     std::vector<Point> polygon;
-    Box box;
+    Box box{};
+    Spans spans;
     for (std::size_t i = 0; i < count; ++i) {
-      const bool hit = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box);
+      const bool hit = collides(costs, frame, outline, poses.data() + 3 * i, polygon, box, spans);
       distances[i] = hit ? 0.0 : std::min(cap, resolution * nearest(costs, polygon, box, cap / resolution));
     }
   }

@@ -225,7 +225,6 @@ def _block(
         blocked[max(0, row - 1) : row + 2, max(0, col - 1) : col + 2] = LETHAL
     for cell in keep:
         blocked[cell] = costs[cell]
-    blocked[costmap.data >= LETHAL] = costmap.data[costmap.data >= LETHAL]
     return blocked
 
 

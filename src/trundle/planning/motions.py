@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
@@ -18,7 +20,8 @@ CHECK_STEP_RAD = math.radians(2.0)
 """Angle [rad] between two checked poses of a turn in place."""
 
 _NO_TURN_RAD = 1e-9
-_LONG_TURN_POSES = 4
+_LONGEST_TURN_RAD = math.radians(120.0)
+"""A turn of a path is given in pieces of less than half a turn, so that its direction shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,18 +39,6 @@ class Motion:
     end: tuple[float, float]
     yaw: float
     turn: float = 0.0
-
-    def poses(self, step_m: float, step_rad: float) -> FloatArray:
-        """Poses (x, y, yaw), shape (N, 3), at most a step apart, both ends included."""
-        length = math.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
-        pieces = max(1, math.ceil(length / step_m - 1e-9), math.ceil(abs(self.turn) / step_rad - 1e-9))
-        t = np.linspace(0.0, 1.0, pieces + 1)
-        poses = np.empty((pieces + 1, 3))
-        poses[:, 0] = self.start[0] + t * (self.end[0] - self.start[0])
-        poses[:, 1] = self.start[1] + t * (self.end[1] - self.start[1])
-        poses[:, 2] = self.yaw + t * self.turn
-        poses[-1, :2] = self.end
-        return poses
 
     def other_way_round(self) -> Motion:
         """The same turn in the other direction."""
@@ -83,6 +74,28 @@ def _append_turn(motions: list[Motion], place: tuple[float, float], yaw: float, 
         motions.append(Motion(place, place, yaw, turn))
 
 
+def sample(
+    motions: Sequence[Motion], step_m: float, step_rad: float
+) -> tuple[FloatArray, npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Poses along motions, at most a step apart, both ends of each included.
+
+    Returns:
+        The poses (x, y, yaw), shape (N, 3), the motion that each belongs to, and how many each motion has.
+    """
+    table = np.array([(*motion.start, motion.yaw, *motion.end, motion.yaw + motion.turn) for motion in motions])
+    first, last = table[:, :3], table[:, 3:]
+    change = last - first
+    lengths = np.hypot(change[:, 0], change[:, 1])
+    pieces = np.ceil(np.maximum(lengths / step_m, np.abs(change[:, 2]) / step_rad) - 1e-9)
+    counts = np.maximum(pieces, 1.0).astype(np.intp) + 1
+    owner = np.repeat(np.arange(len(motions)), counts)
+    ends = np.cumsum(counts)
+    position = np.arange(ends[-1]) - np.repeat(ends - counts, counts)
+    poses = first[owner] + (position / (counts[owner] - 1))[:, np.newaxis] * change[owner]
+    poses[ends - 1] = last
+    return poses, owner, counts
+
+
 def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], FloatArray, list[int]]:
     """Check motions with the oriented footprint, turning the other way round where the short way is blocked.
 
@@ -91,16 +104,14 @@ def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], 
     """
     if not motions:
         return [], np.empty((0, 3)), []
-    samples = [motion.poses(CHECK_STEP_M, CHECK_STEP_RAD) for motion in motions]
-    owner = np.repeat(np.arange(len(motions)), [len(poses) for poses in samples])
-    every = np.concatenate(samples)
+    every, owner, _ = sample(motions, CHECK_STEP_M, CHECK_STEP_RAD)
     hit = costmap.footprint_collides(every)
     chosen = list(motions)
     for index in np.unique(owner[hit]).tolist():
         if motions[index].turn == 0.0:
             continue
         other = motions[index].other_way_round()
-        if not costmap.footprint_collides(other.poses(CHECK_STEP_M, CHECK_STEP_RAD)).any():
+        if not costmap.footprint_collides(sample([other], CHECK_STEP_M, CHECK_STEP_RAD)[0]).any():
             chosen[index] = other
             hit[owner == index] = False
     return chosen, every[hit], owner[hit].tolist()
@@ -108,14 +119,13 @@ def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], 
 
 def poses_of(motions: list[Motion], start: FloatArray, goal: FloatArray, spacing_m: float) -> FloatArray:
     """Poses of a `Path`: the vertices exactly, points between them at most `spacing_m` apart, long turns in pieces."""
-    rows: list[FloatArray] = [start.reshape(1, 3)]
-    for motion in motions:
-        step_rad = abs(motion.turn) / _LONG_TURN_POSES if abs(motion.turn) > math.pi else math.pi
-        rows.append(motion.poses(spacing_m, step_rad)[1:])
-    rows[-1][-1] = goal
-    if len(rows) == 1:
-        rows.append(goal.reshape(1, 3))
-    poses = np.concatenate(rows)
+    if not motions:
+        return np.stack([start, goal])
+    poses, _, counts = sample(motions, spacing_m, _LONGEST_TURN_RAD)
+    # A motion begins where the one before it ended; the first one where the path does.
+    keep = np.ones(len(poses), dtype=np.bool_)
+    keep[np.cumsum(counts) - counts] = False
+    poses = np.concatenate([start.reshape(1, 3), poses[keep]])
     poses[:, 2] = wrap_angles(poses[:, 2])
-    poses[-1, 2] = goal[2]
+    poses[-1] = goal
     return poses
