@@ -19,6 +19,8 @@ using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cp
 namespace {
 
 constexpr std::int8_t kOccupied = 100;
+// An edge that rises by less [m] is level: its slope would overflow.
+constexpr double kLevel = 1e-12;
 
 struct Point2 {
   double x, y;
@@ -89,14 +91,16 @@ class Raster {
   void add_edge(Point2 a, Point2 b, std::int64_t first, std::int64_t last) {
     if (a.y > b.y) std::swap(a, b);
     const double rise = b.y - a.y;
+    const bool level = rise < kLevel;
+    const double slope = level ? 0.0 : (b.x - a.x) / rise;
     // One row more on each side than needed, so that rounding loses none; the clipping below decides.
     const std::int64_t from = std::max(first, to_index(std::floor(a.y / resolution_) - 1.0, rows_));
     const std::int64_t to = std::min(last, to_index(std::floor(b.y / resolution_) + 1.0, rows_));
     for (std::int64_t row = from; row <= to; ++row) {
       const double low = std::max(a.y, strip_low(row)), high = std::min(b.y, strip_high(row));
       if (low > high) continue;
-      const double x_low = rise > 0.0 ? a.x + (low - a.y) / rise * (b.x - a.x) : a.x;
-      const double x_high = rise > 0.0 ? a.x + (high - a.y) / rise * (b.x - a.x) : b.x;
+      const double x_low = a.x + (low - a.y) * slope;
+      const double x_high = level ? b.x : a.x + (high - a.y) * slope;
       double &left = left_[static_cast<std::size_t>(row - first)], &right = right_[static_cast<std::size_t>(row - first)];
       left = std::min({left, x_low, x_high});
       right = std::max({right, x_low, x_high});
