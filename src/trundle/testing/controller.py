@@ -82,6 +82,6 @@ def _follow(controller: Controller, path: Path, robot: Robot, costmap: Costmap) 
     near = pose.distance_to(path.goal)
     expect(near <= 0.25, f"a controller stops within 0.25 m of the path's end {path.goal}; found: {pose}")
     expect(twist == Twist2D(), f"a controller brings the robot to a stand at the end; found: {twist}")
-    expect(np.array_equal(costs, costmap.data), f"a controller leaves the costmap as it is; found: other costs")
-    expect(np.array_equal(poses, path.poses), f"a controller leaves the path as it is; found: other poses")
+    expect(np.array_equal(costs, costmap.data), "a controller leaves the costmap as it is; found: other costs")
+    expect(np.array_equal(poses, path.poses), "a controller leaves the path as it is; found: other poses")
     return pose
