@@ -63,6 +63,9 @@ class Camera:
 IsClear = Callable[[tuple[float, float, float], tuple[float, float, float]], bool]
 """Whether nothing stands between two points [m]."""
 
+# From behind, first low and far, then nearer, then from above: elevation [deg] and distance [sizes of the robot].
+_CHASE = ((24, 5.6), (34, 5.6), (26, 3.8), (40, 4.2), (56, 4.6), (68, 5.0), (80, 5.4))
+
 
 def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_clear: IsClear) -> Camera:
     """Place a camera of `CAMERAS`.
@@ -80,9 +83,9 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
     """
     match name:
         case "chase":
-            return _first_clear(_chase_views(robot, pose), is_clear)
+            return _first_clear(_chase_views(robot, pose), _sides(robot, pose), is_clear)
         case "robot":
-            return _first_clear(_portraits(robot, pose), is_clear)
+            return _first_clear(_portraits(robot, pose), _sides(robot, pose), is_clear)
         case "overview":
             return _fit(*_extent(world, pose), math.radians(70.0), math.radians(-42.0), _NARROW, aspect)
         case "top":
@@ -91,9 +94,17 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
             raise UnknownNameError("camera", name, CAMERAS)
 
 
-def _first_clear(cameras: list[Camera], is_clear: IsClear) -> Camera:
-    """The first that sees its target; the last if none does."""
-    return next((camera for camera in cameras if is_clear(camera.target, camera.eye)), cameras[-1])
+def _first_clear(cameras: list[Camera], points: list[tuple[float, float, float]], is_clear: IsClear) -> Camera:
+    """The first that sees all points [m]; the last if none does."""
+    return next((camera for camera in cameras if all(is_clear(point, camera.eye) for point in points)), cameras[-1])
+
+
+def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
+    """Points on both sides of a robot, just above it [m]."""
+    low, high = robot.outline.min(axis=0), robot.outline.max(axis=0)
+    x = float(low[0] + high[0]) / 2.0
+    points = pose.transform_points([(x, float(low[1])), (x, float(high[1]))])
+    return [(float(px), float(py), robot.body.height) for px, py in points]
 
 
 def _reach(robot: Robot) -> float:
@@ -105,9 +116,7 @@ def _chase_views(robot: Robot, pose: Pose2D) -> list[Camera]:
     reach = _reach(robot)
     front = pose.transform_points([(1.2 * reach, 0.0)])[0]
     target = (float(front[0]), float(front[1]), 0.5 * robot.body.height)
-    return [
-        _camera_at(target, pose.yaw, -math.radians(degrees), 5.6 * reach, _WIDE) for degrees in (24, 34, 46, 58, 68, 78)
-    ]
+    return [_camera_at(target, pose.yaw, -math.radians(rise), distance * reach, _WIDE) for rise, distance in _CHASE]
 
 
 def _portraits(robot: Robot, pose: Pose2D) -> list[Camera]:

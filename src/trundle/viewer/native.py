@@ -6,6 +6,7 @@ import math
 import os
 import queue
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Sequence
@@ -16,11 +17,14 @@ import mujoco
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.robots import Limits, Robot, WheelSpeeds
+from trundle.viewer.cameras import Camera
 from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
 from trundle.worlds import World
 
 _KEYS = {265: "up", 264: "down", 263: "left", 262: "right", 32: "stop"}
 """GLFW's codes of the keys that drive. Letters are taken: the window switches what it shows by them."""
+
+_CLOSING_S = 10.0  # how long a window may take to close
 
 
 def has_screen() -> bool:
@@ -42,18 +46,21 @@ def has_screen() -> bool:
 
 
 class NativeWindow:
-    """MuJoCo's window on a robot in a world; the camera follows the robot and is moved with the mouse.
+    """MuJoCo's window on a robot in a world.
 
     Args:
         world: What stands on the floor.
         robot: Who is shown.
         pose: Where it stands, map frame; none means at the world's first seed point, or at the origin.
+        chase: Keep the camera behind the robot; else it stays, and the mouse moves it.
 
     Raises:
         SimulationError: If there is no screen.
     """
 
-    def __init__(self, world: World, robot: Robot, pose: Pose2D | Sequence[float] | None = None) -> None:
+    def __init__(
+        self, world: World, robot: Robot, pose: Pose2D | Sequence[float] | None = None, *, chase: bool = False
+    ) -> None:
         if not has_screen():
             raise SimulationError("there is no screen that shows OpenGL; draw a picture instead")
         import mujoco.viewer
@@ -63,14 +70,18 @@ class NativeWindow:
         pose = Pose2D.of(pose)
         self._stage = Stage(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
         self._stage.place(pose)
+        self._chase = chase
+        camera = self._stage.aim("chase", pose)
         self._keys: queue.SimpleQueue[str] = queue.SimpleQueue()
         model, data = self._stage.model, self._stage.data
+        others = set(threading.enumerate())
         self._handle: Any = mujoco.viewer.launch_passive(
             model, data, key_callback=self._on_key, show_left_ui=False, show_right_ui=False
         )
+        self._threads = [thread for thread in threading.enumerate() if thread not in others]
         with self._handle.lock():
             self._handle.opt.geomgroup[:] = SHOWN_GROUPS
-            self._follow(pose)
+            self._point(camera)
         self._handle.sync()
 
     @property
@@ -83,6 +94,8 @@ class NativeWindow:
         if self.is_open:
             with self._handle.lock():
                 self._stage.place(pose, wheel_positions)
+                if self._chase:
+                    self._point(self._stage.aim("chase", pose))
             self._handle.sync()
 
     def read_keys(self) -> list[str]:
@@ -100,6 +113,9 @@ class NativeWindow:
     def close(self) -> None:
         """Close it; closing twice does nothing."""
         self._handle.close()
+        # The end of the program tears GLFW down; a window that still is being drawn then crashes it.
+        for thread in self._threads:
+            thread.join(_CLOSING_S)
 
     def __enter__(self) -> Self:
         return self
@@ -111,12 +127,11 @@ class NativeWindow:
         if code in _KEYS:
             self._keys.put(_KEYS[code])
 
-    def _follow(self, pose: Pose2D) -> None:
-        camera = self._stage.aim("chase", pose)
+    def _point(self, camera: Camera) -> None:
         azimuth, elevation = camera.angles()
         view = self._handle.cam
-        view.type = mujoco.mjtCamera.mjCAMERA_TRACKING.value
-        view.trackbodyid = self._stage.model.body("base_link").id
+        view.type = mujoco.mjtCamera.mjCAMERA_FREE.value
+        view.lookat[:] = camera.target
         view.distance = camera.distance
         view.azimuth, view.elevation = math.degrees(azimuth), math.degrees(elevation)
 

@@ -27,6 +27,7 @@ _GROUP_MARKS = 4
 _PATH_COLOR = (0.05, 0.55, 0.95, 1.0)
 _GOAL_COLOR = (0.10, 0.72, 0.35, 1.0)
 _MAX_MARKS = 500
+_CLEAR = 1.1  # how much farther than the camera nothing may stand in its line of sight
 _AT_EDGE = 0.35  # how far from the edge of its world a wall still is an outer one [m]
 
 
@@ -73,6 +74,7 @@ class Stage:
         self._walls = _outer_walls(world, self.model)
         self._bounds = world.bounds
         self._sight = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)
+        self.place(Pose2D(0.0, 0.0))
 
     def place(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST) -> None:
         """Put the robot at a pose (map frame), with its drive wheels turned by these angles [rad]."""
@@ -87,19 +89,22 @@ class Stage:
 
     def aim(self, camera: str | Camera, pose: Pose2D) -> Camera:
         """Place a camera by name for a robot at `pose`, and let it see past the outer walls on its side."""
+        for geom, _, alpha in self._walls:
+            self.model.geom_rgba[geom, 3] = alpha
         if isinstance(camera, str):
             camera = aim(camera, self.world, self.robot, pose, self._aspect, self._is_clear)
         (west, south, _), (east, north, _) = self._bounds
         x, y = camera.eye[:2]
         outside = {"west": x < west, "east": x > east, "south": y < south, "north": y > north}
-        for geom, side, alpha in self._walls:
-            self.model.geom_rgba[geom, 3] = 0.0 if outside[side] else alpha
+        for geom, side, _ in self._walls:
+            if outside[side]:
+                self.model.geom_rgba[geom, 3] = 0.0
         return camera
 
     def _is_clear(self, target: tuple[float, float, float], eye: tuple[float, float, float]) -> bool:
         start, ray = np.array(target), np.subtract(eye, target)
         met = mujoco.mj_ray(self.model, self.data, start, ray, self._sight, True, -1, None)
-        return not 0.0 <= met <= 1.0
+        return not 0.0 <= met <= _CLEAR
 
 
 def _outer_walls(world: World, model: mujoco.MjModel) -> list[tuple[int, str, float]]:
