@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import time as clock
@@ -104,6 +105,7 @@ class Navigator:
         self.planner_name = planner if isinstance(planner, str) else type(planner).__name__
         self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
         self.planner = create_planner(planner, **(planner_options or {}))
+        self._plans_free_yaw = "goal_yaw_free" in inspect.signature(self.planner.plan).parameters
         self.controller = create_controller(controller, self.robot, **(controller_options or {}))
         self.goal_checker = goal_checker or GoalChecker()
         self.progress_checker = progress_checker or ProgressChecker()
@@ -179,7 +181,8 @@ class Navigator:
         return path
 
     def _call_planner(self, start: Pose2D, goal: Pose2D) -> Path:
-        return self.planner.plan(self.costmap, start, goal)
+        options = {"goal_yaw_free": True} if self._any_yaw and self._plans_free_yaw else {}
+        return self.planner.plan(self.costmap, start, goal, **options)
 
     def update(
         self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None

@@ -23,7 +23,10 @@ PLANNERS = Registry(
 
 @runtime_checkable
 class Planner(Protocol):
-    """Finds a way. It keeps no state that changes an answer: the same question gives the same path."""
+    """Finds a way. It keeps no state that changes an answer: the same question gives the same path.
+
+    `plan` may also take the keyword `goal_yaw_free=True`, by which a `Navigator` says that any yaw will do at the goal.
+    """
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
