@@ -18,7 +18,7 @@ class End:
 
     Attributes:
         pose: Where the robot stands there.
-        cell: The (row, col) at which the search joins it: its own, or the nearest one that costs less than 253.
+        cell: Its (row, col); it costs less than 253.
         snapped_m: How far it was moved to free space [m].
     """
 
@@ -50,10 +50,10 @@ def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, a
             pose=pose.as_tuple(),
             cell=(row, col),
         )
-    if costmap.data[row, col] < INSCRIBED if any_yaw else not costmap.footprint_collides([pose.as_tuple()])[0]:
-        join = (row, col) if costmap.data[row, col] < INSCRIBED else _nearest_open_cell(costmap, pose)
-        if join is not None:
-            return End(pose, join)
+    # Where the inscribed circle is free, the centres of cells are at least as far apart: a footprint that fits is in a
+    # cell of less than 253, but for one that touches within rounding.
+    if costmap.data[row, col] < INSCRIBED and (any_yaw or not costmap.footprint_collides([pose.as_tuple()])[0]):
+        return End(pose, (row, col))
     radius = max(tolerance_m, costmap.resolution)
     diagonal = costmap.resolution * float(np.hypot(*costmap.shape))
     while True:
@@ -98,12 +98,6 @@ def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[CellAr
     order = np.argsort(distances, kind="stable")
     order = order[distances[order] <= radius]
     return rows[order], cols[order], distances[order]
-
-
-def _nearest_open_cell(costmap: Costmap, pose: Pose2D) -> tuple[int, int] | None:
-    """The cell to join for a robot that stands free with its centre in a cell of 253, as rounding to cells may give."""
-    rows, cols, _ = _cells_within(costmap, pose, max(costmap.inscribed_radius, 2.0 * costmap.resolution))
-    return (int(rows[0]), int(cols[0])) if len(rows) else None
 
 
 def _nearest_fit(costmap: Costmap, pose: Pose2D, radius: float, *, any_yaw: bool) -> End | None:

@@ -119,15 +119,11 @@ class FootprintPlanner:
         cells, _ = _core.grid_search(costs, self._search_weights, first.cell, last.cell)
         if len(cells) == 0:
             return None
-        points: FloatArray = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
+        centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
         ends = _to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
-        before = ends[:1] if _holds(costmap, first) else np.empty((0, 2))
-        after = ends[1:] if _holds(costmap, last) else np.empty((0, 2))
-        points = np.ascontiguousarray(np.concatenate([before, points, after]))
+        points = np.concatenate([ends[:1], centres, ends[1:]])
         chosen, cost = _core.shortcut(costs, self._line_weights, points)
-        # An end in a cell of 253 is joined to the nearest cell that is open; the check decides whether that is free.
-        points = np.concatenate([ends[: 1 - len(before)], points[chosen], ends[1 + len(after) :]])
-        vertices = _to_map(costmap, points)
+        vertices = _to_map(costmap, points[chosen])
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
 
@@ -172,11 +168,6 @@ def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     steps = np.diff(cells, axis=0)
     keep[1:-1] |= (steps[1:] != steps[:-1]).any(axis=1)
     return keep
-
-
-def _holds(costmap: Costmap, end: End) -> bool:
-    """Whether the search joins an end at its own cell."""
-    return _cell_at(costmap, end.pose.x, end.pose.y) == end.cell
 
 
 def _cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:

@@ -127,5 +127,5 @@ def poses_of(motions: list[Motion], start: FloatArray, goal: FloatArray, spacing
     keep[np.cumsum(counts) - counts] = False
     poses = np.concatenate([start.reshape(1, 3), poses[keep]])
     poses[:, 2] = wrap_angles(poses[:, 2])
-    poses[-1] = goal
+    poses[0], poses[-1] = start, goal
     return poses

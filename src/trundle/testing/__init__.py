@@ -2,5 +2,6 @@
 
 from trundle.testing.conformance import ConformanceError
 from trundle.testing.controller import check_controller
+from trundle.testing.planner import check_planner
 
-__all__ = ["ConformanceError", "check_controller"]
+__all__ = ["ConformanceError", "check_controller", "check_planner"]

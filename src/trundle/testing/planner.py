@@ -1,0 +1,147 @@
+"""What every planner must keep to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from trundle.costmap import LETHAL, Costmap
+from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningError
+from trundle.geometry import Pose2D
+from trundle.maps.grid import OccupancyGrid
+from trundle.path import Path
+from trundle.planning import Planner
+from trundle.testing.conformance import ConformanceError, expect
+
+_FOOTPRINT = np.array([[0.15, 0.15], [-0.25, 0.15], [-0.25, -0.15], [0.15, -0.15]])
+_RESOLUTION = 0.1
+_NEAR = 1e-6
+
+
+def check_planner(planner: Planner | Callable[[], Planner]) -> None:
+    """Check a planner, or what makes one, against what the `Planner` seam promises.
+
+    On a small map of two rooms and a closed chamber: a path starts at the start and ends at the goal, is finite and
+    never goes through occupied or unknown cells; the same question gives the same path, asked again and asked of a
+    second planner; the costmap stays as it is; a goal outside the map, in an obstacle, in unknown space or out of
+    reach is a typed error, and never an empty path.
+
+    Args:
+        planner: A planner, or a class or function that makes one without arguments.
+
+    Raises:
+        ConformanceError: At the first promise that is not kept; the message says which.
+    """
+    make = _as_factory(planner)
+    costmap = _two_rooms()
+    before = costmap.data.copy()
+    instance = make()
+    for start, goal in _QUESTIONS:
+        path = _plan(instance, costmap, start, goal)
+        _check_path(path, costmap, start, goal)
+        _check_same(path, _plan(instance, costmap, start, goal), "asked twice, it gives two different paths")
+        _check_same(path, _plan(make(), costmap, start, goal), "two planners of the same kind give different paths")
+    for start, goal, kinds, what in _REFUSALS:
+        _check_refusal(instance, costmap, start, goal, kinds, what)
+    start, goal = _QUESTIONS[0]
+    _check_same(
+        _plan(make(), costmap, start, goal),
+        _plan(instance, costmap, start, goal),
+        "after questions that it refused, it gives another path",
+    )
+    expect((costmap.data == before).all(), "planning must not change the costmap")
+
+
+_QUESTIONS = (
+    (Pose2D(1.0, 1.0, 0.0), Pose2D(8.0, 1.0, math.pi / 2)),
+    (Pose2D(1.0, 1.0, 1.0), Pose2D(2.0, 4.5, -3.0)),
+    (Pose2D(8.53, 4.47, 3.0), Pose2D(1.01, 1.52, 0.3)),
+    (Pose2D(2.0, 2.0, 0.0), Pose2D(2.0, 2.0, 2.0)),
+    (Pose2D(2.0, 2.0, 0.5), Pose2D(2.0, 2.0, 0.5)),
+)
+_START = Pose2D(1.0, 1.0, 0.0)
+_REFUSALS: tuple[tuple[Pose2D, Pose2D, tuple[type[PlanningError], ...], str], ...] = (
+    (_START, Pose2D(50.0, 1.0), (OutsideMapError,), "a goal outside the map"),
+    (Pose2D(1.0, -3.0), _START, (OutsideMapError,), "a start outside the map"),
+    (_START, Pose2D(6.0, 4.0), (BlockedPoseError,), "a goal deep in an obstacle"),
+    (Pose2D(6.0, 4.0), _START, (BlockedPoseError,), "a start deep in an obstacle"),
+    (_START, Pose2D(11.0, 3.0), (BlockedPoseError,), "a goal deep in unknown space"),
+    (_START, Pose2D(13.5, 3.0), (NoPathError, BlockedPoseError), "a goal in a closed chamber"),
+)
+
+
+def _two_rooms() -> Costmap:
+    """15 × 6 m: two rooms with a door of 1.2 m, a block in the right one, then unknown space, then a closed chamber."""
+    data = np.zeros((60, 150), np.int8)
+    data[[0, -1], :] = 100
+    data[:, [0, 45, 99, 149]] = 100
+    data[14:26, 45] = 0
+    data[30:50, 50:70] = 100
+    data[:, 100:120] = -1
+    data[:, 120] = 100
+    return Costmap.from_grid(OccupancyGrid(data, _RESOLUTION), _FOOTPRINT)
+
+
+def _as_factory(planner: Planner | Callable[[], Planner]) -> Callable[[], Planner]:
+    if isinstance(planner, type):
+        return planner
+    if isinstance(planner, Planner):
+        return lambda: planner
+    return planner
+
+
+def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+    try:
+        path = planner.plan(costmap, start, goal)
+    except PlanningError as error:
+        raise ConformanceError(f"no path from {start} to {goal}, where there is one: {error}") from error
+    expect(isinstance(path, Path), f"plan() must return a Path, got {type(path).__name__}")
+    return path
+
+
+def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
+    where = f"path from {start} to {goal}"
+    expect(len(path) >= 1, f"{where}: it is empty")
+    expect(bool(np.isfinite(path.poses).all()), f"{where}: its poses are not finite")
+    for what, pose, wanted in (("start", path.start, start), ("end", path.goal, goal)):
+        expect(pose.distance_to(wanted) <= _NEAR, f"{where}: it must {what} at {wanted}, not at {pose}")
+        turn = abs(math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi))
+        expect(turn <= _NEAR, f"{where}: it must {what} with a yaw of {wanted.yaw:.4f}, not {pose.yaw:.4f}")
+    expect(path.length >= start.distance_to(goal) - _NEAR, f"{where}: it is shorter than the straight line")
+    costs = costmap.cost_at(*_densified(path))
+    expect(bool((costs < LETHAL).all()), f"{where}: it goes through occupied or unknown cells")
+
+
+def _densified(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Points x, y [m] along the straight lines between poses, a fifth of a cell apart."""
+    pieces = [
+        np.linspace(a[:2], b[:2], 2 + int(math.dist(a[:2], b[:2]) / (_RESOLUTION / 5.0)))
+        for a, b in zip(path.poses[:-1], path.poses[1:], strict=True)
+    ]
+    points = np.concatenate([path.poses[:1, :2], *pieces])
+    return points[:, 0], points[:, 1]
+
+
+def _check_same(path: Path, other: Path, message: str) -> None:
+    expect(np.array_equal(path.poses, other.poses), message)
+
+
+def _check_refusal(
+    planner: Planner,
+    costmap: Costmap,
+    start: Pose2D,
+    goal: Pose2D,
+    kinds: tuple[type[PlanningError], ...],
+    what: str,
+) -> None:
+    names = " or ".join(kind.__name__ for kind in kinds)
+    try:
+        planner.plan(costmap, start, goal)
+    except kinds as error:
+        expect(len(str(error)) > 0, f"{what}: the {names} has no message")
+    except Exception as error:
+        raise ConformanceError(f"{what} must raise {names}, not {type(error).__name__}: {error}") from error
+    else:
+        raise ConformanceError(f"{what} must raise {names}, and it gave a path")
