@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import zipfile
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.files import atomic_path
+from trundle.files import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 
@@ -141,8 +142,9 @@ class Trajectory:
         Raises:
             OutputError: If it cannot be written; nothing is left behind.
         """
-        with atomic_path(path) as temporary, temporary.open("wb") as stream:
-            np.savez_compressed(stream, **{name: getattr(self, name) for name in self.columns()})
+        content = io.BytesIO()
+        np.savez_compressed(content, **{name: getattr(self, name) for name in self.columns()})
+        write_bytes(path, content.getvalue())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:

@@ -1,0 +1,1 @@
+"""Observers that record: run folders, pictures, videos, and a progress bar."""

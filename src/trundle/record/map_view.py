@@ -1,0 +1,211 @@
+"""A costmap as a picture to draw on: cropped, enlarged by whole pixels a cell, with smooth lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw
+
+from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.geometry import FloatArray, Pose2D
+from trundle.record.colors import PAGE, Rgb, map_palette
+
+SMOOTH = 2
+"""Lines are drawn on so many times as many pixels each way, then averaged."""
+
+LONG_SIDE = 1000
+MAX_SIDE = 2000
+_MARGIN_M = 2.0
+_LEAST_VIEW_M = 8.0
+_LEAST_RATIO = 0.85  # of the shorter to the longer side of a view, where the map is wide enough
+_WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of it
+
+
+class MapView:
+    """The part of a map that matters, with what is drawn on it.
+
+    Args:
+        costmap: The map as the robot sees it.
+        focus: Points [m] in the map frame, shape (N, 2), that must be seen; none means the whole map.
+        long_side: Least length of the longer side, in pixels of the finished picture.
+        max_side: Largest length of the longer side; larger maps are shown with several cells a pixel.
+    """
+
+    def __init__(
+        self, costmap: Costmap, focus: FloatArray | None = None, *, long_side: int = LONG_SIDE, max_side: int = MAX_SIDE
+    ) -> None:
+        self._costmap = costmap
+        self._crop = _find_crop(costmap, focus)
+        row0, row1, col0, col1 = self._crop
+        cells = costmap.data[row0:row1, col0:col1]
+        longest = max(cells.shape)
+        merged = math.ceil(longest / max_side)
+        if merged > 1:
+            cells = _merge_cells(cells, merged)
+        enlarged = max(1, math.ceil(long_side / max(cells.shape)))
+        self._pixels_per_cell = enlarged / merged
+        rows, cols = cells.shape
+        self.size = (cols * enlarged, rows * enlarged)
+        """Width and height of the finished picture [px]."""
+        image = Image.frombytes("P", (cols, rows), np.ascontiguousarray(cells[::-1]).tobytes())
+        image.putpalette(map_palette().tobytes())
+        large = (self.size[0] * SMOOTH, self.size[1] * SMOOTH)
+        self._image = image.resize(large, Image.Resampling.NEAREST).convert("RGB")
+        self._draw = ImageDraw.Draw(self._image, "RGBA")
+
+    @property
+    def pixels_per_metre(self) -> float:
+        """Scale of the finished picture."""
+        return self._pixels_per_cell / self._costmap.resolution
+
+    def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
+        """Where points [m] in the map frame, shape (N, 2), are in the finished picture [px]; y goes down."""
+        local = self._costmap.origin.inverse().transform_points(np.asarray(points, dtype=np.float64).reshape(-1, 2))
+        cells = local / self._costmap.resolution
+        _, row1, col0, _ = self._crop
+        return np.column_stack([cells[:, 0] - col0, row1 - cells[:, 1]]) * self._pixels_per_cell
+
+    def finish(self) -> Image.Image:
+        """Return the picture; the view can be drawn on further."""
+        return self._image.reduce(SMOOTH)
+
+    def refresh(self, picture: Image.Image, points: npt.ArrayLike, margin: float) -> None:
+        """Bring a finished picture up to date around points [m], shape (N, 2), and `margin` [px] beyond."""
+        box = self._box(self.to_pixels(points), margin)
+        picture.paste(self._image.crop(_enlarged(box)).reduce(SMOOTH), box)
+
+    def stamp(self, picture: Image.Image, pose: Pose2D, corners: FloatArray, color: Rgb) -> None:
+        """Draw a robot into a finished picture, and not into the view."""
+        points = pose.transform_points(corners)
+        box = self._box(self.to_pixels(points), 4.0)
+        patch = self._image.crop(_enlarged(box))
+        draw = ImageDraw.Draw(patch, "RGBA")
+        pixels = (self.to_pixels(points) - box[:2]) * SMOOTH
+        outline = [(float(x), float(y)) for x, y in pixels]
+        draw.polygon(outline, fill=(*color, 200))
+        draw.line([*outline, outline[0]], fill=color, width=2 * SMOOTH)
+        nose = (
+            self.to_pixels([(pose.x, pose.y), pose.transform_points([(float(corners[:, 0].max()), 0.0)])[0]]) - box[:2]
+        ) * SMOOTH
+        draw.line([(float(x), float(y)) for x, y in nose], fill=PAGE, width=2 * SMOOTH)
+        picture.paste(patch.reduce(SMOOTH), box)
+
+    # Drawing: widths and radii in pixels of the finished picture ----------------------------------------------------
+
+    def line(self, points: npt.ArrayLike, color: Rgb, width: float) -> None:
+        """Draw a polyline through points [m], shape (N, 2), with round ends."""
+        self.line_pixels(self.to_pixels(points), color, width)
+
+    def line_pixels(self, pixels: FloatArray, color: Rgb, width: float) -> None:
+        """Draw a polyline through pixels, shape (N, 2), with round ends."""
+        large = [(float(x), float(y)) for x, y in pixels * SMOOTH]
+        thick = max(1, round(width * SMOOTH))
+        if len(large) > 1:
+            self._draw.line(large, fill=color, width=thick, joint="curve")
+        for end in (large[0], large[-1]):
+            self._disc(end, thick / 2.0, color)
+
+    def disc(self, point: Sequence[float], radius: float, color: Rgb) -> None:
+        """Draw a filled circle about a point [m]."""
+        x, y = self.to_pixels([point])[0] * SMOOTH
+        self._disc((float(x), float(y)), radius * SMOOTH, color)
+
+    def ring(self, point: Sequence[float], radius: float, color: Rgb, width: float) -> None:
+        """Draw a circle about a point [m]."""
+        x, y = self.to_pixels([point])[0] * SMOOTH
+        large = radius * SMOOTH
+        box = (x - large, y - large, x + large, y + large)
+        self._draw.ellipse(box, outline=color, width=max(1, round(width * SMOOTH)))
+
+    def outline(
+        self, pose: Pose2D, corners: FloatArray, color: Rgb, width: float, *, alpha: int = 255, fill: int = 0
+    ) -> None:
+        """Draw a robot's footprint at a pose, map frame; `alpha` and `fill` are 0..255, of its line and its inside."""
+        pixels = self.to_pixels(pose.transform_points(corners)) * SMOOTH
+        points = [(float(x), float(y)) for x, y in pixels]
+        if fill:
+            self._draw.polygon(points, fill=(*color, fill))
+        self._draw.line([*points, points[0]], fill=(*color, alpha), width=max(1, round(width * SMOOTH)))
+
+    def arrow(self, pose: Pose2D, length: float, color: Rgb) -> None:
+        """Draw an arrowhead of `length` [px] that points along a pose's x axis, with its middle on the pose."""
+        reach = length / self.pixels_per_metre
+        shape = np.array([[0.62, 0.0], [-0.38, 0.38], [-0.18, 0.0], [-0.38, -0.38]]) * reach
+        pixels = self.to_pixels(pose.transform_points(shape)) * SMOOTH
+        self._draw.polygon([(float(x), float(y)) for x, y in pixels], fill=color)
+
+    def cross(self, point: Sequence[float], radius: float, color: Rgb, width: float) -> None:
+        """Draw a cross (×) at a point [m]."""
+        x, y = self.to_pixels([point])[0]
+        for side in (-1.0, 1.0):
+            ends = np.array([[x - radius, y - side * radius], [x + radius, y + side * radius]])
+            self.line_pixels(ends, color, width)
+
+    def _box(self, pixels: FloatArray, margin: float) -> tuple[int, int, int, int]:
+        """Whole pixels (left, top, right, bottom) around points, inside the picture and never empty."""
+        low, high = pixels.min(axis=0) - margin, pixels.max(axis=0) + margin
+        left = min(max(0, math.floor(low[0])), self.size[0] - 1)
+        top = min(max(0, math.floor(low[1])), self.size[1] - 1)
+        right = min(max(left + 1, math.ceil(high[0])), self.size[0])
+        bottom = min(max(top + 1, math.ceil(high[1])), self.size[1])
+        return left, top, right, bottom
+
+    def _disc(self, center: tuple[float, float], radius: float, color: Rgb) -> None:
+        x, y = center
+        self._draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=color)
+
+
+def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+    left, top, right, bottom = box
+    return left * SMOOTH, top * SMOOTH, right * SMOOTH, bottom * SMOOTH
+
+
+def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, int, int]:
+    """First and last + 1 row and column of the part to show: what is known, and of that what is in focus."""
+    rows, cols = costmap.shape
+    known = costmap.data != NO_INFORMATION
+    margin = math.ceil(0.5 / costmap.resolution)
+    row0, row1 = _extent(np.flatnonzero(known.any(axis=1)), margin, rows)
+    col0, col1 = _extent(np.flatnonzero(known.any(axis=0)), margin, cols)
+    if focus is None or len(focus) == 0:
+        return row0, row1, col0, col1
+    row, col = costmap.world_to_cell(focus[:, 0], focus[:, 1])
+    low, high = int(row.min()), int(row.max()) + 1
+    left, right = int(col.min()), int(col.max()) + 1
+    span = max(high - low, right - left) * costmap.resolution
+    longest = max(span + 2.0 * max(_MARGIN_M, 0.1 * span), _LEAST_VIEW_M) / costmap.resolution
+    height = max(_LEAST_RATIO * longest, (high - low) + 2.0 * _MARGIN_M / costmap.resolution)
+    width = max(_LEAST_RATIO * longest, (right - left) + 2.0 * _MARGIN_M / costmap.resolution)
+    near = (*_around(low, high, height, row0, row1), *_around(left, right, width, col0, col1))
+    if (near[1] - near[0]) * (near[3] - near[2]) > _WHOLE_MAP_SHARE * (row1 - row0) * (col1 - col0):
+        return row0, row1, col0, col1
+    return near
+
+
+def _around(low: int, high: int, length: float, first: int, last: int) -> tuple[int, int]:
+    """Widen low..high to a length, shifted so that as much of it as there is lies within first..last."""
+    wanted = min(math.ceil(length), last - first)
+    begin = (low + high - wanted) // 2
+    begin = max(first, min(begin, last - wanted))
+    # What is in focus may lie outside the map; some of the map is shown in any case.
+    return begin, begin + wanted
+
+
+def _extent(known: npt.NDArray[np.intp], margin: int, size: int) -> tuple[int, int]:
+    if len(known) == 0:
+        return 0, size
+    return max(0, int(known[0]) - margin), min(size, int(known[-1]) + margin + 1)
+
+
+def _merge_cells(cells: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:
+    """Merge squares of cells: occupied where any is, else unknown where any is, else the largest cost."""
+    rows, cols = (math.ceil(side / factor) * factor for side in cells.shape)
+    padded = np.pad(cells, ((0, rows - cells.shape[0]), (0, cols - cells.shape[1])), mode="edge")
+    # Ranks: costs up to 253 as they are, unknown 254, occupied 255.
+    ranks = np.where(padded == LETHAL, 255, np.where(padded == NO_INFORMATION, 254, padded))
+    merged = ranks.reshape(rows // factor, factor, cols // factor, factor).max(axis=(1, 3))
+    swapped = np.where(merged == 255, LETHAL, np.where(merged == 254, NO_INFORMATION, merged))
+    return np.where(merged <= INSCRIBED, merged, swapped).astype(np.uint8)

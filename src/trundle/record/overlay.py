@@ -1,0 +1,214 @@
+"""Pictures of plans and of runs: the map, its inflation, the path, and where the robot drove."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from trundle.costmap import Costmap
+from trundle.geometry import FloatArray, Pose2D
+from trundle.mission import Episode, Goal, Outcome, Trajectory
+from trundle.mission.metrics import CLEARANCE_CAP
+from trundle.path import Path
+from trundle.record.colors import (
+    BAD,
+    GOAL,
+    GOOD,
+    INFLATED,
+    OCCUPIED,
+    PAGE,
+    PLANNED,
+    ROBOT,
+    START,
+    UNKNOWN,
+    WARNING,
+    Rgb,
+    speed_color,
+)
+from trundle.record.map_view import MapView
+from trundle.record.page import Mark, compose_page, draw_tag
+from trundle.robots import Robot
+
+_SPEED_LEVELS = 24
+_OUTLINES = 14  # footprints drawn along the way, about
+_LEAST_GAP_M = 1.2
+_LEGEND = (
+    Mark("square", OCCUPIED, "occupied"),
+    Mark("square", UNKNOWN, "unknown"),
+    Mark("square", INFLATED, "inflation"),
+    Mark("line", PLANNED, "planned"),
+)
+_STATUS: dict[Outcome, Rgb] = {Outcome.ARRIVED: GOOD, Outcome.COLLIDED: BAD}
+
+
+def draw_plan(costmap: Costmap, path: Path, robot: Robot, *, title: str = "", lines: Sequence[str] = ()) -> Image.Image:
+    """Draw a planned path on its map, with the robot's footprint at both ends.
+
+    Args:
+        costmap: What the path was planned on.
+        path: The path.
+        robot: Whose footprint is drawn.
+        title: Headline; none means the robot's and the planner's names.
+        lines: Smaller lines below it; none means length and cost.
+    """
+    view = MapView(costmap, path.poses[:, :2])
+    view.line(path.poses[:, :2], PLANNED, 7)
+    _draw_outlines(view, robot, path.poses, _along(path.poses))
+    for pose, color in ((path.start, START), (path.goal, GOAL)):
+        _draw_robot(view, robot, pose, color)
+    picture = view.finish()
+    ends = [(path.start.as_tuple(), "start", START), (path.goal.as_tuple(), "goal", GOAL)]
+    _draw_tags(view, robot, picture, ends)
+    cost = "" if math.isnan(path.cost) else f" · cost {path.cost:.1f}"
+    return compose_page(
+        picture,
+        title=title or f"{robot.name} · {path.planner}",
+        status=None,
+        lines=lines or [f"{path.length:.2f} m{cost}"],
+        legend=_LEGEND,
+        pixels_per_metre=view.pixels_per_metre,
+    )
+
+
+def draw_run(costmap: Costmap, robot: Robot, episode: Episode) -> Image.Image:
+    """Draw a run on its map: planned paths, where the robot drove, coloured by speed, and its outcome.
+
+    Args:
+        costmap: What it was planned on.
+        robot: Whose footprint is drawn.
+        episode: The run.
+    """
+    trajectory = episode.trajectory
+    goals = np.array([goal[:2] for goal in episode.goals])
+    seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
+    view = MapView(costmap, np.concatenate(seen))
+    for path in episode.paths:
+        view.line(path.poses[:, :2], PLANNED, 11)
+    poses = trajectory.poses
+    _draw_outlines(view, robot, poses, _along(poses))
+    top_speed = robot.limits.linear_speed
+    draw_driven(view, trajectory, top_speed)
+    _draw_robot(view, robot, episode.start, START)
+    end = Pose2D(*poses[-1].tolist())
+    view.outline(end, robot.outline, ROBOT, 1.5, fill=60)
+    for goal in episode.goals:
+        _draw_goal(view, robot, goal)
+    if episode.outcome is not Outcome.ARRIVED:
+        view.arrow(end, 14, ROBOT)
+        view.cross((end.x, end.y), 13, _STATUS.get(episode.outcome, WARNING), 5)
+    picture = view.finish()
+    names = ["goal"] if len(episode.goals) == 1 else [f"goal {number + 1}" for number in range(len(episode.goals))]
+    tags = [(episode.start.as_tuple(), "start", START)]
+    tags += [(goal, name, GOAL) for goal, name in zip(episode.goals, names, strict=True)]
+    _draw_tags(view, robot, picture, tags)
+    return compose_page(
+        picture,
+        title=episode.name,
+        status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
+        lines=describe(episode),
+        legend=_LEGEND,
+        pixels_per_metre=view.pixels_per_metre,
+        top_speed=top_speed,
+    )
+
+
+def describe(episode: Episode) -> list[str]:
+    """Return the figures of a run as lines of text."""
+    metrics = episode.metrics
+    capped = metrics.min_clearance_m >= CLEARANCE_CAP
+    figures = [
+        f"{metrics.time_s:.1f} s",
+        f"{metrics.distance_m:.2f} m driven",
+        f"{metrics.path_length_m:.2f} m planned",
+        f"smallest clearance {metrics.min_clearance_m:.2f} m" + (" or more" if capped else ""),
+    ]
+    if metrics.max_cross_track_error_m is not None:
+        figures.append(f"off path at most {metrics.max_cross_track_error_m:.2f} m")
+    figures.append(f"SPL {metrics.spl:.2f}")
+    settings = [
+        f"{episode.planner} ({metrics.planning_ms:.1f} ms)",
+        episode.controller,
+        episode.robot,
+        f"seed {episode.seed}",
+    ]
+    lines = [" · ".join(figures), " · ".join(settings)]
+    return lines if episode.arrived else [episode.message, *lines]
+
+
+def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, width: float = 4.0) -> None:
+    """Draw where the robot drove, coloured by its speed."""
+    points = trajectory.poses[:, :2]
+    kept = thin(view.to_pixels(points), 1.5)
+    if len(kept) < 2:
+        return
+    levels = np.minimum(np.abs(trajectory.v[kept]) / top_speed * _SPEED_LEVELS, _SPEED_LEVELS).round().astype(int)
+    edges = [0, *(np.flatnonzero(np.diff(levels[1:])) + 1).tolist(), len(kept) - 1]
+    for first, last in itertools.pairwise(edges):
+        if last > first:
+            color = speed_color(levels[first + 1] / _SPEED_LEVELS)
+            view.line(points[kept[first : last + 1]], color, width)
+
+
+def thin(pixels: FloatArray, gap: float) -> list[int]:
+    """Indices of points, shape (N, 2), that are `gap` apart along the line; the first and the last are among them."""
+    driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pixels, axis=0).T))])
+    marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
+    return sorted({*marks.tolist(), len(pixels) - 1})
+
+
+def _along(poses: FloatArray) -> FloatArray:
+    """Distance driven up to each pose [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))])
+
+
+def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatArray) -> None:
+    """Draw faint footprints at equal distances between the ends."""
+    gap = max(_LEAST_GAP_M, along[-1] / _OUTLINES)
+    for mark in np.arange(gap, along[-1] - 0.5 * gap, gap):
+        after = min(int(np.searchsorted(along, mark)), len(poses) - 1)
+        before = max(0, after - 1)
+        share = (mark - along[before]) / max(1e-9, along[after] - along[before])
+        x, y = poses[before, :2] + share * (poses[after, :2] - poses[before, :2])
+        yaw = _heading(poses, before, after)
+        view.outline(Pose2D(float(x), float(y), yaw), robot.outline, ROBOT, 1.5, alpha=80)
+
+
+def _heading(poses: FloatArray, before: int, after: int) -> float:
+    """Yaw while driving from one pose to the next: a planned path turns at its corners, a driven one on the way."""
+    step = poses[after, :2] - poses[before, :2]
+    if np.hypot(*step) < 0.2:
+        return float(poses[after, 2])
+    forward = float(np.arctan2(step[1], step[0]))
+    backward = math.cos(forward - float(poses[before, 2])) < -0.5
+    return forward + math.pi if backward else forward
+
+
+def _draw_robot(view: MapView, robot: Robot, pose: Pose2D, color: Rgb) -> None:
+    view.outline(pose, robot.outline, color, 2.5, fill=50)
+    view.disc((pose.x, pose.y), 10, PAGE)
+    view.disc((pose.x, pose.y), 8.5, color)
+    view.arrow(pose, 12, PAGE)
+
+
+def _draw_goal(view: MapView, robot: Robot, goal: Goal) -> None:
+    """Draw a goal: with its yaw as the footprint to reach, without as a target alone."""
+    if len(goal) == 3:
+        _draw_robot(view, robot, Pose2D.of(goal), GOAL)
+        return
+    view.disc(goal, 10, PAGE)
+    view.ring(goal, 10, GOAL, 3)
+    view.disc(goal, 4, GOAL)
+
+
+def _draw_tags(
+    view: MapView, robot: Robot, picture: Image.Image, tags: Sequence[tuple[tuple[float, ...], str, Rgb]]
+) -> None:
+    draw = ImageDraw.Draw(picture)
+    apart = min(60.0, 8.0 + 0.7 * robot.circumscribed_radius * view.pixels_per_metre)
+    for point, text, color in tags:
+        x, y = view.to_pixels([point[:2]])[0]
+        draw_tag(draw, (float(x), float(y)), text, color, apart=apart, size=picture.size)

@@ -1,0 +1,93 @@
+"""A progress bar with the time left, on the terminal's error stream."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Self
+
+from trundle.geometry import Pose2D
+from trundle.mission import Episode, RunInfo, Step
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+_EVERY = 5  # steps
+
+
+class ProgressBar:
+    """An observer that shows how much of the planned length is driven; use it in a `with` block.
+
+    It shows nothing where the error stream is no terminal.
+
+    Args:
+        quiet: Show nothing at all.
+    """
+
+    def __init__(self, *, quiet: bool = False) -> None:
+        self._quiet = quiet
+        self._bar: Progress | None = None
+        self._tasks: dict[str, TaskID] = {}
+        self._length_m = 0.0
+        self._driven_m = 0.0
+        self._last: Pose2D | None = None
+
+    def __enter__(self) -> Self:
+        if not self._quiet:
+            self._bar = _make_bar()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def on_start(self, run: RunInfo) -> None:
+        """Begin at nothing driven."""
+        self._length_m = max(run.path_length_m, 1e-6)
+        self._driven_m, self._last = 0.0, run.start
+        self._show("driving", 0.0, 1.0)
+
+    def on_step(self, step: Step) -> None:
+        """Add what was driven."""
+        if step.index % _EVERY == 0 and self._bar is not None:
+            here = step.state.pose
+            self._driven_m += here.distance_to(self._last or here)
+            self._last = here
+            self._show("driving", min(0.99, self._driven_m / self._length_m), 1.0)
+
+    def on_end(self, episode: Episode) -> None:
+        """Fill the bar."""
+        self._show("driving", 1.0, 1.0)
+
+    def report(self, what: str, done: int, total: int) -> None:
+        """Show how far something else is, e.g. the video: `done` parts of `total`."""
+        self._show(what, float(done), float(total))
+
+    def _show(self, what: str, done: float, total: float) -> None:
+        if self._bar is None:
+            return
+        if what not in self._tasks:
+            self._tasks[what] = self._bar.add_task(what, total=total)
+        self._bar.update(self._tasks[what], completed=done, total=total)
+
+
+def _make_bar() -> Progress | None:
+    """Return a bar that has begun, or none where it could not be seen."""
+    import sys
+
+    if not sys.stderr.isatty():
+        return None
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    bar = Progress(
+        TextColumn("{task.description:>8}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    )
+    bar.start()
+    return bar

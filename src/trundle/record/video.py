@@ -1,0 +1,187 @@
+"""`video.mp4`: a time-lapse of a run, rendered or drawn."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Protocol, Self, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw
+
+from trundle.errors import InputError, OutputError
+from trundle.files import write_bytes
+from trundle.geometry import Pose2D
+from trundle.mission import Episode, RunInfo
+from trundle.record.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
+from trundle.record.map_view import MapView
+from trundle.record.page import font
+
+FRAMES_PER_SECOND = 30
+MAX_FRAMES = 300
+DRAWN_SIDE = 540  # least longer side of a drawn frame [px]; the largest is twice that
+
+Pixels: TypeAlias = npt.NDArray[np.uint8]
+Report: TypeAlias = Callable[[str, int, int], None]
+"""Told what is being made, how many of its parts are done, and of how many."""
+
+
+class FrameSource(Protocol):
+    """Gives a picture for one pose after another, in the order of the run."""
+
+    def render(self, pose: Pose2D) -> Pixels:
+        """Return the picture of the robot at a pose: RGB, uint8, shape (height, width, 3), always of one size."""
+        ...
+
+
+MakeFrames: TypeAlias = Callable[[RunInfo, Episode], AbstractContextManager[FrameSource]]
+
+
+def write_video(
+    path: str | os.PathLike[str],
+    run: RunInfo,
+    episode: Episode,
+    frames: MakeFrames | None = None,
+    *,
+    report: Report | None = None,
+) -> str:
+    """Write a time-lapse of a run, of at most 300 frames; as an animated GIF where PyAV is missing.
+
+    Args:
+        path: The .mp4 to write.
+        run: What ran.
+        episode: How it went.
+        frames: Where the pictures come from; none means a drawn view from above.
+        report: Told how far it is.
+
+    Returns:
+        The name of the file that was written: of the .mp4, or of a .gif beside it.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    rows = pick_rows(len(episode.trajectory))
+    lapse = len(rows) < len(episode.trajectory)
+    fps = FRAMES_PER_SECOND if lapse else max(1, round(1.0 / run.dt))
+    poses = episode.trajectory.poses
+
+    def pictures(source: FrameSource) -> Iterator[Pixels]:
+        for number, row in enumerate(rows):
+            yield source.render(Pose2D(*poses[row].tolist()))
+            if report is not None:
+                report("video", number + 1, len(rows))
+
+    make = frames or DrawnFrames
+    with make(run, episode) as source:
+        return encode(path, pictures(source), fps=fps)
+
+
+def pick_rows(count: int) -> npt.NDArray[np.intp]:
+    """Rows to show of a trajectory of `count` rows: all of them up to 300, else 300 evenly spread, with both ends."""
+    return np.linspace(0, count - 1, min(MAX_FRAMES, count)).round().astype(np.intp)
+
+
+def encode(path: str | os.PathLike[str], pictures: Iterable[Pixels], *, fps: int = FRAMES_PER_SECOND) -> str:
+    """Write pictures of one size as H.264 (MPEG-4 part 2 where there is no encoder for it), or as GIF without PyAV.
+
+    Returns:
+        The name of the file that was written.
+
+    Raises:
+        OutputError: If it cannot be written.
+        InputError: If there is no picture.
+    """
+    target = Path(path)
+    try:
+        import av
+        import av.error
+    except ImportError:
+        return _encode_gif(target.with_suffix(".gif"), pictures, fps)
+    stream: Any = None
+    content = io.BytesIO()
+    try:
+        with av.open(content, "w", format="mp4") as container:
+            for picture in pictures:
+                even = np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+                if stream is None:
+                    stream = _add_stream(container, even.shape, fps)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(even, format="rgb24")))
+            if stream is None:
+                raise InputError("a video needs at least one picture")
+            container.mux(stream.encode(None))
+    except av.error.FFmpegError as error:
+        raise OutputError(f"cannot write {target}: {error}") from error
+    write_bytes(target, content.getvalue())
+    return target.name
+
+
+def _add_stream(container: Any, shape: tuple[int, ...], fps: int) -> Any:
+    import av.codec
+
+    has_h264 = "libx264" in av.codec.codecs_available
+    stream = container.add_stream("libx264" if has_h264 else "mpeg4", rate=Fraction(fps))
+    stream.height, stream.width = shape[:2]
+    stream.pix_fmt = "yuv420p"
+    stream.options = {"crf": "23", "preset": "ultrafast"} if has_h264 else {"qscale": "4"}
+    return stream
+
+
+def _encode_gif(target: Path, pictures: Iterable[Pixels], fps: int) -> str:
+    images = [Image.fromarray(picture).quantize(64) for picture in pictures]
+    if not images:
+        raise InputError("a video needs at least one picture")
+    content = io.BytesIO()
+    pause = round(1000 / fps)  # [ms]
+    images[0].save(content, format="GIF", save_all=True, append_images=images[1:], duration=pause, loop=0)
+    write_bytes(target, content.getvalue())
+    return target.name
+
+
+class DrawnFrames:
+    """Frames drawn from above: the map, the planned paths, the way driven so far and the robot.
+
+    Args:
+        run: What ran.
+        episode: How it went.
+    """
+
+    def __init__(self, run: RunInfo, episode: Episode) -> None:
+        self._robot = run.robot
+        goals = np.array([goal[:2] for goal in episode.goals])
+        seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
+        view = MapView(run.costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=2 * DRAWN_SIDE)
+        for path in episode.paths:
+            view.line(path.poses[:, :2], PLANNED, 6)
+        view.disc(episode.start.as_tuple()[:2], 6, START)
+        for goal in episode.goals:
+            view.ring(goal[:2], 8, GOAL, 2.5)
+            view.disc(goal[:2], 3.5, GOAL)
+        self._view = view
+        self._picture = view.finish()
+        self._last: Pose2D | None = None
+        self._times = iter(episode.trajectory.time[pick_rows(len(episode.trajectory))].tolist())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing to release."""
+
+    def render(self, pose: Pose2D) -> Pixels:
+        """Draw the next frame; the way from the last one stays."""
+        if self._last is not None:
+            step = [(self._last.x, self._last.y), (pose.x, pose.y)]
+            self._view.line(step, ROBOT, 2)
+            self._view.refresh(self._picture, step, 4.0)
+        self._last = pose
+        frame = self._picture.copy()
+        self._view.stamp(frame, pose, self._robot.outline, START)
+        draw = ImageDraw.Draw(frame)
+        draw.rectangle((8, 8, 92, 36), fill=PAGE)
+        draw.text((50, 22), f"{next(self._times, 0.0):.1f} s", font=font(17), fill=INK, anchor="mm")
+        return np.asarray(frame)

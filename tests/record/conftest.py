@@ -1,0 +1,45 @@
+"""A short kinematic run, with what observers were told of it."""
+
+import numpy as np
+import pytest
+
+from trundle.maps import OccupancyGrid
+from trundle.mission import run
+from trundle.navigation import Navigator
+from trundle.robots import Robot
+from trundle.sim import simulate
+from trundle.worlds import World
+
+
+class Told:
+    def __init__(self):
+        self.info = self.episode = None
+        self.steps = []
+
+    def on_start(self, run):
+        self.info = run
+
+    def on_step(self, step):
+        self.steps.append(step)
+
+    def on_end(self, episode):
+        self.episode = episode
+
+
+@pytest.fixture(scope="session")
+def hall():
+    data = np.zeros((100, 140), dtype=np.int8)
+    data[[0, -1], :] = 100
+    data[:, [0, -1]] = 100
+    data[:40, 60:70] = 100
+    data[80:, 100:] = -1
+    return OccupancyGrid(data, 0.05)
+
+
+@pytest.fixture(scope="session")
+def told(hall):
+    told = Told()
+    robot = Robot.load("nova_carter")
+    with simulate(World.from_map(hall), robot, backend="kinematic") as sim:
+        run(sim, Navigator(hall, robot), (1.5, 1.5, 0.0), [(1.5, 3.0), (5.0, 2.0, 0.0)], observers=[told], name="hall")
+    return told

@@ -1,0 +1,35 @@
+import io
+import sys
+
+from trundle.record.progress import ProgressBar
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def show(told, monkeypatch, stream, **options):
+    """What a run with a bar writes to the error stream."""
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setattr(sys, "stderr", stream)
+    with ProgressBar(**options) as bar:
+        bar.on_start(told.info)
+        for step in told.steps:
+            bar.on_step(step)
+        bar.on_end(told.episode)
+        bar.report("video", 3, 10)
+    return stream.getvalue()
+
+
+def test_a_terminal_sees_how_far_it_is_and_the_time_left(told, monkeypatch):
+    shown = show(told, monkeypatch, Terminal())
+    assert "driving" in shown
+    assert "100 %" in shown
+    assert "video" in shown
+    assert "left" in shown
+
+
+def test_quiet_and_no_terminal_show_nothing(told, monkeypatch):
+    assert show(told, monkeypatch, Terminal(), quiet=True) == ""
+    assert show(told, monkeypatch, io.StringIO()) == ""

@@ -1,0 +1,217 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from trundle.errors import OutputError, OutsideMapError
+from trundle.mission import Scenario, Trajectory, run
+from trundle.record.run_folder import RunFolder, make_run_folder
+from trundle.record.video import encode
+
+FILES = {"episode.json", "trajectory.npz", "scenario.yaml", "overlay.png", "video.mp4"}
+NAMES_THAT_STAY = {
+    "outcome",
+    "time_s",
+    "distance_m",
+    "path_length_m",
+    "min_clearance_m",
+    "planning_ms",
+    "real_time_factor",
+    "contacts",
+    "run_dir",
+}
+
+
+@pytest.fixture
+def scenario():
+    return Scenario.make(
+        world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5, time_limit_s=120
+    )
+
+
+def names(folder):
+    return {path.name for path in Path(folder).iterdir()}
+
+
+def test_a_run_leaves_its_files_and_the_record_has_the_names_that_stay(tmp_path, scenario):
+    with scenario.build() as mission, RunFolder(tmp_path / "r", scenario=mission.scenario) as folder:
+        episode = mission.run(observers=[folder])
+    assert episode.observer_errors == ()
+    assert names(tmp_path / "r") == FILES
+    record = json.loads((tmp_path / "r" / "episode.json").read_text())
+    assert set(record) >= NAMES_THAT_STAY
+    assert record["outcome"] == "arrived"
+    assert record["run_dir"] == str(tmp_path / "r")
+    assert record["versions"]["trundle"]
+    assert record == folder.record
+    trajectory = Trajectory.load(tmp_path / "r" / "trajectory.npz")
+    assert trajectory.x.tolist() == episode.trajectory.x.tolist()
+    with Image.open(tmp_path / "r" / "overlay.png") as image:
+        image.load()
+
+
+def test_the_saved_scenario_repeats_the_run_bit_for_bit(tmp_path, scenario):
+    with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, video=False) as folder:
+        first = mission.run(observers=[folder]).trajectory
+    with Scenario.load(tmp_path / "scenario.yaml").build() as mission:
+        again = mission.run().trajectory
+    for name in Trajectory.columns():
+        assert getattr(again, name).tobytes() == getattr(first, name).tobytes()
+
+
+def test_a_new_folder_is_named_after_time_and_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first, second = make_run_folder(None, "night shift/7"), make_run_folder(None, "night shift/7")
+    assert first != second
+    assert first.parent == Path("runs")
+    assert first.name.endswith("-night-shift-7")
+
+
+def test_a_folder_that_cannot_be_written_fails_before_the_run(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError):
+        RunFolder(tmp_path / "file")
+    with pytest.raises(OutputError):
+        RunFolder(tmp_path / "file" / "below")
+    with pytest.raises(OutputError):
+        make_run_folder(None, "x", root=tmp_path / "file")
+
+
+def test_a_read_only_folder_fails_before_the_run(tmp_path, monkeypatch):
+    def refuse(*arguments, **options):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)  # file modes do not stop root
+    with pytest.raises(OutputError, match="Permission denied"):
+        RunFolder(tmp_path / "r")
+
+
+def test_bad_input_leaves_no_folder(tmp_path, scenario):
+    with scenario.build() as mission:
+        far = (1000.0, 0.0)
+        with RunFolder(tmp_path / "r") as folder, pytest.raises(OutsideMapError):
+            run(mission.sim, mission.navigator, mission.start, far, observers=[folder])
+        assert not (tmp_path / "r").exists()
+        (tmp_path / "mine").mkdir()
+        with RunFolder(tmp_path / "mine") as folder, pytest.raises(OutsideMapError):
+            run(mission.sim, mission.navigator, mission.start, far, observers=[folder])
+        assert (tmp_path / "mine").exists()
+
+
+def test_one_file_that_fails_does_not_keep_the_others(tmp_path, scenario):
+    def broken(run, episode):
+        raise OSError("no driver")
+
+    with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, frames=broken) as folder:
+        episode = mission.run(observers=[folder])
+    assert names(tmp_path) == FILES - {"video.mp4"}
+    (error,) = episode.observer_errors
+    assert isinstance(error, OutputError)
+    assert "no driver" in str(error)
+    assert "video.mp4" not in json.loads((tmp_path / "episode.json").read_text())["files"]
+
+
+def test_ctrl_c_during_the_video_leaves_the_video_out(tmp_path, scenario):
+    def interrupted(run, episode):
+        raise KeyboardInterrupt
+
+    with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, frames=interrupted) as folder:
+        episode = mission.run(observers=[folder])
+    assert episode.arrived
+    assert names(tmp_path) == FILES - {"video.mp4"}
+
+
+def test_an_earlier_record_goes_when_a_run_begins(tmp_path, told):
+    (tmp_path / "episode.json").write_text("{}")
+    folder = RunFolder(tmp_path)
+    assert (tmp_path / "episode.json").exists()
+    folder.on_start(told.info)
+    assert not (tmp_path / "episode.json").exists()
+
+
+SCRIPT = """
+import sys, time
+from trundle.mission import Scenario
+from trundle.record.run_folder import RunFolder
+
+class Slow:
+    def on_start(self, run): print("driving", flush=True)
+    def on_step(self, step): time.sleep(float(sys.argv[2]))
+    def on_end(self, episode): print("over", flush=True)
+
+scenario = Scenario.make(world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5)
+with scenario.build() as mission, RunFolder(sys.argv[1], scenario=mission.scenario) as folder:
+    episode = mission.run(observers=[Slow(), folder])
+print(episode.outcome, flush=True)
+"""
+
+
+def start(folder, pause):
+    command = [sys.executable, "-c", SCRIPT, str(folder), str(pause)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "driving\n"
+    return process
+
+
+def check_whole(folder):
+    """Whatever is there can be read whole."""
+    for path in folder.iterdir():
+        if path.name.startswith("."):
+            continue  # a temporary name
+        if path.name == "episode.json":
+            assert names(folder) >= FILES
+            json.loads(path.read_text())
+        elif path.name == "trajectory.npz":
+            Trajectory.load(path)
+        elif path.name == "scenario.yaml":
+            Scenario.load(path)
+        elif path.name == "overlay.png":
+            with Image.open(path) as image:
+                image.load()
+        else:
+            assert path.name == "video.mp4"
+            assert b"moov" in path.read_bytes()
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_run_as_aborted_with_its_files(tmp_path):
+    with start(tmp_path, 0.02) as process:
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)
+    assert out.splitlines()[-1] == "aborted"
+    assert process.returncode == 0
+    assert names(tmp_path) == FILES
+    assert json.loads((tmp_path / "episode.json").read_text())["outcome"] == "aborted"
+
+
+@pytest.mark.slow
+def test_a_kill_at_any_moment_leaves_no_half_file(tmp_path):
+    whole = tmp_path / "whole"
+    with start(whole, 0.0) as process:
+        process.stdout.readline()
+        began = time.monotonic()
+        process.communicate(timeout=60)
+        writing_s = time.monotonic() - began
+    assert names(whole) == FILES
+    for number in range(4):
+        folder = tmp_path / str(number)
+        with start(folder, 0.0) as process:
+            process.stdout.readline()
+            time.sleep(writing_s * number / 4.0)
+            os.kill(process.pid, signal.SIGKILL)
+            process.communicate(timeout=60)
+        check_whole(folder)
+
+
+def test_videos_are_whole_files(tmp_path):
+    import numpy as np
+
+    encode(tmp_path / "v.mp4", [np.zeros((32, 32, 3), dtype=np.uint8)])
+    assert b"moov" in (tmp_path / "v.mp4").read_bytes()
