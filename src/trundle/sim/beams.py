@@ -91,7 +91,7 @@ def cast_cells(field: CellField, x: float, y: float, angles: FloatArray, reach: 
     direction = np.stack([np.cos(turned), np.sin(turned)])
     origin = np.array([[local.x / scale], [local.y / scale]])
     cell = np.repeat(np.floor(origin), len(angles), axis=1).astype(np.int64)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         spacing = np.where(direction != 0.0, 1.0 / np.abs(direction), np.inf)
         following = np.where(direction != 0.0, (cell + (direction > 0.0) - origin) / direction, np.inf)
     step = np.where(direction > 0.0, 1, -1)

@@ -117,7 +117,7 @@ class FootprintChecker:
             return []
         cells += np.array([first_row, first_col])
         corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-        squares = (cells[:, None, ::-1] + corners) * field.resolution
+        squares: FloatArray = (cells[:, None, ::-1].astype(np.float64) + corners) * field.resolution
         depth = polygon_depth(outlines, squares).max(axis=0)
         found: list[Contact] = []
         for index in np.argsort(-depth, kind="stable")[:_MOST_CELLS]:

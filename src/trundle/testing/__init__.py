@@ -3,5 +3,6 @@
 from trundle.testing.conformance import ConformanceError
 from trundle.testing.controller import check_controller
 from trundle.testing.planner import check_planner
+from trundle.testing.simulator import check_simulator
 
-__all__ = ["ConformanceError", "check_controller", "check_planner"]
+__all__ = ["ConformanceError", "check_controller", "check_planner", "check_simulator"]

@@ -9,7 +9,7 @@ from typing import Literal, Self
 import mujoco
 import numpy as np
 
-from trundle.errors import InputError, SimulationError
+from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.lidar import LidarChoice, LidarSet
@@ -24,6 +24,8 @@ from trundle.worlds import World
 Casters = Literal["trailing", "reversed"]
 
 _SETTLE_S = 2.0
+_LARGEST_TILT = 0.05
+"""Of a robot at rest [rad]; one that falls on its chassis lies at more."""
 
 
 class MujocoSimulator:
@@ -45,6 +47,7 @@ class MujocoSimulator:
 
     Raises:
         InputError: If an option is out of range.
+        RobotError: If the robot cannot be modelled, or does not stand on its wheels.
         WorldError: If the world cannot be modelled.
     """
 
@@ -66,10 +69,10 @@ class MujocoSimulator:
         self._rest = _resting_state(robot, timestep, casters)
         try:
             self.model = build_spec(world, robot, timestep=timestep).compile()
+        except InputError:
+            raise
         except ValueError as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(f"MuJoCo cannot model {robot.name} in {world.name}: {error}") from error
+            raise WorldError(f"MuJoCo cannot model the world {world.name!r}: {error}") from error
         self.data = mujoco.MjData(self.model)
         self._wheel_qpos, self._wheel_qvel = _wheel_addresses(self.model, robot)
         self._ramp = CommandRamp(robot, timestep)
@@ -199,9 +202,12 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArra
     """Joint positions of the robot after it has settled on a bare floor, looking along x from the origin.
 
     Raises:
-        SimulationError: If it does not come to rest on its wheels.
+        RobotError: If it cannot be modelled, or does not come to rest on its wheels.
     """
-    model = robot_spec(robot, floor=True, timestep=timestep).compile()
+    try:
+        model = robot_spec(robot, floor=True, timestep=timestep).compile()
+    except ValueError as error:
+        raise RobotError(f"MuJoCo cannot model the robot {robot.name!r}: {error}") from error
     data = mujoco.MjData(model)
     if casters == "reversed":
         for caster in robot.casters:
@@ -212,9 +218,9 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArra
         mujoco.mj_step(model, data)
     rest = data.qpos.copy()
     upright = 1.0 - 2.0 * (rest[4] ** 2 + rest[5] ** 2)
-    if not (np.isfinite(rest).all() and upright > math.cos(0.1)):
-        raise SimulationError(
-            f"{robot.name} does not stand on its wheels: it tips over or falls; check body.center_of_mass and casters"
+    if not (np.isfinite(rest).all() and upright > math.cos(_LARGEST_TILT)):
+        raise RobotError(
+            f"the robot {robot.name!r} does not stand on its wheels; check body.center_of_mass and casters"
         )
     # Height, roll and pitch are what settling is for; everything else starts where it was put.
     height = rest[2]

@@ -1,0 +1,165 @@
+"""The check that every simulator must pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from trundle.errors import InputError, SimulationError
+from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
+from trundle.robots import Robot
+from trundle.sim import RobotState, Simulator
+from trundle.sim.kinematic import KinematicSimulator
+from trundle.solids import Box, Solid
+from trundle.testing.conformance import expect
+from trundle.worlds import World
+
+_PERIOD = 0.05
+_EMPTY = World("empty", ())
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """How far a simulator may be from the kinematic one.
+
+    Attributes:
+        position_m: After five seconds of driving [m].
+        yaw_rad: After five seconds of driving [rad].
+        speed: Of the limits in speed, over them, as a share of them.
+        rest_m: Of the pose after a reset [m].
+    """
+
+    position_m: float = 0.010
+    yaw_rad: float = math.radians(1.0)
+    speed: float = 0.02
+    rest_m: float = 0.002
+
+
+def check_simulator(
+    make: Callable[[World, Robot], Simulator],
+    *,
+    robot: str | Robot = "nova_carter",
+    tolerances: Tolerances = Tolerances(),
+) -> None:
+    """Check that a simulator keeps the promises of `trundle.sim.Simulator` and agrees with the kinematic one.
+
+    Args:
+        make: Makes a simulator of a robot in a world, without lidars.
+        robot: What to drive.
+        tolerances: How far it may be from the kinematic simulator.
+
+    Raises:
+        ConformanceError: If it does not; the message says what was promised and what came.
+    """
+    machine = Robot.load(robot)
+    with make(_EMPTY, machine) as simulator:
+        expect(isinstance(simulator, Simulator), f"{type(simulator).__name__} lacks a method of trundle.sim.Simulator")
+        expect(simulator.robot == machine, f"its robot is {simulator.robot.name}, not {machine.name}")
+        _check_reset(simulator, tolerances)
+        _check_repeats(simulator)
+        _check_limits(simulator, tolerances)
+        _check_motion(simulator, tolerances)
+        _check_period(simulator)
+    _check_contacts(make, machine)
+    _check_close(make, machine)
+
+
+def _check_reset(simulator: Simulator, tolerances: Tolerances) -> None:
+    simulator.step(Twist2D(0.3, 0.3), _PERIOD)
+    for pose in (Pose2D(0.0, 0.0), Pose2D(3.5, -2.25, 2.5)):
+        state = simulator.reset(pose)
+        distance = state.pose.distance_to(pose)
+        turn = abs(wrap_angle(state.pose.yaw - pose.yaw))
+        expect(state.time == 0.0, f"the time after a reset is {state.time} s, not 0")
+        expect(distance <= tolerances.rest_m, f"a reset to {pose} puts the robot {distance:.4f} m away")
+        expect(turn <= math.radians(0.1), f"a reset to {pose} turns the robot by {turn:.5f} rad")
+        expect(state.twist == Twist2D(0.0, 0.0), f"the robot is not at rest after a reset: {state.twist}")
+        expect(
+            state.odometry.distance_to(pose) < 1e-9, f"odometry does not start at the reset's pose: {state.odometry}"
+        )
+        expect(tuple(state.wheel_positions) == (0.0, 0.0), f"wheels do not start at 0: {state.wheel_positions}")
+        expect(not state.contacts, f"contacts in an empty world: {state.contacts}")
+        for _ in range(20):
+            state = simulator.step(Twist2D(0.0, 0.0), _PERIOD)
+        distance = state.pose.distance_to(pose)
+        expect(distance <= tolerances.rest_m, f"a robot told to stand moves {distance:.4f} m in a second")
+
+
+def _check_repeats(simulator: Simulator) -> None:
+    runs = [_drive(simulator, Twist2D(0.3, 0.4), 1.0, seed=5) for _ in range(2)]
+    expect(runs[0] == runs[1], "the same seed and commands give another run the second time")
+
+
+def _check_limits(simulator: Simulator, tolerances: Tolerances) -> None:
+    limits = simulator.robot.limits
+    room = 1.0 + tolerances.speed
+    states = _drive(simulator, Twist2D(100.0 * limits.linear_speed, 0.0), 2.0)
+    fastest = max(state.twist.v for state in states)
+    expect(
+        fastest <= limits.linear_speed * room, f"the robot reaches {fastest} m/s; its limit is {limits.linear_speed}"
+    )
+    first = states[0].twist.v
+    allowed = limits.linear_acceleration * _PERIOD * room
+    expect(first <= allowed + 0.005, f"{first} m/s after {_PERIOD} s; its acceleration allows {allowed}")
+    states = _drive(simulator, Twist2D(0.0, 100.0 * limits.angular_speed), 2.0)
+    fastest = max(state.twist.w for state in states)
+    most = limits.angular_speed
+    expect(fastest <= most * room, f"the robot turns at {fastest} rad/s; its limit is {most}")
+
+
+def _check_motion(simulator: Simulator, tolerances: Tolerances) -> None:
+    limits = simulator.robot.limits
+    v, w = min(0.4, limits.linear_speed), min(0.8, limits.angular_speed)
+    with KinematicSimulator(_EMPTY, simulator.robot) as reference:
+        for command in (Twist2D(v, 0.0), Twist2D(0.0, w), Twist2D(0.6 * v, -0.6 * w)):
+            expected, got = (_drive(each, command, 5.0)[-1] for each in (reference, simulator))
+            distance = got.pose.distance_to(expected.pose)
+            turn = abs(wrap_angle(got.pose.yaw - expected.pose.yaw))
+            expect(abs(got.time - 5.0) < 1e-6, f"five seconds of steps end at {got.time} s")
+            expect(distance <= tolerances.position_m, f"{command} for 5 s ends {distance:.4f} m from where it should")
+            expect(turn <= tolerances.yaw_rad, f"{command} for 5 s ends turned by {math.degrees(turn):.2f}° too far")
+            wheels, right = got.wheel_speeds, expected.wheel_speeds
+            off = max(abs(wheels.left - right.left), abs(wheels.right - right.right))
+            expect(off <= 0.05 * max(map(abs, right)), f"{command}: the wheels turn at {wheels}, not {right}")
+
+
+def _check_period(simulator: Simulator) -> None:
+    for dt in (0.0, -0.05, math.nan):
+        try:
+            simulator.step(Twist2D(), dt)
+        except InputError:
+            continue
+        expect(False, f"a control period of {dt} s is taken; it must be refused with an InputError")
+
+
+def _check_contacts(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:
+    front = float(robot.outline[:, 0].max())
+    solid = Solid("the_box", Box((0.5, 2.0, 1.0)), Pose3D((front + 0.75, 0.0, 0.5)))
+    with make(World("box", (solid,)), robot) as simulator:
+        expect(not simulator.reset(Pose2D(0.0, 0.0)).contacts, "a contact with a box half a metre away")
+        state, steps = simulator.step(Twist2D(0.3, 0.0), _PERIOD), 1
+        while not state.contacts and steps < 200:
+            state, steps = simulator.step(Twist2D(0.3, 0.0), _PERIOD), steps + 1
+        names = {contact.other for contact in state.contacts}
+        expect(names == {"the_box"}, f"driving into the box gives contacts with {sorted(names) or 'nothing'}")
+        expect(abs(state.pose.x - 0.5) < 0.04, f"the contact comes at x = {state.pose.x:.3f} m, not at 0.5 m")
+        inside = simulator.reset(Pose2D(front + 0.75, 0.0))
+        names = {contact.other for contact in inside.contacts}
+        expect("the_box" in names, "a reset inside a solid does not report the contact")
+
+
+def _check_close(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:
+    simulator = make(_EMPTY, robot)
+    simulator.close()
+    simulator.close()
+    try:
+        simulator.step(Twist2D(), _PERIOD)
+    except SimulationError:
+        return
+    expect(False, "a step after close is taken; it must be refused with a SimulationError")
+
+
+def _drive(simulator: Simulator, command: Twist2D, duration: float, *, seed: int = 0) -> list[RobotState]:
+    simulator.reset(Pose2D(0.0, 0.0), seed=seed)
+    return [simulator.step(command, _PERIOD) for _ in range(round(duration / _PERIOD))]

@@ -1,0 +1,41 @@
+import math
+
+import pytest
+
+from trundle.errors import InputError
+from trundle.geometry import Twist2D
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.ramp import CommandRamp, count_steps
+
+
+@pytest.mark.parametrize("name", ["nova_carter", "turtlebot3_burger"])
+def test_every_step_is_that_of_the_limits(name):
+    robot = Robot.load(name)
+    ramp = CommandRamp(robot, 0.005)
+    twist = Twist2D()
+    for command in (Twist2D(9.0, -9.0), Twist2D(-0.1, 0.3), Twist2D(0.05, 0.0), Twist2D(0.05, 0.0)):
+        for motion in ramp.advance(command, 37):
+            twist = robot.limits.approach(twist, command, 0.005)
+            assert (motion.v, motion.w) == (twist.v, twist.w)
+            assert (motion.left, motion.right) == pytest.approx(robot.wheel_speeds(twist), abs=1e-12)
+
+
+def test_a_wheels_own_limit_holds_and_the_twist_is_what_the_wheels_drive():
+    robot = Robot.load("nova_carter")
+    drive = robot.drive.model_copy(update={"max_wheel_speed": 5.0})
+    robot = robot.model_copy(update={"drive": drive})
+    motion = CommandRamp(robot, 0.005).advance(Twist2D(0.8, 0.5), 200)[-1]
+    assert motion.right == 5.0
+    twist = drive.twist(WheelSpeeds(motion.left, motion.right))
+    assert (motion.v, motion.w) == pytest.approx((twist.v, twist.w))
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.005, 1), (0.05, 10), (0.1, 20), (1.0, 200)])
+def test_a_period_is_a_number_of_steps(dt, steps):
+    assert count_steps(dt, 0.005) == steps
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.05, 0.0125, 1.0 / 30.0, math.nan, math.inf])
+def test_any_other_period_is_refused(dt):
+    with pytest.raises(InputError, match=r"not a multiple of the physics step of 0\.005 s"):
+        count_steps(dt, 0.005)
