@@ -4,8 +4,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=.venv-sanitize
-make --no-print-directory dev VENV=$venv
-make --no-print-directory build VENV=$venv FLAGS="-C cmake.define.TRUNDLE_SANITIZE=ON -C build-dir=build/sanitize"
+make --no-print-directory dev build VENV=$venv \
+  FLAGS="-C cmake.define.TRUNDLE_SANITIZE=ON -C build-dir=build/sanitize"
 asan=$("${CXX:-g++}" -print-file-name=libasan.so)
 stdcxx=$("${CXX:-g++}" -print-file-name=libstdc++.so)
 # The interpreter itself leaks by design; what counts here is memory misused and undefined behaviour in the kernels.
