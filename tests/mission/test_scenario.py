@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from trundle.errors import OutputError, ScenarioError
-from trundle.mission import Scenario
+from trundle.errors import BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
+from trundle.mission import Outcome, Scenario, Trajectory, run
 
 
 def write(folder, text, name="scenario.yaml"):
@@ -133,3 +133,96 @@ def test_the_title_names_robot_and_place():
     assert Scenario.make(world="warehouse").title == "nova_carter-warehouse"
     assert Scenario.make(map="maps/office.yaml", robot="robots/mine.yaml").title == "mine-office"
     assert Scenario.make(world="warehouse", name="night shift").title == "night shift"
+
+
+# Built and run --------------------------------------------------------------------------------------------------------
+
+SMALL = {"world": {"name": "warehouse", "options": {"size": [14, 11]}}, "seed": 5}
+
+
+@pytest.fixture(scope="module")
+def room_yaml(room, tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "room.yaml"
+    room.save(path)
+    return path
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_the_same_scenario_gives_the_same_run_bit_for_bit(backend):
+    runs = []
+    for _ in range(2):
+        with Scenario.make(**SMALL, backend=backend).build() as mission:
+            runs.append(mission.run())
+    assert runs[0].outcome is Outcome.ARRIVED
+    for name in Trajectory.columns():
+        assert getattr(runs[0].trajectory, name).tobytes() == getattr(runs[1].trajectory, name).tobytes()
+
+
+def test_a_second_run_of_one_mission_repeats_the_first():
+    with Scenario.make(**SMALL, backend="mujoco").build() as mission:
+        first, second = mission.run(), mission.run()
+    for name in Trajectory.columns():
+        assert getattr(first.trajectory, name).tobytes() == getattr(second.trajectory, name).tobytes()
+
+
+def test_a_map_is_extruded_and_driven_in(room_yaml):
+    scenario = Scenario.make(map=str(room_yaml), start=(1.5, 1.5, 0.0), goal=(6.5, 1.5), backend="mujoco")
+    with scenario.build() as mission:
+        assert mission.world.solids
+        assert mission.scenario == scenario
+        assert mission.run().outcome is Outcome.ARRIVED
+
+
+def test_what_is_picked_stands_in_the_exact_scenario():
+    with Scenario.make(**SMALL, backend="kinematic").build() as mission:
+        assert mission.scenario.start == mission.start.as_tuple()
+        assert mission.scenario.goal == mission.goals[0]
+    with Scenario.make(**SMALL, backend="kinematic", goals=[mission.goals[0], mission.goals[0][:2]]).build() as again:
+        assert again.goals == (mission.goals[0], mission.goals[0][:2])
+        assert again.scenario.goals == again.goals
+        assert again.scenario.start is not None
+
+
+def test_the_worlds_own_seed_comes_before_the_scenarios():
+    def layout(seed, world_seed=None):
+        world = {"name": "warehouse", "options": {"size": [14, 11]}, "seed": world_seed}
+        with Scenario.make(world=world, seed=seed, backend="kinematic").build() as mission:
+            return mission.world
+
+    assert layout(5) != layout(6)
+    assert layout(5, world_seed=1) == layout(6, world_seed=1)
+
+
+def test_options_reach_planner_controller_backend_and_costmap(room_yaml):
+    common = {"map": str(room_yaml), "backend": "kinematic"}
+    with Scenario.make(
+        **common, inflation_radius=1.5, cost_scaling_factor=4.0, control_frequency=10.0
+    ).build() as built:
+        assert built.navigator.costmap.inflation_radius == 1.5
+        assert built.navigator.costmap.cost_scaling_factor == 4.0
+        assert built.navigator.dt == 0.1
+    for choice in ("planner", "controller", "backend"):
+        bad = {"name": getattr(Scenario.make(**common), choice).name, "options": {"no_such_option": 1}}
+        with pytest.raises(InputError, match="no_such_option"):
+            Scenario.make(**{**common, choice: bad}).build()
+
+
+@pytest.mark.parametrize("key", ["robot", "planner", "controller", "backend", "world"])
+def test_an_unknown_name_offers_the_nearest(key):
+    near = {
+        "robot": "nova_cartr",
+        "planner": "least_costs",
+        "controller": "regulated_pure_persuit",
+        "backend": "mujocco",
+        "world": "warehose",
+    }
+    with pytest.raises(UnknownNameError, match="Did you mean"):
+        Scenario.make(**{**SMALL, "backend": "kinematic", key: near[key]}).build()
+
+
+def test_a_start_inside_a_rack_is_bad_input():
+    with Scenario.make(**SMALL, backend="kinematic").build() as mission:
+        low, high = next(solid for solid in mission.world.solids if solid.name.startswith("rack")).bounds()
+        start = ((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, 0.0)
+        with pytest.raises(BlockedPoseError):
+            run(mission.sim, mission.navigator, start, mission.goals)

@@ -1,5 +1,4 @@
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -136,27 +135,41 @@ def test_an_earlier_record_goes_when_a_run_begins(tmp_path, told):
 
 
 SCRIPT = """
-import sys, time
+import os, signal, sys, time
+from pathlib import Path
 from trundle.mission import Scenario
 from trundle.record.run_folder import RunFolder
 
-class Slow:
-    def on_start(self, run): print("driving", flush=True)
-    def on_step(self, step): time.sleep(float(sys.argv[2]))
-    def on_end(self, episode): print("over", flush=True)
+class Watch:
+    def __init__(self, pause, pipe): self.pause, self.pipe = pause, pipe
+    def on_start(self, run): os.write(self.pipe, b"s")
+    def on_step(self, step): time.sleep(self.pause)
+    def on_end(self, episode): os.write(self.pipe, b"e")
 
-scenario = Scenario.make(world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5)
-with scenario.build() as mission, RunFolder(sys.argv[1], scenario=mission.scenario) as folder:
-    episode = mission.run(observers=[Slow(), folder])
-print(episode.outcome, flush=True)
+def drive(folder, pause, pipe):
+    scenario = Scenario.make(world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5)
+    with scenario.build() as mission, RunFolder(folder, scenario=mission.scenario) as record:
+        return mission.run(observers=[Watch(pause, pipe), record])
+
+def drive_and_kill(folder, after):
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        drive(folder, 0.0, write)
+        os._exit(0)
+    assert os.read(read, 1) == b"s" and os.read(read, 1) == b"e"
+    began = time.monotonic()
+    if after is not None:
+        time.sleep(after)
+        os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return time.monotonic() - began
+
 """
 
 
-def start(folder, pause):
-    command = [sys.executable, "-c", SCRIPT, str(folder), str(pause)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "driving\n"
-    return process
+def start(code):
+    return subprocess.Popen([sys.executable, "-c", SCRIPT + code], stdout=subprocess.PIPE, text=True)
 
 
 def check_whole(folder):
@@ -181,11 +194,13 @@ def check_whole(folder):
 
 @pytest.mark.slow
 def test_ctrl_c_ends_a_run_as_aborted_with_its_files(tmp_path):
-    with start(tmp_path, 0.02) as process:
+    code = f"print(drive({str(tmp_path)!r}, 0.02, sys.stdout.fileno()).outcome)"
+    with start(code) as process:
+        assert process.stdout.read(1) == "s"
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        out, _ = process.communicate(timeout=60)
-    assert out.splitlines()[-1] == "aborted"
+        rest, _ = process.communicate(timeout=60)
+    assert rest == "eaborted\n"
     assert process.returncode == 0
     assert names(tmp_path) == FILES
     assert json.loads((tmp_path / "episode.json").read_text())["outcome"] == "aborted"
@@ -193,21 +208,19 @@ def test_ctrl_c_ends_a_run_as_aborted_with_its_files(tmp_path):
 
 @pytest.mark.slow
 def test_a_kill_at_any_moment_leaves_no_half_file(tmp_path):
-    whole = tmp_path / "whole"
-    with start(whole, 0.0) as process:
-        process.stdout.readline()
-        began = time.monotonic()
-        process.communicate(timeout=60)
-        writing_s = time.monotonic() - began
-    assert names(whole) == FILES
-    for number in range(4):
-        folder = tmp_path / str(number)
-        with start(folder, 0.0) as process:
-            process.stdout.readline()
-            time.sleep(writing_s * number / 4.0)
-            os.kill(process.pid, signal.SIGKILL)
-            process.communicate(timeout=60)
-        check_whole(folder)
+    code = f"""
+folder = Path({str(tmp_path)!r})
+writing = drive_and_kill(folder / "whole", None)
+for number in range(6):
+    drive_and_kill(folder / str(number), writing * number / 6.0)
+"""
+    with start(code) as process:
+        process.communicate(timeout=120)
+    assert process.returncode == 0
+    assert names(tmp_path / "whole") == FILES
+    for number in range(6):
+        check_whole(tmp_path / str(number))
+    assert names(tmp_path / "0") < FILES  # it was killed while it wrote
 
 
 def test_videos_are_whole_files(tmp_path):
