@@ -54,6 +54,7 @@ def test_a_wall_is_touched_and_named(trundle: Trundle, room_map: Path) -> None:
         (("--command", "1,0,1", "--teleop"), "give either --command"),
         (("--command", "1,0"), "V,W,SECONDS"),
         (("--command", "1,0,0"), "SECONDS must be above 0"),
+        (("--command", "1,0,0.333"), "multiple of 0.005"),
         (("--command", "nan,0,1"), "finite numbers"),
         (("--command", "1,0,1", "--start", "1"), "--start '1'"),
         (("--command", "1,0,1", "--backend", "mujco"), "Did you mean 'mujoco'?"),

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from trundle.viewer.native import NativeWindow
 
 PERIOD_S = 0.05
+STEP_S = 0.005
 MAX_SECONDS = 3600.0
 
 app = App(
@@ -103,6 +104,8 @@ def parse_command(text: str) -> tuple[float, float, float]:
     v, w, seconds = options.parse_numbers("--command", text, "V,W,SECONDS", at_least=3, at_most=3)
     if not 0.0 < seconds <= MAX_SECONDS:
         raise InputError(f"--command {text!r}: SECONDS must be above 0 and at most {MAX_SECONDS:g}")
+    if abs(seconds / STEP_S - round(seconds / STEP_S)) > 1e-6:
+        raise InputError(f"--command {text!r}: SECONDS must be a multiple of {STEP_S:g}, the step of the physics")
     return v, w, seconds
 
 

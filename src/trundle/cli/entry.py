@@ -19,10 +19,13 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
 
 VERBS = {
+    "demo": ("trundle.cli.demo:app", "Drive across the built-in warehouse: world, map, plan and run, in seconds."),
     "view": ("trundle.cli.view:app", "Show a robot, alone or in a world."),
     "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
     "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
     "map": ("trundle.cli.map:app", "Make occupancy maps."),
+    "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
+    "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
 }
 
 

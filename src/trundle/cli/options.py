@@ -12,7 +12,7 @@ from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
-    from trundle.mission import Goal
+    from trundle.mission import Goal as Target
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
@@ -92,7 +92,7 @@ def parse_pose(option: str, text: str) -> Pose2D:
     return Pose2D(*parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3))
 
 
-def parse_goal(option: str, text: str) -> Goal:
+def parse_goal(option: str, text: str) -> Target:
     """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
     numbers = parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3)
     return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])

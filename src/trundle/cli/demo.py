@@ -1,0 +1,43 @@
+"""`trundle demo`: everything once, on the built-in warehouse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import missions, options
+
+app = App(
+    name="demo",
+    version_flags=[],
+    help_epilogue="Examples:\n  trundle demo\n  trundle demo --seed 3 --no-video --json",
+)
+
+
+@app.default
+def demo(
+    *,
+    seed: options.Seed = 7,
+    backend: options.Backend = "mujoco",
+    video: bool = True,
+    view: Annotated[bool, Parameter(negative="")] = False,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Generate a warehouse, build its map, plan for Nova Carter, drive it to the goal, and record all of it.
+
+    Needs no screen, no GPU and no ROS. The folder that it writes also holds the map (map.yaml, map.png) and a picture
+    of the scene (scene.png).
+
+    Args:
+        video: Write video.mp4.
+        view: Watch it in a window while it drives, where there is a screen.
+        out: Folder to write into; left out: a new one under runs.
+    """
+    from trundle.mission import Scenario
+
+    scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
+    return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet, with_place=True)

@@ -1,0 +1,121 @@
+"""Driving a scenario and telling how it went: what `trundle run` and `trundle demo` share."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trundle.cli import output
+
+if TYPE_CHECKING:
+    from trundle.cli.scene_frames import SceneFrames
+    from trundle.mission import Episode, Mission, Observer, RunInfo, Scenario
+    from trundle.record.run_folder import RunFolder
+    from trundle.record.video import MakeFrames
+
+
+def drive(
+    scenario: Scenario,
+    *,
+    out: Path | None,
+    video: bool,
+    view: bool,
+    json: bool,
+    quiet: bool,
+    with_place: bool = False,
+) -> int:
+    """Run a scenario once, record it, and print how it went.
+
+    Args:
+        scenario: What to run.
+        out: Folder to write into; none means a new one under runs.
+        video: Whether to make a video.
+        view: Whether to show it in a window while it drives.
+        json: Print one JSON value.
+        quiet: No progress bar and no remarks.
+        with_place: Whether to add the map and a picture of the scene to the folder.
+
+    Returns:
+        The exit code: 0 where the robot arrived, else 1.
+    """
+    from trundle.record.progress import ProgressBar
+    from trundle.record.run_folder import RunFolder
+
+    with ExitStack() as stack:
+        mission = stack.enter_context(scenario.build())
+        observers: list[Observer] = []
+        if view:
+            from trundle.cli.window import Watcher, open_window
+
+            observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
+        bar = stack.enter_context(ProgressBar(quiet=quiet))
+        frames = _scene_frames(mission, quiet=quiet) if video else None
+        folder = stack.enter_context(
+            RunFolder(
+                out,
+                name=scenario.title,
+                scenario=mission.scenario,
+                video=video,
+                frames=frames,
+                report=bar.report,
+            )
+        )
+        episode = mission.run(observers=[*observers, bar, folder])
+        if with_place:
+            _add_place(mission, episode, folder.path)
+    _report(episode, folder, json=json)
+    for error in episode.observer_errors:
+        raise error
+    return 0 if episode.arrived else 1
+
+
+def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
+    """Give the video's pictures by OpenGL; none where there is no driver: then the video is drawn from above."""
+    from trundle.viewer.gl import describe_missing_gl, find_gl
+
+    if find_gl() is None:
+        output.remark(f"The video is drawn from above. {describe_missing_gl()}", quiet=quiet)
+        return None
+
+    def make(_run: RunInfo, episode: Episode) -> SceneFrames:
+        from trundle.cli.scene_frames import SceneFrames
+
+        return SceneFrames(mission, episode)
+
+    return make
+
+
+def _add_place(mission: Mission, episode: Episode, folder: Path) -> None:
+    from trundle.geometry import Pose2D
+    from trundle.viewer.offscreen import render
+
+    mission.grid.save(folder / "map.yaml")
+    picture = render(
+        mission.world,
+        mission.robot,
+        mission.start,
+        camera="overview",
+        path=episode.paths[0].poses if episode.paths else None,
+        goal=Pose2D.of(mission.goals[-1]),
+    )
+    picture.save(folder / "scene.png")
+
+
+def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
+    if json:
+        output.print_json(folder.record or {**episode.as_dict(), "run_dir": folder.path})
+        return
+    metrics = episode.metrics
+    output.print_facts(
+        {
+            "outcome": episode.outcome.value if episode.arrived else f"{episode.outcome.value}: {episode.message}",
+            "time": f"{metrics.time_s:.1f} s",
+            "distance": f"{metrics.distance_m:.2f} m (planned {metrics.path_length_m:.2f} m)",
+            "smallest clearance": f"{metrics.min_clearance_m:.3f} m",
+            "planning time": f"{metrics.planning_ms:.1f} ms",
+            "real-time factor": f"{metrics.real_time_factor:.0f}",
+            "contacts": ", ".join(metrics.contacts) or "none",
+            "folder": folder.path,
+        }
+    )

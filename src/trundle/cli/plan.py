@@ -1,0 +1,90 @@
+"""`trundle plan`: one path on a map, and its picture."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import options, output, sources
+from trundle.errors import NoPathError
+
+app = App(
+    name="plan",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle plan map.yaml --start -6,-1,3.14 --goal 5,3 -o overlay.png\n"
+        "  trundle plan map.yaml --planner blog --seed 3 --json"
+    ),
+)
+
+
+@app.default
+def plan(
+    map_file: FilePath,
+    /,
+    *,
+    start: options.Start = None,
+    goal: options.Goal = None,
+    robot: options.RobotName = "nova_carter",
+    planner: options.PlannerName = "least_cost",
+    seed: options.Seed = 0,
+    compat: options.Compat = None,
+    out: Annotated[FilePath, Parameter(name=["--out", "-o"])] = FilePath("overlay.png"),
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Plan a path on a map; print its length, cost and time, and draw it.
+
+    The picture shows the map, its inflation, the path, and the robot's footprint at both ends.
+
+    Args:
+        map_file: The YAML of a ROS map.
+        out: The picture, or a folder for overlay.png.
+    """
+    from trundle.files import atomic_path
+    from trundle.maps import OccupancyGrid
+    from trundle.navigation import Navigator
+    from trundle.record.overlay import draw_plan
+
+    first = options.parse_pose("--start", start) if start else None
+    last = options.parse_goal("--goal", goal) if goal else None
+    target = options.output_file(out, "overlay.png", (".png",))
+    navigator = Navigator(OccupancyGrid.load(map_file, compat=compat), robot, planner=planner)
+    begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
+    navigator.set_goal(end)
+    try:
+        path = navigator.plan(begin)
+    except NoPathError as error:
+        output.remark(f"trundle: {error}", quiet=False)
+        return 1
+    picture = draw_plan(navigator.costmap, path, navigator.robot)
+    with atomic_path(target) as temporary:
+        picture.save(temporary, format="PNG")
+    facts = {
+        "length_m": path.length,
+        "cost": path.cost,
+        "planning_ms": 1000.0 * navigator.planning_time_s,
+        "planner": planner,
+        "replans": path.replans,
+        "start_snapped_m": path.start_snapped_m,
+        "goal_snapped_m": path.goal_snapped_m,
+        "overlay": target,
+    }
+    if json:
+        output.print_json({**facts, "map": map_file, "robot": navigator.robot.name, "poses": path.poses})
+        return 0
+    output.print_facts(
+        {
+            "from": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.start.as_tuple()),
+            "to": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.goal.as_tuple()),
+            "length": f"{path.length:.3f} m",
+            "cost": path.cost,
+            "time": f"{facts['planning_ms']:.1f} ms",
+            "planner": f"{planner}, planned again {path.replans} times",
+            "overlay": target,
+        }
+    )
+    return 0

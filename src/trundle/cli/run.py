@@ -1,0 +1,92 @@
+"""`trundle run`: drive a robot to its goal, and record it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import missions, options, sources
+from trundle.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    from trundle.mission import Scenario
+
+app = App(
+    name="run",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle run map.yaml --robot nova_carter --start -6,-1,3.14 --goal 5,3\n"
+        "  trundle run warehouse --seed 7 --set aisle_width=1.4\n"
+        "  trundle run scenario.yaml --backend kinematic --json"
+    ),
+)
+
+
+@app.default
+def run(
+    source: str,
+    /,
+    *,
+    robot: Annotated[str | None, Parameter(help="A robot by name, or the path of its YAML.")] = None,
+    start: options.Start = None,
+    goal: options.Goals = None,
+    planner: Annotated[str | None, Parameter(help="A planner by name.")] = None,
+    controller: Annotated[str | None, Parameter(help="A controller by name.")] = None,
+    backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic or a plug-in's name.")] = None,
+    seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None,
+    settings: options.Settings = None,
+    compat: options.Compat = None,
+    time_limit: float | None = None,
+    video: bool = True,
+    view: Annotated[bool, Parameter(negative="")] = False,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Drive a robot through a map, a generated world or a scenario to its goal.
+
+    Writes a folder with episode.json, trajectory.npz, scenario.yaml (which repeats the run), overlay.png and video.mp4.
+    Exit code 1 says that the robot did not get there.
+
+    Args:
+        source: The YAML of a scenario or of a ROS map (it has an image: key), or a world by name.
+        time_limit: Simulated time after which the run is stopped [s].
+        video: Write video.mp4.
+        view: Watch it in a window while it drives, where there is a screen.
+        out: Folder to write into; left out: a new one under runs.
+    """
+    given = {
+        "robot": robot,
+        "start": options.parse_pose("--start", start).as_tuple() if start else None,
+        "planner": planner,
+        "controller": controller,
+        "backend": backend,
+        "seed": seed,
+        "compat": compat,
+        "time_limit_s": time_limit,
+    }
+    changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}
+    if goal:
+        goals = [options.parse_goal("--goal", text) for text in goal]
+        changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
+    scenario = _read(source, options.parse_settings(settings), changes)
+    return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
+
+
+def _read(source: str, settings: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
+    """Make a scenario of the first argument, with what the options change."""
+    from trundle.mission import Scenario
+    from trundle.worlds import world_names
+
+    if source in world_names():
+        return Scenario.make(world={"name": source, "options": settings}, **changes)
+    if settings:
+        raise InputError(f"--set is for generated worlds ({', '.join(world_names())}), and {source!r} is none")
+    if not sources.looks_like_file(source):
+        raise UnknownNameError("world", source, world_names())
+    if sources.is_map(Path(source)):
+        return Scenario.make(map=source, **changes)
+    return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})

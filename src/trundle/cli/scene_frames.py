@@ -1,0 +1,73 @@
+"""The pictures of a run's video by OpenGL, as good as this machine draws them in reasonable time."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Self
+
+from trundle.geometry import Pose2D
+from trundle.viewer.scene import SceneRenderer
+
+if TYPE_CHECKING:
+    from trundle.mission import Episode, Mission
+    from trundle.viewer.painters import Pixels
+
+QUICK_S = 0.02
+"""A picture that takes longer than this is drawn by a processor and not by a graphics card."""
+
+STRIDE = 2
+"""Without a graphics card, a new picture is drawn for every so many frames."""
+
+
+class SceneFrames:
+    """Follows the robot with a camera behind it.
+
+    With a graphics card: large, with shadows. Without one: smaller, no shadows, and every other picture twice.
+
+    Args:
+        mission: Where the robot drove.
+        episode: How it went.
+    """
+
+    def __init__(self, mission: Mission, episode: Episode) -> None:
+        self._mission = mission
+        self._path = episode.paths[0].poses if episode.paths else None
+        self._goal = Pose2D.of(episode.goals[-1])
+        self._stride = 1
+        self._count = 0
+        self._scene = self._open((1280, 720), shadow_size=2048)
+        if not self._is_quick():
+            self._scene.close()
+            self._stride = STRIDE
+            self._scene = self._open((640, 360), shadow_size=0)
+        self._picture = self._scene.render(mission.start)
+
+    def render(self, pose: Pose2D) -> Pixels:
+        """Return the picture for the next frame."""
+        if self._count % self._stride == 0:
+            self._picture = self._scene.render(pose)
+        self._count += 1
+        return self._picture
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._scene.close()
+
+    def _open(self, size: tuple[int, int], *, shadow_size: int) -> SceneRenderer:
+        return SceneRenderer(
+            self._mission.world,
+            self._mission.robot,
+            size=size,
+            camera="chase",
+            path=self._path,
+            goal=self._goal,
+            shadow_size=shadow_size,
+        )
+
+    def _is_quick(self) -> bool:
+        self._scene.render(self._mission.start)  # the first picture also prepares the driver
+        began = time.perf_counter()
+        self._scene.render(self._mission.start)
+        return time.perf_counter() - began < QUICK_S

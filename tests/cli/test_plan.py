@@ -1,0 +1,161 @@
+from pathlib import Path
+
+import pytest
+from conftest import Trundle, room
+from PIL import Image
+
+from trundle.maps import OccupancyGrid
+
+
+def test_a_straight_path(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    done = trundle("plan", room_map, "--start", "0.5,1.5", "--goal", "5.5,1.5,0", "-o", "plan.png", "--json")
+    assert done.code == 0, done.err
+    assert done.json["length_m"] == pytest.approx(5.0, abs=0.01)
+    assert done.json["poses"][0] == pytest.approx([0.5, 1.5, 0.0])
+    assert done.json["poses"][-1] == pytest.approx([5.5, 1.5, 0.0])
+    assert done.json["cost"] > 0.0
+    assert done.json["planning_ms"] > 0.0
+    assert done.json["overlay"] == "plan.png"
+    with Image.open(tmp_path / "plan.png") as picture:
+        assert min(picture.size) > 200
+
+
+def test_negative_coordinates_need_no_equals_sign(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("plan", room_map, "--start", "-.2,0.5,3.14", "--goal", "5,-0.3", "--robot", "turtlebot3_burger")
+    assert done.code == 0, done.err
+    lines = dict(line.split(maxsplit=1) for line in done.out.splitlines())
+    assert lines["from"] == "x -0.200, y 0.500, yaw 3.140"
+    assert lines["length"].endswith(" m")
+    assert lines["time"].endswith(" ms")
+    assert lines["overlay"] == "overlay.png"
+
+
+def test_ends_are_picked_by_seed(trundle: Trundle, room_map: Path) -> None:
+    first, same, other = (trundle("plan", room_map, "--seed", seed, "--json").json for seed in (1, 1, 2))
+    assert first["poses"] == same["poses"]
+    assert first["poses"] != other["poses"]
+    given = trundle("plan", room_map, "--seed", 1, "--goal", "5.5,1.5,0", "--json").json
+    assert given["poses"][-1] == pytest.approx([5.5, 1.5, 0.0])
+
+
+def test_the_planner_is_chosen_by_name(trundle: Trundle, room_map: Path) -> None:
+    done = trundle(
+        "plan", room_map, "--start", "0.5,0.5", "--goal", "4.5,2.5", "--planner", "blog", "--out", "a", "--json"
+    )
+    assert done.code == 0, done.err
+    assert (done.json["planner"], done.json["overlay"]) == ("blog", "a/overlay.png")
+
+
+def bad(tmp_path: Path, name: str) -> Path:
+    """A map that cannot be used."""
+    folder = tmp_path / "maps"
+    yaml, image = folder / "room.yaml", folder / "room.png"
+    text = yaml.read_text()
+    match name:
+        case "missing":
+            return folder / "none.yaml"
+        case "empty":
+            yaml.write_text("")
+        case "binary":
+            yaml.write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff")
+        case "no image":
+            image.unlink()
+        case "truncated image":
+            image.write_bytes(image.read_bytes()[:100])
+        case "empty image":
+            image.write_bytes(b"")
+        case "huge image":
+            image.write_bytes(b"P5 60000 60000 255\n")
+        case "image outside":
+            yaml.write_text(text.replace("room.png", "../elsewhere.png"))
+        case "wrong key":
+            yaml.write_text(text.replace("resolution", "resolutoin"))
+        case "wrong type":
+            yaml.write_text(text.replace("0.05", "fine"))
+        case "nan":
+            yaml.write_text(text.replace("0.05", ".nan"))
+        case "alias":
+            yaml.write_text(text + "a: &a [1]\nb: *a\n")
+        case "huge yaml":
+            yaml.write_text(text + "#" * 2_000_000)
+    return yaml
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("missing", "none.yaml: No such file"),
+        ("empty", "the file is empty"),
+        ("binary", "not a text file in UTF-8"),
+        ("no image", "room.png"),
+        ("truncated image", "room.png"),
+        ("empty image", "room.png"),
+        ("huge image", "room.png"),
+        ("image outside", "room.yaml:1:"),
+        ("wrong key", "the key 'resolution' is missing"),
+        ("wrong type", "room.yaml:3:13: resolution"),
+        ("nan", "room.yaml:3:13: resolution"),
+        ("alias", "anchors and aliases are not accepted"),
+        ("huge yaml", "larger than"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["plan", "run"])
+def test_a_map_that_cannot_be_used(
+    trundle: Trundle, room_map: Path, tmp_path: Path, verb: str, name: str, words: str
+) -> None:
+    done = trundle(verb, bad(tmp_path, name))
+    assert done.code == 2
+    assert words in done.err
+    assert "Traceback" not in done.err
+    assert done.out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["maps"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("--robot", "nova_cartr"), 2, "Did you mean 'nova_carter'?"),
+        (("--robot", "none.yaml"), 2, "cannot read none.yaml"),
+        (("--planner", "lest_cost"), 2, "Did you mean 'least_cost'?"),
+        (("--start", "0,0,0", "--goal", "60,2"), 2, "goal"),
+        (("--start", "-0.9,0", "--goal", "4,2"), 2, "start"),
+        (("--start", "4", "--goal", "4,2"), 2, "X,Y or X,Y,YAW"),
+        (("--out", "plan.jpg"), 2, "ends in .png"),
+    ],
+)
+def test_bad_input_leaves_nothing(
+    trundle: Trundle, room_map: Path, tmp_path: Path, arguments: tuple[str, ...], code: int, words: str
+) -> None:
+    done = trundle("plan", room_map, *arguments)
+    assert done.code == code
+    assert words in done.err
+    assert len(done.err.splitlines()) == 1
+    assert done.out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["maps"]
+
+
+@pytest.mark.parametrize("door_m", [0.0, 0.4])
+def test_where_there_is_no_way_the_exit_code_is_not_bad_input(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
+    room(door_m=door_m).save(tmp_path / "door.yaml")
+    done = trundle("plan", "door.yaml", "--start", "0.5,0.5", "--goal", "5.5,0.5", "-o", "plan.png")
+    assert done.code == 1
+    assert done.err.startswith("trundle: ")
+    assert done.out == ""
+    assert not (tmp_path / "plan.png").exists()
+
+
+def test_a_folder_that_cannot_be_written_to(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = trundle("plan", room_map, "--out", "file/below")
+    assert done.code == 2
+    assert "file/below" in done.err
+
+
+def test_movingai_maps_are_planned_on(trundle: Trundle, tmp_path: Path) -> None:
+    rows = "\n".join(["@" * 24, *["@" + "." * 22 + "@"] * 12, "@" * 24])
+    (tmp_path / "small.map").write_text(f"type octile\nheight 14\nwidth 24\nmap\n{rows}\n")
+    grid = OccupancyGrid.load(tmp_path / "small.map")
+    x, y = grid.cell_to_world(7, 4)
+    far, _ = grid.cell_to_world(7, 18)
+    done = trundle("plan", "small.map", "--start", f"{x},{y}", "--goal", f"{far},{y}", "--json")
+    assert done.code == 0, done.err

@@ -1,0 +1,211 @@
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from conftest import Trundle, room
+
+ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
+QUICK = ("--backend", "kinematic", "--no-video")
+KEYS = {
+    "outcome",
+    "time_s",
+    "distance_m",
+    "path_length_m",
+    "min_clearance_m",
+    "planning_ms",
+    "real_time_factor",
+    "contacts",
+    "run_dir",
+}
+
+
+def test_a_run_arrives_and_leaves_its_folder(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("run", room_map, "--robot", "nova_carter", *ENDS, "--no-video", "--json", "--out", "a")
+    assert done.code == 0, done.err
+    assert set(done.json) >= KEYS
+    assert (done.json["outcome"], done.json["run_dir"], done.json["contacts"]) == ("arrived", "a", [])
+    assert done.json["distance_m"] == pytest.approx(done.json["path_length_m"], rel=0.1)
+    assert done.json["min_clearance_m"] > 0.0
+    folder = Path("a")
+    assert {path.name for path in folder.iterdir()} == {
+        "episode.json",
+        "trajectory.npz",
+        "scenario.yaml",
+        "overlay.png",
+    }
+    assert json.loads((folder / "episode.json").read_text()) | {"files": done.json["files"]} == done.json
+    with np.load(folder / "trajectory.npz") as trajectory:
+        assert (trajectory["x"][-1], trajectory["y"][-1]) == pytest.approx((5.5, 1.5), abs=0.25)
+
+
+def test_the_scenario_that_was_written_repeats_the_run(trundle: Trundle, room_map: Path) -> None:
+    first = trundle("run", room_map, "--seed", 4, *QUICK, "--json", "--out", "a").json
+    again = trundle("run", "a/scenario.yaml", "--no-video", "--json", "--out", "b").json
+    changing = {"run_dir", "planning_ms", "real_time_factor", "written"}
+    assert {key: value for key, value in first.items() if key not in changing} == {
+        key: value for key, value in again.items() if key not in changing
+    }
+    assert Path("a/trajectory.npz").read_bytes() == Path("b/trajectory.npz").read_bytes()
+
+
+def test_the_table_says_how_it_went(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("run", room_map, *ENDS, *QUICK)
+    assert done.code == 0, done.err
+    lines = dict(re.split(r"\s{2,}", line, maxsplit=1) for line in done.out.splitlines())
+    assert lines["outcome"] == "arrived"
+    assert {"time", "distance", "smallest clearance", "planning time", "real-time factor"} <= set(lines)
+    assert (Path(lines["folder"]) / "episode.json").is_file()
+
+
+def test_several_goals_and_a_robot_of_your_own(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    robot = Path(__file__).parents[1] / "plugin_package" / "trundle_example_plugin" / "mini_cart.yaml"
+    goals = ("--goal", "3,2", "--goal", "-0.5,-.5,3.14", "--goal", "5,0")
+    done = trundle("run", room_map, "--robot", robot, "--start", "0,0", *goals, *QUICK, "--json")
+    assert done.code == 0, done.err
+    assert done.json["goals"] == [[3.0, 2.0], [-0.5, -0.5, 3.14], [5.0, 0.0]]
+    assert done.json["goals_reached"] == 3
+
+
+def test_options_change_a_scenario(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    scenario = {"map": "maps/room.yaml", "robot": "nova_carter", "start": [0.5, 0.5], "goals": [[1, 1], [2, 2]]}
+    (tmp_path / "scenario.yaml").write_text(yaml.safe_dump(scenario))
+    done = trundle("run", "scenario.yaml", "--goal", "5,1", "--robot", "turtlebot3_burger", *QUICK, "--json")
+    assert done.code == 0, done.err
+    assert (done.json["goals"], done.json["robot"]) == ([[5.0, 1.0]], "turtlebot3_burger")
+
+
+def test_a_video_is_written_by_default(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("run", room_map, "--start", "0.5,0.5", "--goal", "1.2,0.5", "--robot", "turtlebot3_burger", "--json")
+    assert done.code == 0, done.err
+    assert (Path(done.json["run_dir"]) / "video.mp4").stat().st_size > 1000
+
+
+def test_a_time_limit_is_an_outcome(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("run", room_map, *ENDS, *QUICK, "--time-limit", "1", "--json")
+    assert done.code == 1
+    assert done.json["outcome"] == "timed_out"
+    assert (Path(done.json["run_dir"]) / "overlay.png").is_file()
+
+
+@pytest.mark.parametrize("door_m", [0.0, 0.4])
+def test_a_goal_that_cannot_be_reached_is_an_outcome(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
+    """Behind a wall, or behind a door that the robot is too wide for."""
+    room(door_m=door_m).save(tmp_path / "door.yaml")
+    done = trundle("run", "door.yaml", "--start", "0.5,0.5", "--goal", "5.5,0.5", *QUICK)
+    assert done.code == 1
+    assert done.out.startswith("outcome             no_path: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("warehose",), "Did you mean 'warehouse'?"),
+        (("none.yaml",), "cannot read none.yaml"),
+        (("warehouse", "--set", "isle=2"), "isle"),
+        (("warehouse", "--robot", "nova_cartr"), "Did you mean 'nova_carter'?"),
+        (("warehouse", "--planner", "lest_cost"), "Did you mean 'least_cost'?"),
+        (("warehouse", "--controller", "blg"), "Did you mean 'blog'?"),
+        (("warehouse", "--backend", "kinematics"), "Did you mean 'kinematic'?"),
+        (("warehouse", "--seed", "-1"), "seed"),
+        (("warehouse", "--start", "1,a"), "X,Y or X,Y,YAW"),
+        (("warehouse", "--goal", "900,900", "--start", "0,0", "--backend", "kinematic"), "outside"),
+        (("warehouse", "--time-limit", "-3"), "time_limit_s"),
+        (("warehouse", "--time-limit", "nan"), "time_limit_s"),
+    ],
+)
+def test_bad_input_leaves_nothing(trundle: Trundle, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
+    done = trundle("run", *arguments, "--no-video")
+    assert done.code == 2
+    assert words in done.err
+    assert "Traceback" not in done.err
+    assert done.out == ""
+    assert [path for path in tmp_path.rglob("*") if path.name != "runs"] == []
+
+
+def test_a_start_inside_a_rack(trundle: Trundle, tmp_path: Path) -> None:
+    from trundle.worlds import World
+
+    rack = next(solid for solid in World.generate("warehouse", seed=0).solids if solid.kind == "rack")
+    x, y, _ = rack.pose.position
+    done = trundle("run", "warehouse", "--start", f"{x},{y}", "--goal", "0,0", *QUICK)
+    assert done.code == 2
+    assert "start" in done.err
+    assert " m away" in done.err or "nearest" in done.err
+    assert [path for path in tmp_path.rglob("*") if path.name != "runs"] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "the file is empty"),
+        ("map: a.yaml\nworld: warehouse\n", "give either world or map"),
+        ("world: warehouse\nrobt: nova_carter\n", "scenario.yaml:2:1: robt"),
+        ("world: warehouse\nseed: lots\n", "scenario.yaml:2:7: seed"),
+        ("world: warehouse\nstart: [.nan, 0]\n", "scenario.yaml:2:9: start"),
+        ("world: warehouse\nstart: &a [0, 0]\ngoal: *a\n", "anchors and aliases"),
+        ("world: warehouse\nworld: warehouse\n", "given twice"),
+        ("[1, 2", "not valid YAML"),
+    ],
+)
+def test_a_scenario_that_cannot_be_used(trundle: Trundle, tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "scenario.yaml").write_text(text)
+    done = trundle("run", "scenario.yaml")
+    assert done.code == 2
+    assert words in done.err
+    assert [path.name for path in tmp_path.iterdir()] == ["scenario.yaml"]
+
+
+def test_an_output_folder_that_is_a_file(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    done = trundle("run", room_map, *ENDS, *QUICK, "--out", "file")
+    assert done.code == 2
+    assert "cannot write to the folder file" in done.err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_an_output_folder_that_is_read_only(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    locked = tmp_path / "locked"
+    locked.mkdir(mode=0o555)
+    # Root may write to every folder but those of the kernel.
+    folder = Path("/proc/trundle") if os.geteuid() == 0 else locked / "here"
+    done = trundle("run", room_map, *ENDS, *QUICK, "--out", folder)
+    assert done.code == 2
+    assert f"cannot write to the folder {folder}: " in done.err
+    assert done.out == ""
+    assert list(locked.iterdir()) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Signals) -> None:
+    """Ctrl-C gives an aborted run with its files; a kill leaves no half file."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "trundle", "run", str(room_map), "--start=0.5,0.5", "--goal=5.5,1.5", "--goal=0.5,0.5"]
+        + ["--goal=5.5,1.5", "--goal=0.5,0.5"] * 50
+        + ["--json", "--no-video", "--out=out"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 30.0
+    while not (tmp_path / "out").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    time.sleep(0.3)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=30)
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    if number == signal.SIGKILL:
+        assert names == set()
+        return
+    assert process.returncode == 1, err
+    assert json.loads(out)["outcome"] == "aborted"
+    assert "Traceback" not in err
+    assert names == {"episode.json", "trajectory.npz", "scenario.yaml", "overlay.png"}
