@@ -37,16 +37,19 @@ class CommandRamp:
         """Start again from rest."""
         self._v = 0.0
         self._w = 0.0
+        self._motion = Motion(0.0, 0.0, 0.0, 0.0)
 
     def advance(self, command: Twist2D, steps: int) -> list[Motion]:
-        """Return what the robot is told at each of the next physics steps while this command holds."""
+        """Return what the robot is told at each of the next physics steps while this command holds.
+
+        Where nothing changes any more it is the same object.
+        """
         target = self._limits.clamp(command)
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
         motions: list[Motion] = []
-        for _ in range(steps):
-            if self._v == target.v and self._w == target.w and motions:
-                motions.append(motions[-1])
-                continue
+        for step in range(steps):
+            if self._v == target.v and self._w == target.w:
+                return motions + [self._motion] * (steps - step)
             self._v += min(self._linear_step, max(-self._linear_step, target.v - self._v))
             self._w += min(self._angular_step, max(-self._angular_step, target.w - self._w))
             v, w = self._v, self._w
@@ -55,7 +58,8 @@ class CommandRamp:
             if most is not None and (abs(left) > most or abs(right) > most):
                 left, right = min(most, max(-most, left)), min(most, max(-most, right))
                 v, w = radius * (left + right) / 2.0, radius * (right - left) / track
-            motions.append(Motion(v, w, left, right))
+            self._motion = Motion(v, w, left, right)
+            motions.append(self._motion)
         return motions
 
 

@@ -108,7 +108,7 @@ class FeedForward:
         return now.left + left / self.gain, now.right + right / self.gain
 
 
-def add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
+def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
     """Add a robot as one free body `base_link` with its wheels and casters, and a velocity actuator per drive wheel."""
     base = spec.worldbody.add_body(name=BASE)
     base.add_freejoint(name="base_link")
@@ -129,7 +129,8 @@ def add_robot(spec: mujoco.MjSpec, robot: Robot) -> None:
             _add_swivel_caster(base, caster, index)
         else:
             _add_ball(base, caster, index)
-    add_looks(spec, base, robot)
+    if looks:
+        add_looks(spec, base, robot)
 
 
 def chassis_inertial(robot: Robot) -> tuple[FloatArray, FloatArray]:

@@ -42,7 +42,7 @@ class MujocoSimulator:
         casters: How swivel casters stand after a reset: behind their axis for driving forward, or the other way.
 
     Attributes:
-        model: The compiled MuJoCo model, for viewers and renderers.
+        model: The compiled MuJoCo model, without the robot's looks; viewers build their own.
         data: Its state, in step with what `step` returned; observers read it and never write.
 
     Raises:
@@ -68,7 +68,7 @@ class MujocoSimulator:
         self._timestep = timestep
         self._rest = _resting_state(robot, timestep, casters)
         try:
-            self.model = build_spec(world, robot, timestep=timestep).compile()
+            self.model = build_spec(world, robot, timestep=timestep, looks=False).compile()
         except InputError:
             raise
         except ValueError as error:
@@ -104,7 +104,7 @@ class MujocoSimulator:
         self._ramp.reset()
         self._lidars.reset(seed)
         self._steps = 0
-        self._wheel_start = self._wheel_angles()
+        self._wheel_start = (float(self.data.qpos[self._wheel_qpos[0]]), float(self.data.qpos[self._wheel_qpos[1]]))
         self._odometry = (pose.x, pose.y, pose.yaw)
         self._told = Motion(0.0, 0.0, 0.0, 0.0)
         touched: dict[tuple[str, str], Contact] = {}
@@ -126,12 +126,16 @@ class MujocoSimulator:
         step, told = mujoco.mj_step, self._told
         left_address, right_address = self._wheel_qpos
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
+        steady = False
         for motion in motions:
-            control[0], control[1] = self._feed_forward.control(told, motion)
+            if motion is not told or not steady:
+                control[0], control[1] = self._feed_forward.control(told, motion)
+            steady = motion is told
             told = motion
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))
-            if data.contact.geom1.any():  # The floor is geom 0, and a plane comes first in its contacts.
+            # The floor is geom 0, and a plane comes first in its contacts: any other number is a collision.
+            if any(data.contact.geom1.tolist()):
                 self._contacts.read(data, touched)
         self._told = told
         self._steps += len(motions)
@@ -154,15 +158,12 @@ class MujocoSimulator:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
     def _check_sound(self) -> None:
-        if not (np.isfinite(self.data.qpos).all() and float(np.abs(self.data.qvel).max()) < 1e4):
+        # A sum that is not a number is not below anything either.
+        if not (sum(map(abs, self.data.qvel.tolist())) < 1e4 and math.isfinite(sum(self.data.qpos.tolist()))):
             raise SimulationError(
-                f"the physics broke down at {self._steps * self._timestep:.3f} s: a position is not finite or a speed "
-                f"above 10000; use a smaller timestep than {self._timestep} s, and check the robot's masses"
+                f"the physics broke down at {self._steps * self._timestep:.3f} s: a position is not finite or the "
+                f"speeds are above 10000; use a smaller timestep than {self._timestep} s, and check the robot's masses"
             )
-
-    def _wheel_angles(self) -> tuple[float, float]:
-        left, right = self._wheel_qpos
-        return float(self.data.qpos[left]), float(self.data.qpos[right])
 
     def _integrate_odometry(self, angles: list[tuple[float, float]]) -> None:
         radius, track = self._robot.drive.wheel_radius, self._robot.drive.track_width
@@ -174,18 +175,19 @@ class MujocoSimulator:
 
     def _state(self, contacts: tuple[Contact, ...], since: float) -> RobotState:
         time = self._steps * self._timestep
-        x, y, _, qw, qx, qy, qz = self.data.qpos[0:7].tolist()
+        positions, speeds = self.data.qpos.tolist(), self.data.qvel.tolist()
+        x, y, _, qw, qx, qy, qz = positions[:7]
         pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
-        vx, vy, _, _, _, w = self.data.qvel[0:6].tolist()
-        left, right = self._wheel_angles()
-        left_speed, right_speed = (float(self.data.qvel[address]) for address in self._wheel_qvel)
+        vx, vy, _, _, _, w = speeds[:6]
+        (left, right), (left_start, right_start) = self._wheel_qpos, self._wheel_start
+        left_speed, right_speed = self._wheel_qvel
         scans: tuple[Scan, ...] = self._lidars.scan(pose, since, time)
         return RobotState(
             time=time,
             pose=pose,
             twist=Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w),
-            wheel_positions=WheelSpeeds(left - self._wheel_start[0], right - self._wheel_start[1]),
-            wheel_speeds=WheelSpeeds(left_speed, right_speed),
+            wheel_positions=WheelSpeeds(positions[left] - left_start, positions[right] - right_start),
+            wheel_speeds=WheelSpeeds(speeds[left_speed], speeds[right_speed]),
             odometry=Pose2D(*self._odometry),
             contacts=contacts,
             scans=scans,
@@ -205,7 +207,7 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArra
         RobotError: If it cannot be modelled, or does not come to rest on its wheels.
     """
     try:
-        model = robot_spec(robot, floor=True, timestep=timestep).compile()
+        model = robot_spec(robot, floor=True, timestep=timestep, looks=False).compile()
     except ValueError as error:
         raise RobotError(f"MuJoCo cannot model the robot {robot.name!r}: {error}") from error
     data = mujoco.MjData(model)
