@@ -1,0 +1,29 @@
+"""Step 5 of 5: plan on the map with A*, put the robot at the start, follow the path until the goal.
+
+Writes overlay.png: the planned path and the driven one, coloured by speed, over the map.
+"""
+
+from trundle.record.overlay import draw_run
+
+import trundle
+from trundle.mission import sample_mission
+
+world = trundle.World.generate("warehouse", seed=7)
+robot = trundle.Robot.load("nova_carter")
+grid = trundle.OccupancyGrid.from_world(world, resolution=0.05, z_range=robot.z_range)
+
+# The navigator is planner, controller and recovery behind one call. It knows no simulator: in a loop of your own you
+# would send the robot `navigator.update(pose)` in every control period.
+navigator = trundle.Navigator(grid, robot)
+start, goal = sample_mission(navigator.costmap, seed=3)
+print("from", start, "to", goal)
+
+with trundle.simulate(world, robot, backend="mujoco") as sim:
+    episode = trundle.run(sim, navigator, start=start, goal=goal)
+
+print(episode.outcome, episode.message)
+print(f"{episode.metrics.distance_m:.2f} m in {episode.metrics.time_s:.1f} s of simulated time")
+print(f"never nearer than {episode.metrics.min_clearance_m:.2f} m to anything")
+draw_run(navigator.costmap, robot, episode).save("overlay.png")
+print("wrote overlay.png")
+raise SystemExit(0 if episode.arrived else 1)

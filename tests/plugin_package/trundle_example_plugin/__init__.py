@@ -1,0 +1,1 @@
+"""A planner, a controller, a simulator and a robot for trundle."""
