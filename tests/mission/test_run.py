@@ -138,6 +138,16 @@ def test_an_unreachable_later_goal_is_no_path_after_the_earlier_ones(make_sim, c
     assert episode.goals_reached == 1
 
 
+def test_how_the_robot_would_stand_at_an_unreachable_goal_is_not_bad_input(make_sim, carter):
+    data = np.zeros((120, 160), dtype=np.int8)
+    data[:, 80:82] = 100
+    navigator = Navigator(OccupancyGrid(data, 0.05), carter)
+    # At the first goal, 0.3 m from the map's edge, it could stand with its nose to the edge alone.
+    episode = run(make_sim(), navigator, (6.5, 1.5, 0.0), [(0.3, 3.0), (6.5, 4.0)])
+    assert episode.outcome is Outcome.NO_PATH
+    assert episode.goals_reached == 0
+
+
 def test_the_time_limit_ends_a_run(make_sim, navigator, start):
     episode = run(make_sim(), navigator, start, (6.5, 1.5), time_limit_s=2.0)
     assert episode.outcome is Outcome.TIMED_OUT

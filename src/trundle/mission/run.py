@@ -350,10 +350,16 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
     here = start
     for index, goal in enumerate(goals):
         navigator.set_goal(goal)
-        here, length, error = _plan_leg(navigator, here, goal)
-        total += length
-        if index == 0:
-            unreachable = error
+        try:
+            path = navigator.plan(here)
+        except PlanningError as error:
+            if _is_bad_input(error, goal, first=index == 0):
+                raise
+            unreachable = error if index == 0 else unreachable
+            here = Pose2D.of(goal)
+        else:
+            total += path.length
+            here = path.goal
     if len(goals) > 1:
         navigator.set_goal(goals[0])
         if unreachable is None:
@@ -361,15 +367,11 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
     return total, unreachable
 
 
-def _plan_leg(navigator: Navigator, here: Pose2D, goal: Goal) -> tuple[Pose2D, float, PlanningError | None]:
-    """Plan one leg: where it ends, how long it is [m], and why there is none."""
-    try:
-        path = navigator.plan(here)
-    except (BlockedPoseError, OutsideMapError):
-        raise
-    except PlanningError as error:
-        return Pose2D.of(goal), 0.0, error
-    return path.goal, path.length, None
+def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:
+    """Whether the start or a goal is at fault. How the robot will stand at an earlier goal is not known yet."""
+    if not isinstance(error, BlockedPoseError | OutsideMapError):
+        return False
+    return first or error.pose is None or error.pose[:2] == goal[:2]
 
 
 def _describe_contact(state: RobotState) -> str:

@@ -37,10 +37,10 @@ _SPEED_LEVELS = 24
 _OUTLINES = 14  # footprints drawn along the way, about
 _LEAST_GAP_M = 1.2
 _LEGEND = (
+    Mark("line", PLANNED, "planned"),
     Mark("square", OCCUPIED, "occupied"),
     Mark("square", UNKNOWN, "unknown"),
     Mark("square", INFLATED, "inflation"),
-    Mark("line", PLANNED, "planned"),
 )
 _STATUS: dict[Outcome, Rgb] = {Outcome.ARRIVED: GOOD, Outcome.COLLIDED: BAD}
 

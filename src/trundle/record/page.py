@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 from PIL import Image, ImageDraw, ImageFont
 
 from trundle.record.colors import BESIDE, FAINT, HAIRLINE, INK, PAGE, Rgb, speed_color
 
 _EDGE = 28
-_LEAST_WIDTH = 860
+_LEAST_WIDTH = 900
 _SMOOTH = 4
 _BAR = (180, 12)
 
@@ -20,9 +21,9 @@ Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """An entry of the legend: a line, a disc or a filled square of one colour, and what it stands for."""
+    """An entry of the legend: a line or a filled square of one colour, and what it stands for."""
 
-    shape: str
+    shape: Literal["line", "square"]
     color: Rgb
     text: str
 
@@ -78,7 +79,7 @@ def compose_page(
     middle = head + picture.height + foot // 2
     x = _draw_scale(draw, _EDGE, middle, pixels_per_metre)
     right = _draw_speeds(draw, width - _EDGE, middle, top_speed) if top_speed is not None else width - _EDGE
-    _draw_legend(page, draw, x + 36, right - 24, middle, legend)
+    _draw_legend(draw, x + 36, right - 24, middle, legend)
     return page
 
 
@@ -89,11 +90,11 @@ def _draw_title(draw: ImageDraw.ImageDraw, title: str, status: tuple[str, Rgb] |
     draw.text((_EDGE, _EDGE - 6), shown, font=large, fill=INK)
     if status is not None:
         x = _EDGE + draw.textlength(shown, font=large) + 18
-        smooth_disc(draw, (x + 7, _EDGE + 11), 7, status[1])
+        _draw_disc(draw, (x + 7, _EDGE + 11), 7, status[1])
         draw.text((x + 22, _EDGE - 6), status[0], font=large, fill=status[1])
 
 
-def smooth_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: int, color: Rgb) -> None:
+def _draw_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: int, color: Rgb) -> None:
     """Draw a filled circle with smooth edges."""
     side = 2 * radius + 2
     mask = Image.new("L", (side * _SMOOTH, side * _SMOOTH), 0)
@@ -128,9 +129,7 @@ def _draw_speeds(draw: ImageDraw.ImageDraw, right: int, middle: int, top: float)
     return begin - 8 - round(draw.textlength(low, font=small))
 
 
-def _draw_legend(
-    page: Image.Image, draw: ImageDraw.ImageDraw, x: float, right: float, middle: int, legend: Sequence[Mark]
-) -> None:
+def _draw_legend(draw: ImageDraw.ImageDraw, x: float, right: float, middle: int, legend: Sequence[Mark]) -> None:
     small = font(15)
     for mark in legend:
         wide = 26 if mark.shape == "line" else 16
@@ -138,8 +137,6 @@ def _draw_legend(
             break
         if mark.shape == "line":
             draw.line((x, middle, x + wide, middle), fill=mark.color, width=6)
-        elif mark.shape == "disc":
-            smooth_disc(draw, (x + 8, middle), 7, mark.color)
         else:
             draw.rectangle((x, middle - 8, x + wide, middle + 8), fill=mark.color)
         draw.text((x + wide + 8, middle), mark.text, font=small, fill=INK, anchor="lm")
