@@ -10,5 +10,4 @@ asan=$("${CXX:-g++}" -print-file-name=libasan.so)
 stdcxx=$("${CXX:-g++}" -print-file-name=libstdc++.so)
 # The interpreter itself leaks by design; what counts here is memory misused and undefined behaviour in the kernels.
 export LD_PRELOAD="$asan:$stdcxx" ASAN_OPTIONS=detect_leaks=0:abort_on_error=1 UBSAN_OPTIONS=print_stacktrace=1
-[ $# -gt 0 ] || set -- tests/maps tests/costmap tests/planning
-exec $venv/bin/python -m pytest -p no:cacheprovider "$@"
+exec $venv/bin/python -m pytest -p no:cacheprovider tests/_core tests/maps tests/costmap tests/planning tests/fuzz "$@"

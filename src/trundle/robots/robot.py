@@ -253,6 +253,6 @@ def _load_plugin(name: str) -> Robot:
         value = value()
     if isinstance(value, Robot):
         return value
-    if isinstance(value, str | os.PathLike):
-        return _load_file(Path(str(value)))
+    if isinstance(value, str | Path):
+        return _load_file(Path(value))
     raise RobotError(f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one")
