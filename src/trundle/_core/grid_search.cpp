@@ -33,10 +33,16 @@ struct Cell {
   std::int32_t row, col;
 };
 
-// In this order a neighbour k < 4 is straight, and a diagonal k has its two straight companions in kBeside[k - 4].
+// In this order a neighbour k < 4 is straight, and a diagonal k lies between the straight ones k - 4 and k - 3.
 constexpr int kRow[8] = {0, 1, 0, -1, 1, 1, -1, -1};
 constexpr int kCol[8] = {1, 0, -1, 0, 1, -1, -1, 1};
-constexpr int kBeside[4][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+
+// Neighbours that may be reached best through a cell that was itself reached by a step k: those behind it and beside it
+// are reached more cheaply from the cell before, whatever the weights are. The last row is for the start.
+constexpr int kOnward[9][8] = {{0, 1, 3, 4, 7, -1},    {0, 1, 2, 4, 5, -1}, {1, 2, 3, 5, 6, -1},
+                               {0, 2, 3, 6, 7, -1},    {0, 1, 4, 5, 7, -1}, {1, 2, 4, 5, 6, -1},
+                               {2, 3, 5, 6, 7, -1},    {0, 3, 4, 6, 7, -1}, {0, 1, 2, 3, 4, 5, 6, 7}};
+constexpr int kFromNowhere = 8;
 
 // Weights of the eight neighbours: 0 where one is blocked, outside, or behind a corner.
 inline void neighbours(const Grid &grid, Cell cell, std::int64_t index, std::uint32_t (&weights)[8]) {
@@ -84,6 +90,7 @@ class Search {
     std::size_t span = ((2u * dearest_ * kDiagonal + 2u * cheapest_ * kDiagonal) >> shift_) + 2, size = 4;
     while (size < span) size *= 2;
     buckets_.resize(size);
+    for (int k = 0; k < 8; ++k) offset_[k] = kRow[k] * grid.cols + kCol[k];
   }
 
   Status run() {
@@ -91,7 +98,7 @@ class Search {
     const std::uint64_t first = estimate(start_);
     if (first >= room) return Status::kOverflow;
     const std::int64_t target = index(goal_);
-    push(static_cast<Cost>(first), start_, 0);
+    push(first, {0, start_, kFromNowhere});
     reached_.data[index(start_)] = 1;
     for (std::uint64_t bucket = first >> shift_; waiting_ > 0; ++bucket) {
       const Cost found = reached_.data[target];
@@ -143,6 +150,7 @@ class Search {
   struct Entry {
     Cost reached;
     Cell cell;
+    std::int32_t from;  // the step that led here
   };
 
   std::int64_t index(Cell cell) const { return cell.row * grid_.cols + cell.col; }
@@ -157,8 +165,8 @@ class Search {
     return 2u * cheapest_ * (kStraight * (longer - shorter) + kDiagonal * shorter);
   }
 
-  void push(std::uint64_t total, Cell cell, Cost reached) {
-    buckets_[(total >> shift_) & (buckets_.size() - 1)].push_back({reached, cell});
+  void push(std::uint64_t total, const Entry &entry) {
+    buckets_[(total >> shift_) & (buckets_.size() - 1)].push_back(entry);
     ++waiting_;
   }
 
@@ -168,10 +176,12 @@ class Search {
     const std::uint32_t own = grid_.weight(here);
     std::uint32_t weights[8];
     neighbours(grid_, entry.cell, here, weights);
-    for (int k = 0; k < 8; ++k) {
+    const int *onward = kOnward[entry.from];
+    for (int n = 0; n < 8 && onward[n] >= 0; ++n) {
+      const int k = onward[n];
       if (weights[k] == 0) continue;
       const Cost reached = entry.reached + step(own, weights[k], k);
-      const std::int64_t there = here + kRow[k] * grid_.cols + kCol[k];
+      const std::int64_t there = here + offset_[k];
       Cost &known = reached_.data[there];
       if (known != 0 && known <= reached + 1) continue;
       const Cell cell{entry.cell.row + kRow[k], entry.cell.col + kCol[k]};
@@ -180,7 +190,7 @@ class Search {
       const Cost found = reached_.data[target];
       if (found != 0 && total >= found && there != target) continue;
       known = reached + 1;
-      push(total, cell, reached);
+      push(total, {reached, cell, k});
     }
     return true;
   }
@@ -192,6 +202,7 @@ class Search {
   std::size_t waiting_ = 0;
   std::uint32_t cheapest_ = 0, dearest_ = 0;
   int shift_ = 0;
+  std::int64_t offset_[8];
 };
 
 struct Answer {

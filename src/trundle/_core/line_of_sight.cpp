@@ -109,7 +109,10 @@ double cheapest_weight(const double *weights) {
   return cheapest;
 }
 
-// The cheapest chain of straight lines from the first to the last of the points, through some of those between.
+// The cheapest chain of straight lines from the first to the last of the points, through some of those between. From
+// each point it looks back along the path until this many lines in a row were blocked or too dear.
+constexpr int kGiveUpAfter = 64;
+
 std::vector<std::int64_t> shorten(const Grid &grid, const std::vector<Point> &points, double &cost) {
   const std::size_t count = points.size();
   const double cheapest = cheapest_weight(grid.weights);
@@ -117,13 +120,15 @@ std::vector<std::int64_t> shorten(const Grid &grid, const std::vector<Point> &po
   std::vector<std::size_t> before(count, 0);
   best[0] = 0.0;
   for (std::size_t j = 1; j < count; ++j) {
-    for (std::size_t i = j; i-- > 0;) {
+    int failures = 0;
+    for (std::size_t i = j; i-- > 0 && failures < kGiveUpAfter; ++failures) {
       const double room = best[j] - best[i];
       if (!(distance(points[i], points[j]) * cheapest < room)) continue;
       const double total = best[i] + line_cost(grid, points[i], points[j], room, cheapest);
       if (total < best[j]) {
         best[j] = total;
         before[j] = i;
+        failures = -1;
       }
     }
   }
