@@ -132,6 +132,21 @@ def test_a_free_staircase_becomes_one_line():
     assert cost == pytest.approx(50 * math.hypot(13, 34))
 
 
+def test_points_on_a_straight_line_are_left_out():
+    points = np.column_stack([np.arange(0.5, 30.0), np.full(30, 0.5)])
+    chosen, _ = _core.shortcut(np.zeros((1, 30), np.uint8), make_weights(), points)
+    assert chosen.tolist() == [0, 29]
+
+
+def test_a_way_there_and_back_keeps_its_turning_point():
+    costs = np.zeros((3, 9), np.uint8)
+    costs[1, :8] = 254
+    points = np.array([(0.5, 0.5), (4.5, 0.5), (8.5, 0.5), (8.5, 1.5), (8.5, 2.5), (4.5, 2.5), (0.5, 2.5)])
+    chosen, cost = _core.shortcut(costs, make_weights(), points)
+    assert chosen.tolist() == [0, 2, 4, 6]
+    assert cost == pytest.approx(50 * 18)
+
+
 def test_a_single_point_is_a_chain():
     chosen, cost = _core.shortcut(np.zeros((2, 2), np.uint8), make_weights(), np.array([[0.5, 0.5]]))
     assert chosen.tolist() == [0]

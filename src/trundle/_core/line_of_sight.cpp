@@ -109,6 +109,14 @@ double cheapest_weight(const double *weights) {
   return cheapest;
 }
 
+// Whether b lies on the straight line from a to c, between them.
+bool is_between(const Point &a, const Point &b, const Point &c) {
+  const double length = distance(a, c);
+  const double off = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+  const double along = (b.x - a.x) * (c.x - a.x) + (b.y - a.y) * (c.y - a.y);
+  return off <= kOnBorder * length && along >= 0.0 && along <= length * length;
+}
+
 // The cheapest chain of straight lines from the first to the last of the points, through some of those between. From
 // each point it looks back along the path until this many lines in a row were blocked or too dear.
 constexpr int kGiveUpAfter = 64;
@@ -135,8 +143,14 @@ std::vector<std::int64_t> shorten(const Grid &grid, const std::vector<Point> &po
   cost = best[count - 1];
   std::vector<std::int64_t> chosen;
   if (cost == kInfinity) return chosen;
-  for (std::size_t j = count - 1; j != 0; j = before[j]) chosen.push_back(static_cast<std::int64_t>(j));
-  chosen.push_back(0);
+  for (std::size_t j = count - 1;; j = before[j]) {
+    // A chain that goes straight on costs the same with fewer points.
+    while (chosen.size() > 1 && is_between(points[chosen[chosen.size() - 2]], points[chosen.back()], points[j])) {
+      chosen.pop_back();
+    }
+    chosen.push_back(static_cast<std::int64_t>(j));
+    if (j == 0) break;
+  }
   std::reverse(chosen.begin(), chosen.end());
   return chosen;
 }
