@@ -30,11 +30,11 @@ def carter():
     return Robot.load("nova_carter")
 
 
-@pytest.fixture(params=["rays", pytest.param("gl", marks=pytest.mark.gl)])
+@pytest.fixture(params=["software", pytest.param("gl", marks=pytest.mark.gl)])
 def renderer_kind(request, monkeypatch):
     """Run a test without OpenGL, and with it where it is there."""
     gl.find_gl.cache_clear()
-    if request.param == "rays":
+    if request.param == "software":
         monkeypatch.setenv("MUJOCO_GL", "disable")
     else:
         monkeypatch.delenv("MUJOCO_GL", raising=False)
@@ -50,8 +50,8 @@ def test_every_camera_gives_a_picture_of_something(renderer_kind, carter, camera
     assert picture.pixels.shape == (120, 160, 3)
     assert picture.pixels.dtype == np.uint8
     assert picture.pixels.std() > 5.0
-    assert (picture.kind == "rays") == (renderer_kind == "rays")
-    assert bool(picture.advice) == (renderer_kind == "rays")
+    assert (picture.kind == "software") == (renderer_kind == "software")
+    assert bool(picture.advice) == (renderer_kind == "software")
 
 
 def test_the_robot_is_in_the_picture_where_its_pose_is(renderer_kind, carter):
@@ -118,7 +118,7 @@ def test_a_closed_renderer_says_so(renderer_kind, carter):
         scene.render((0.0, 0.0))
 
 
-def test_a_driver_that_fails_leaves_the_rays(carter, monkeypatch, caplog):
+def test_a_driver_that_fails_leaves_the_software(carter, monkeypatch, caplog):
     painters = importlib.import_module("trundle.viewer.painters")
 
     def fail(*_: object) -> None:
@@ -126,7 +126,7 @@ def test_a_driver_that_fails_leaves_the_rays(carter, monkeypatch, caplog):
 
     monkeypatch.setattr(painters, "find_gl", lambda: "egl")
     monkeypatch.setattr(painters, "open_context", fail)
-    assert render(WORLD, carter, size=SIZE).kind == "rays"
+    assert render(WORLD, carter, size=SIZE).kind == "software"
     assert "no display" in caplog.text
 
 

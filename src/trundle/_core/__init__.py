@@ -2,6 +2,7 @@
 
 from trundle._core._kernels import (
     cast_grid_rays,
+    draw_triangles,
     flood_free,
     flood_largest,
     footprint_clearance,
@@ -19,6 +20,7 @@ from trundle._core._kernels import (
 
 __all__ = [
     "cast_grid_rays",
+    "draw_triangles",
     "flood_free",
     "flood_largest",
     "footprint_clearance",

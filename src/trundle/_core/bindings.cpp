@@ -11,6 +11,7 @@ void bind_flood(nb::module_ &m);
 void bind_line_of_sight(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
+void bind_zbuffer(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
@@ -22,4 +23,5 @@ NB_MODULE(_kernels, m) {
   bind_line_of_sight(m);
   bind_png_filter(m);
   bind_raster(m);
+  bind_zbuffer(m);
 }

@@ -56,7 +56,7 @@ def describe_missing_gl() -> str:
     if find_gl() is not None:
         return ""
     return (
-        "no OpenGL driver was found that renders without a screen, so the picture was traced with rays; "
+        "no OpenGL driver was found that renders without a screen, so the picture was drawn in plain software; "
         f"for a better one: apt install {PACKAGES} (or libosmesa6)"
     )
 

@@ -25,7 +25,7 @@ class Picture:
 
     Attributes:
         pixels: RGB, shape (height, width, 3), uint8, read-only.
-        kind: How it was drawn: `egl`, `osmesa` or `rays`.
+        kind: How it was drawn: `egl`, `osmesa` or `software`.
         advice: What to install for a better picture; empty where there is nothing to say.
     """
 
@@ -80,4 +80,4 @@ def render(
     ) as scene:
         pixels = scene.render(pose)
         kind = scene.kind
-    return Picture(pixels, kind, describe_missing_gl() if kind == "rays" else "")
+    return Picture(pixels, kind, describe_missing_gl() if kind == "software" else "")

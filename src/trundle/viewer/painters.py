@@ -1,4 +1,4 @@
-"""What draws a model's pictures: OpenGL where there is a driver, else rays."""
+"""What draws a model's pictures: OpenGL where there is a driver, else software of our own."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from trundle.viewer.cameras import Camera
 from trundle.viewer.gl import GlKind, find_gl, open_context
-from trundle.viewer.rays import RayPainter
+from trundle.viewer.software import SoftwarePainter
 from trundle.viewer.stage import SHOWN_GROUPS
 
-RendererKind = Literal["egl", "osmesa", "rays"]
+RendererKind = Literal["egl", "osmesa", "software"]
 Pixels = npt.NDArray[np.uint8]
 
 _logger = logging.getLogger(__name__)
@@ -40,14 +40,17 @@ class Painter(Protocol):
 
 
 def open_painter(model: mujoco.MjModel, size: tuple[int, int]) -> Painter:
-    """Open the best painter that works here: EGL, then OSMesa, then rays. `size` is (width, height) in pixels."""
+    """Open the best painter that works here: EGL, then OSMesa, then ours. `size` is (width, height) in pixels."""
     kind = find_gl()
     if kind is not None:
         try:
             return GlPainter(model, size, kind)
-        except Exception as error:  # noqa: BLE001 - drivers and their bindings share no exception; rays always work
-            _logger.warning("OpenGL by %s failed (%s); drawing with rays instead", kind, error)
-    return RayPainter(model, size, SHOWN_GROUPS)
+        except Exception as error:  # noqa: BLE001 - drivers and their bindings share no exception; ours always works
+            _logger.warning("OpenGL by %s failed (%s); drawing without it", kind, error)
+    quality = model.vis.quality
+    return SoftwarePainter(
+        model, size, SHOWN_GROUPS, samples=int(quality.offsamples), shadow_size=int(quality.shadowsize)
+    )
 
 
 class GlPainter:

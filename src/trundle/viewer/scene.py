@@ -20,7 +20,7 @@ MAX_SIZE = 4096
 
 
 class SceneRenderer:
-    """Draws a robot in a world for one pose after another, with OpenGL where there is a driver, else with rays.
+    """Draws a robot in a world for one pose after another, with OpenGL where there is a driver, else in software.
 
     Args:
         world: What stands on the floor.
@@ -29,8 +29,8 @@ class SceneRenderer:
         camera: One of `CAMERAS` or a fixed `Camera`.
         path: Waypoints [m] in the map frame, shape (N, 2) or more columns, drawn on the floor.
         goal: Drawn on the floor as a disc.
-        samples: Samples a pixel at edges (OpenGL alone); 0 is quickest, 4 looks best.
-        shadow_size: Edge of the shadow map (OpenGL alone), in pixels.
+        samples: Samples a pixel at edges; 0 is quickest, 4 looks best.
+        shadow_size: Edge of the shadow map, in pixels.
 
     Raises:
         InputError: If the size is out of range, or the path is none.
@@ -61,7 +61,7 @@ class SceneRenderer:
 
     @property
     def kind(self) -> RendererKind:
-        """How it draws: `egl`, `osmesa` or `rays`."""
+        """How it draws: `egl`, `osmesa` or `software`."""
         return self._kind
 
     def render(self, pose: Pose2D | Sequence[float], *, wheel_positions: WheelSpeeds = AT_REST) -> Pixels:

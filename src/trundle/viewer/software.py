@@ -1,0 +1,201 @@
+"""Pictures without OpenGL: triangles in a depth buffer, one from the camera and one from the sun, shaded with NumPy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import draw_triangles
+from trundle.geometry import FloatArray
+from trundle.viewer.cameras import Camera
+from trundle.viewer.triangles import model_triangles
+
+_NEAR = 0.02  # [m]
+_SKY_HIGH, _SKY_LOW = np.array([0.60, 0.73, 0.88]), np.array([0.90, 0.93, 0.96])
+_FLOOR = np.array([0.70, 0.71, 0.72])
+_LINE_DARK, _LINE_WIDTH = 0.15, 0.014  # the floor's metre lines: how much darker, and how wide [m]
+_FOG_AT = 160.0  # [m]
+_BLOCK = 200_000  # pixels that are shaded at a time
+_SOFT = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))  # where a shadow's edge is sampled, in its pixels
+
+
+@dataclass(frozen=True, slots=True)
+class _Shadows:
+    """What the sun sees.
+
+    Attributes:
+        axes: Right, up and forward of the sun's view, one a row.
+        middle: Of the view [m], map frame.
+        scale: Pixels per metre.
+        depths: [m] along `forward` from `middle`, infinity where nothing is.
+    """
+
+    axes: FloatArray
+    middle: FloatArray
+    scale: float
+    depths: FloatArray
+
+    def lit(self, points: FloatArray, normals: FloatArray) -> FloatArray:
+        """How much sun falls on points [m] of surfaces, 0 to 1, shape (N,)."""
+        strength = np.clip(-normals @ self.axes[2], 0.0, 1.0)
+        right, up, forward = self.axes @ (points - self.middle).T
+        size = len(self.depths)
+        slack = (1.5 + 1.5 * np.sqrt(1.0 - strength**2) / np.maximum(strength, 0.15)) / self.scale
+        open_sky = np.zeros(len(points))
+        for dx, dy in _SOFT:
+            cols = np.floor(size / 2.0 + right * self.scale + dx).astype(np.int64)
+            rows = np.floor(size / 2.0 - up * self.scale + dy).astype(np.int64)
+            inside = (cols >= 0) & (cols < size) & (rows >= 0) & (rows < size)
+            seen = self.depths[np.where(inside, rows, 0), np.where(inside, cols, 0)]
+            open_sky += ~inside | (forward <= seen + slack)
+        return strength * (0.12 + 0.88 * open_sky / len(_SOFT))
+
+
+class SoftwarePainter:
+    """Draws without OpenGL.
+
+    Args:
+        model: What to draw; its first light is the sun, its planes are floors.
+        size: Width and height of the pictures, in pixels.
+        groups: Which geom groups are shown, 1 or 0 each.
+        samples: Samples a pixel: 4 or more draw at twice the size and average.
+        shadow_size: Edge of the shadow map, in pixels.
+    """
+
+    kind: Literal["software"] = "software"
+
+    def __init__(
+        self, model: mujoco.MjModel, size: tuple[int, int], groups: Sequence[int], *, samples: int, shadow_size: int
+    ) -> None:
+        self._model = model
+        self._size = size
+        self._finer = 2 if samples >= 4 else 1
+        self._shadow_size = shadow_size
+        shown = np.array(groups, dtype=np.bool_)
+        self._triangles = model_triangles(model, shown)
+        is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE.value
+        self._planes = np.flatnonzero(is_plane & shown[model.geom_group])
+        self._base_colors = model.geom_rgba[:, :3].astype(np.float64)
+        materials = model.geom_matid
+        self._glow = np.zeros(model.ngeom)
+        self._glow[materials >= 0] = model.mat_emission[materials[materials >= 0]]
+        for plane in self._planes:
+            material = materials[plane]
+            self._base_colors[plane] = _FLOOR * (model.mat_rgba[material, :3] if material >= 0 else 1.0)
+
+    def paint(self, data: mujoco.MjData, camera: Camera) -> npt.NDArray[np.uint8]:
+        """Draw one picture, shape (height, width, 3)."""
+        width, height = (edge * self._finer for edge in self._size)
+        visible = self._model.geom_rgba[self._triangles.geoms, 3] > 0.0
+        corners, geoms = self._triangles.placed(data)[visible], self._triangles.geoms[visible]
+        eye, axes = np.asarray(camera.eye, dtype=np.float64), camera.axes()
+        scale = height / 2.0 / np.tan(np.radians(camera.fovy_deg) / 2.0)
+        seen, depths = draw_triangles((corners - eye) @ axes.T, width, height, float(scale), _NEAR, True)
+        shadows = self._cast_shadows(corners, camera)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        wanted, mixed = _samples(seen, self._finer)
+        colors = np.zeros((height * width, 3))
+        for first in range(0, len(wanted), _BLOCK):
+            pixels = wanted[first : first + _BLOCK]
+            across, down = pixels % width + 0.5 - width / 2.0, pixels // width + 0.5 - height / 2.0
+            rays = axes[2] + (across / scale)[:, None] * axes[0] - (down / scale)[:, None] * axes[1]
+            faces, depth = seen.ravel()[pixels], depths.ravel()[pixels]
+            surface = np.where(faces >= 0, geoms[faces] if len(geoms) else -1, -1)
+            normal = normals[faces] if len(normals) else np.zeros((len(pixels), 3))
+            self._meet_planes(data, eye, rays, surface, depth, normal)
+            colors[pixels] = self._shade(eye, rays, surface, depth, normal, shadows, 1.0 / scale)
+        picture = colors.reshape(self._size[1], self._finer, self._size[0], self._finer, 3)
+        averaged = np.where(mixed[..., None], picture.mean(axis=(1, 3)), picture[:, 0, :, 0])
+        return (np.clip(averaged, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+
+    def close(self) -> None:
+        """Do nothing: it holds nothing."""
+
+    def _cast_shadows(self, corners: FloatArray, camera: Camera) -> _Shadows:
+        """Draw what the sun sees around what the camera looks at."""
+        model = self._model
+        forward = model.light_dir[0] if model.nlight else np.array([0.3, 0.2, -1.0])
+        forward = forward / np.linalg.norm(forward)
+        right = np.cross(forward, (0.0, 1.0, 0.0))
+        right /= np.linalg.norm(right)
+        axes = np.array([right, np.cross(right, forward), forward])
+        scale = self._shadow_size / (2.0 * (1.6 * camera.distance + 2.0))
+        middle = np.asarray(camera.target, dtype=np.float64)
+        size = self._shadow_size
+        _, depths = draw_triangles((corners - middle) @ axes.T, size, size, scale, _NEAR, False)
+        return _Shadows(axes, middle, scale, depths)
+
+    def _meet_planes(
+        self,
+        data: mujoco.MjData,
+        eye: FloatArray,
+        rays: FloatArray,
+        surface: npt.NDArray[np.int32],
+        depth: FloatArray,
+        normal: FloatArray,
+    ) -> None:
+        """Put planes, which have no triangles, where they are nearer than what is drawn; the arrays are changed."""
+        for plane in self._planes:
+            axes = data.geom_xmat[plane].reshape(3, 3)
+            towards = rays @ axes[:, 2]
+            meets = np.flatnonzero(towards < -1e-9)
+            reach = (data.geom_xpos[plane] - eye) @ axes[:, 2] / towards[meets]
+            nearer = (reach > _NEAR) & (reach < depth[meets])
+            meets, reach = meets[nearer], reach[nearer]
+            half = self._model.geom_size[plane, :2]
+            if half.min() > 0.0:
+                local = (eye + rays[meets] * reach[:, None] - data.geom_xpos[plane]) @ axes[:, :2]
+                within = (np.abs(local) <= half).all(axis=1)
+                meets, reach = meets[within], reach[within]
+            surface[meets], depth[meets], normal[meets] = plane, reach, axes[:, 2]
+
+    def _shade(
+        self,
+        eye: FloatArray,
+        rays: FloatArray,
+        surface: npt.NDArray[np.int32],
+        depth: FloatArray,
+        normal: FloatArray,
+        shadows: _Shadows,
+        pixel: float,
+    ) -> FloatArray:
+        """Colours (N, 3) of what rays meet."""
+        lengths = np.linalg.norm(rays, axis=1)
+        rise = np.clip(rays[:, 2] / lengths * 1.6, 0.0, 1.0) ** 0.7
+        colors = _SKY_LOW + rise[:, None] * (_SKY_HIGH - _SKY_LOW)
+        hit = np.flatnonzero(surface >= 0)
+        points = eye + rays[hit] * depth[hit, None]
+        facing = (normal[hit] * rays[hit]).sum(axis=1) / lengths[hit]
+        normals = np.where(facing[:, None] > 0.0, -normal[hit], normal[hit])
+        base = self._base_colors[surface[hit]]
+        floor = np.isin(surface[hit], self._planes)
+        base[floor] *= _floor_lines(points[floor], depth[hit][floor] * pixel)[:, None]
+        light = 0.46 + 0.10 * normals[:, 2] + 0.14 * np.abs(facing) + 0.46 * shadows.lit(points, normals)
+        light += self._glow[surface[hit]]
+        fog = np.clip(depth[hit] / _FOG_AT, 0.0, 1.0)[:, None] ** 2
+        colors[hit] = base * light[:, None] * (1.0 - fog) + _SKY_LOW * fog
+        return colors
+
+
+def _samples(seen: npt.NDArray[np.int32], finer: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
+    """Which samples to shade (flat indices), and which pixels show more than one triangle and so need all of theirs."""
+    rows, cols = seen.shape[0] // finer, seen.shape[1] // finer
+    samples = seen.reshape(rows, finer, cols, finer)
+    mixed = (samples != samples[:, :1, :, :1]).any(axis=(1, 3))
+    wanted = np.zeros(samples.shape, dtype=np.bool_)
+    wanted[:, 0, :, 0] = True
+    wanted |= mixed[:, None, :, None]
+    return np.flatnonzero(wanted), mixed
+
+
+def _floor_lines(points: FloatArray, pixels: FloatArray) -> FloatArray:
+    """How bright a floor is at points [m], with a line every metre, faded where it is finer than a pixel [m] there."""
+    to_line = np.abs(points[:, :2] - np.round(points[:, :2])).min(axis=1)
+    blur = np.maximum(_LINE_WIDTH, pixels)
+    return 1.0 - _LINE_DARK * np.clip(1.5 - to_line / blur, 0.0, 1.0) * _LINE_WIDTH / blur
