@@ -14,13 +14,23 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 PROGRAM = [sys.executable, "-m", "trundle"]
 
 
-def measure(arguments: list[str], folder: str) -> tuple[float, float, str]:
-    """Wall time [s] and peak memory [MB] of one command, and what it printed."""
+@dataclass(frozen=True)
+class Measured:
+    """One command: wall and processor time [s], peak memory [MB], and what it printed."""
+
+    wall: float
+    cpu: float
+    memory: float
+    text: str
+
+
+def measure(arguments: list[str], folder: str) -> Measured:
     began = time.perf_counter()
     with (Path(folder) / "output").open("w+") as output:
         process = subprocess.Popen([*PROGRAM, *arguments], cwd=folder, stdout=output)
@@ -32,16 +42,17 @@ def measure(arguments: list[str], folder: str) -> tuple[float, float, str]:
     if process.returncode:
         raise SystemExit(f"trundle {' '.join(arguments)} ended with exit code {process.returncode}:\n{text}")
     kilobytes = usage.ru_maxrss / 1024 if sys.platform == "darwin" else usage.ru_maxrss
-    return wall, kilobytes / 1024, text
+    return Measured(wall, usage.ru_utime + usage.ru_stime, kilobytes / 1024, text)
 
 
-def report(name: str, measured: list[tuple[float, float, str]], limit_s: float, limit_mb: float) -> None:
-    wall = statistics.median(item[0] for item in measured)
-    memory = max(item[1] for item in measured)
+def report(name: str, measured: list[Measured], limit_s: float, limit_mb: float) -> None:
+    wall = statistics.median(item.wall for item in measured)
+    cpu = statistics.median(item.cpu for item in measured)
+    memory = max(item.memory for item in measured)
     print(
-        f"{name:<28} median {wall:.3f} s (limit {limit_s:g}, ratio {wall / limit_s:.2f}), "
-        f"best {min(item[0] for item in measured):.3f} s, "
-        f"peak {memory:.0f} MB (limit {limit_mb:g}, ratio {memory / limit_mb:.2f}), {len(measured)} times"
+        f"{name:<20} wall {wall:.3f} s (best {min(item.wall for item in measured):.3f}), processor {cpu:.3f} s; "
+        f"limit {limit_s:g} s, ratio {wall / limit_s:.2f}; "
+        f"peak {memory:.0f} MB of {limit_mb:g}; medians of {len(measured)}"
     )
 
 
@@ -63,9 +74,9 @@ def main() -> None:
     report("trundle --help", helps, 0.25, 250)
     report("trundle run --help", verbs, 0.5, 250)
     report("trundle run", runs, 2.0, 250)
-    result = json.loads(runs[-1][2])
+    result = json.loads(runs[-1].text)
     print(
-        f"{'':<28} {result['outcome']} after {result['time_s']:.1f} simulated s, {result['distance_m']:.1f} m, "
+        f"{'':<20} {result['outcome']} after {result['time_s']:.1f} simulated s, {result['distance_m']:.1f} m, "
         f"planning {result['planning_ms']:.0f} ms, real-time factor {result['real_time_factor']:.0f}"
     )
     if result["time_s"] < 50.0:

@@ -12,6 +12,7 @@ from trundle.viewer import gl
 from trundle.viewer.cameras import CAMERAS, Camera
 from trundle.viewer.offscreen import render
 from trundle.viewer.scene import SceneRenderer
+from trundle.viewer.stage import Stage
 from trundle.worlds import World
 
 SIZE = (160, 120)
@@ -137,3 +138,11 @@ def test_the_environment_can_turn_opengl_off(monkeypatch, value):
     assert gl.find_gl() is None
     assert "libegl1" in gl.describe_missing_gl()
     gl.find_gl.cache_clear()
+
+
+def test_a_straight_part_of_a_path_is_one_piece(carter):
+    plain = Stage(WORLD, carter, size=SIZE).model.ngeom
+    straight = [(0.1 * step, 0.0) for step in range(50)]
+    bent = [(0.0, 0.0), *straight, *((4.9, 0.1 * step) for step in range(30)), (4.9, 0.0)]
+    for path, pieces in ((straight, 1), (bent, 3), (straight[:1], 0), ([(1.0, 1.0)] * 3, 0)):
+        assert Stage(WORLD, carter, size=SIZE, path=path).model.ngeom == plain + pieces

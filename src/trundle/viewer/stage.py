@@ -146,16 +146,28 @@ def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
 
 
 def _add_path(spec: mujoco.MjSpec, path: FloatArray) -> None:
-    """Draw a line on the floor, of at most `_MAX_MARKS` pieces."""
+    """Draw a line on the floor, of at most `_MAX_MARKS` pieces; a straight part is one piece, which draws faster."""
     if path.ndim != 2 or path.shape[1] < 2 or not np.isfinite(path[:, :2]).all():
         raise InputError(f"a path to draw needs finite waypoints of shape (N, 2), got {path.shape}")
-    keep = np.unique(np.linspace(0, len(path) - 1, min(len(path), _MAX_MARKS)).round().astype(int))
-    for start, end in itertools.pairwise(path[keep, :2]):
-        if np.hypot(*(end - start)) < 1e-6:
-            continue
+    points = _corners(path[:, :2])
+    keep = np.linspace(0, len(points) - 1, min(len(points), _MAX_MARKS)).round().astype(int)
+    for start, end in itertools.pairwise(points[keep]):
         geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CAPSULE, _PATH_COLOR)
         geom.size = (0.02, 0.0, 0.0)
         geom.fromto = (*start, 0.012, *end, 0.012)
+
+
+def _corners(points: FloatArray) -> FloatArray:
+    """Points [m] of a line without repeated ones and those on a straight part, shape (N, 2)."""
+    steps = np.diff(points, axis=0)
+    moved = np.hypot(steps[:, 0], steps[:, 1]) > 1e-6
+    points = np.concatenate([points[:1], points[1:][moved]])
+    steps = np.diff(points, axis=0)
+    before, after = steps[:-1], steps[1:]
+    bent = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > 1e-6 * np.hypot(*before.T)
+    back = (before * after).sum(axis=1) < 0.0
+    ends = np.ones(1, dtype=np.bool_)
+    return points if len(points) < 3 else points[np.concatenate([ends, bent | back, ends])]
 
 
 def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
