@@ -19,7 +19,7 @@ app = App(
 @app.default
 def demo(
     *,
-    seed: options.Seed = 7,
+    seed: options.Seed = 4,
     backend: options.Backend = "mujoco",
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
