@@ -134,7 +134,7 @@ def check_refusal(costmap, error):
     if isinstance(error, BlockedPoseError):
         assert error.nearest_free_m is None or error.nearest_free_m > 0.0
         assert costmap.footprint_collides([error.pose])[0]
-    elif not isinstance(error, NoPathError) or "footprint hit" in str(error):
+    elif not isinstance(error, NoPathError) or "hits something" in str(error):
         assert costmap.footprint_collides([error.pose])[0]
     else:
         assert error.pose is not None
@@ -206,7 +206,7 @@ def test_a_door_too_narrow_for_the_inscribed_circle_is_named():
     block(data, 4.1, 3.9, 8.0, 4.1)
     with pytest.raises(NoPathError, match="too wide for it at") as caught:
         LeastCostPlanner().plan(costmap_of(data), Pose2D(2.0, 2.0), Pose2D(6.0, 6.0))
-    assert caught.value.pose[:2] == pytest.approx((4.0, 4.0), abs=0.3)
+    assert caught.value.pose[:2] == pytest.approx((4.0, 4.0), abs=0.1)
 
 
 def test_a_door_too_narrow_for_the_footprint_is_named():
@@ -297,6 +297,33 @@ def test_a_footprint_that_fits_is_in_a_cell_below_253():
     assert costmap.cost_at(free[:, 0], free[:, 1]).max() < 253
 
 
+def test_out_of_a_blind_alley_and_into_one_straight_on():
+    data = room(9, 9)
+    # Two alleys of 0.7 m, too narrow to turn in; the robot looks out of one and shall look into the other.
+    for x in (2.0, 6.0):
+        block(data, x - 0.55, 0.0, x - 0.35, 3.0)
+        block(data, x + 0.35, 0.0, x + 0.55, 3.0)
+    costmap = costmap_of(data)
+    start, goal = Pose2D(2.0, 1.0, math.pi / 2), Pose2D(6.0, 1.0, -math.pi / 2)
+    path = LeastCostPlanner().plan(costmap, start, goal)
+    assert_drivable(costmap, path, start, goal)
+
+
+def test_a_robot_that_cannot_turn_drives_on_to_where_it_can():
+    data = room(12, 4)
+    # An alley of 0.8 m from x = 0 to 8 with the goal behind the robot; it can turn in the open part only.
+    block(data, 0.0, 0.0, 8.0, 1.6)
+    block(data, 0.0, 2.4, 8.0, 4.0)
+    costmap = costmap_of(data)
+    start, goal = Pose2D(7.0, 2.0, 0.0), Pose2D(3.0, 2.0, math.pi)
+    path = LeastCostPlanner().plan(costmap, start, goal)
+    assert_drivable(costmap, path, start, goal)
+    assert path.poses[:, 0].max() > 8.5
+    assert path.length > 6.0
+    with pytest.raises(PlanningError, match="footprint"):
+        LeastCostPlanner().plan(costmap, Pose2D(4.0, 2.0, 0.0), goal)
+
+
 def test_a_free_goal_yaw_is_the_yaw_of_arrival():
     costmap = costmap_of(room(8, 8))
     path = LeastCostPlanner().plan(costmap, Pose2D(2, 2, 0.0), Pose2D(5, 5, -2.0), goal_yaw_free=True)
@@ -345,3 +372,17 @@ def test_planners_by_name():
         assert isinstance(create_planner(name), Planner)
     own = functools.partial(create_planner, "astar")()
     assert create_planner(own) is own
+
+
+def test_a_diagonal_slit_too_narrow_for_the_robot_is_named():
+    data = np.full((9, 9), 100, np.int8)
+    data[1:4, 1:4] = data[5:8, 5:8] = 0
+    data[[3, 4, 4, 5], [4, 4, 3, 4]] = 0
+    data[[4, 4], [4, 5]] = 0
+    slim = ((0.02, 0.02), (-0.02, 0.02), (-0.02, -0.02), (0.02, -0.02))
+    costmap = costmap_of(data, slim)
+    path = LeastCostPlanner().plan(costmap, Pose2D(0.05, 0.05), Pose2D(0.25, 0.25))
+    assert path.length > 0.28
+    wide = ((0.06, 0.06), (-0.06, 0.06), (-0.06, -0.06), (0.06, -0.06))
+    with pytest.raises(NoPathError, match="too wide"):
+        LeastCostPlanner().plan(costmap_of(data, wide), Pose2D(0.075, 0.075), Pose2D(0.275, 0.275))

@@ -10,6 +10,10 @@ from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import CellArray
+from trundle.planning.motions import CHECK_STEP_RAD
+
+_STRAIGHT_REACH_M = 3.0
+_STRAIGHT_STEP_M = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +73,31 @@ def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, a
         cell=(row, col),
         nearest_free_m=None if found is None else found.snapped_m,
     )
+
+
+def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
+    """The nearest place straight ahead of (1) or behind (−1) an end where the robot can turn all round.
+
+    The robot can drive straight between the two. It is the end itself where it can turn there, and where there is no
+    such place within 3 m.
+    """
+    pose = end.pose
+    distances = np.arange(0.0, _STRAIGHT_REACH_M, _STRAIGHT_STEP_M)
+    x = pose.x + direction * distances * np.cos(pose.yaw)
+    y = pose.y + direction * distances * np.sin(pose.yaw)
+    straight = np.column_stack([x, y, np.full(len(x), pose.yaw)])
+    blocked = costmap.footprint_collides(straight) | (costmap.cost_at(x, y) >= INSCRIBED)
+    reachable = int(np.argmax(blocked)) if blocked.any() else len(x)
+    yaws = pose.yaw + np.arange(0.0, 2.0 * np.pi, CHECK_STEP_RAD)
+    for k in range(reachable):
+        turn = np.column_stack([np.full(len(yaws), x[k]), np.full(len(yaws), y[k]), yaws])
+        if costmap.footprint_collides(turn).any():
+            continue
+        if k == 0:
+            break
+        row, col = costmap.world_to_cell(x[k], y[k])
+        return End(Pose2D(float(x[k]), float(y[k]), pose.yaw), (int(row), int(col)), end.snapped_m)
+    return end
 
 
 def _blocked_message(

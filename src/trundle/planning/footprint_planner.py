@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.errors import InputError, NoPathError, PlanningError
+from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.ends import End, find_end
-from trundle.planning.motions import Motion, fit_motions, motions_along, poses_of
+from trundle.planning.motions import Motion, fit_motions, poses_of
+from trundle.planning.query import Query, no_path, still_hits
 
 _SHORTCUT_STEP_CELLS = 8
 """The shortcut may turn where the grid path turns, and at every so many cells of it."""
@@ -22,13 +24,22 @@ _STEP_OFF_M = 0.3
 """Where a turn at the start or the goal is blocked, the way is closed this far from it, to leave it another way."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Failure:
+    """Why an attempt gave no path, and how often it was planned again until then."""
+
+    error: PlanningError
+    replans: int
+
+
 class FootprintPlanner:
     """A* on the grid, the cheapest line-of-sight shortcut of it, and a check of every pose with the footprint.
 
     A cell costs `neutral_cost + cost_weight · cost` per length; cells of 253 and more are blocked: the inscribed radius
     is a hard limit. The way is then checked with the oriented footprint every 0.025 m and 2°, with the turns at its
     vertices and both ends, where the long way round is tried too. On a hit the cells of the colliding poses become
-    lethal for this query, and it is planned again.
+    lethal for this query, and it is planned again. Where that finds nothing and the robot cannot turn round at the
+    start or the goal, it first drives straight on to where it can, and into the goal from such a place behind it.
 
     Args:
         name: Name of the planner, for `Path.planner`.
@@ -88,26 +99,36 @@ class FootprintPlanner:
         """
         start_end = find_end(costmap, start, "start", self._start_tolerance)
         goal_end = find_end(costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free)
-        costs = costmap.data
+        query = Query(costmap, start_end, goal_end, start_end, goal_end, goal_yaw_free)
+        outcome = self._attempt(query, 0)
+        if isinstance(outcome, _Failure):
+            straight = query.with_straight_ends()
+            if straight != query:
+                outcome = self._attempt(straight, outcome.replans + 1)
+        if isinstance(outcome, _Failure):
+            raise outcome.error
+        return outcome
+
+    def _attempt(self, query: Query, replans: int) -> Path | _Failure:
+        """Plan, check, and plan again around what the footprint hits; `replans` is what came before."""
+        costmap, costs = query.costmap, query.costmap.data
+        last = replans + self._max_replans
         hit: FloatArray | None = None
-        for replans in range(self._max_replans + 1):
-            way = self._find_way(costmap, costs, start_end, goal_end)
+        while True:
+            way = self._find_way(costmap, costs, query.leave, query.enter)
             if way is None:
-                raise _no_path(costmap, start_end, goal_end, hit)
+                return _Failure(no_path(query, hit), replans)
             vertices, cost = way
-            motions = motions_along(vertices, start_end.pose.yaw, None if goal_yaw_free else goal_end.pose.yaw)
-            motions, hits, owners = fit_motions(costmap, motions)
+            motions, hits, owners = fit_motions(costmap, query.motions(vertices))
             if len(hits) == 0:
-                return self._path(motions, start_end, goal_end, cost, replans, goal_yaw_free=goal_yaw_free)
+                return self._path(query, motions, cost, replans)
             hit = hits[0]
-            costs = _block(costmap, costs, _cells_to_block(motions, hits, owners), (start_end.cell, goal_end.cell))
-        x, y, yaw = hit.tolist() if hit is not None else start_end.pose.as_tuple()
-        raise PlanningError(
-            f"planned {self._max_replans + 1} times, and the footprint still hits something at "
-            f"({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
-            pose=(x, y, yaw),
-            cell=_cell_at(costmap, x, y),
-        )
+            places = _places_to_avoid(motions, hits, owners)
+            blocked = _block(costmap, costs, places, (query.leave.cell, query.enter.cell))
+            if replans == last or np.array_equal(blocked, costs):
+                return _Failure(still_hits(query, hits[0], replans), replans)
+            costs = blocked
+            replans += 1
 
     def _find_way(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End
@@ -127,20 +148,19 @@ class FootprintPlanner:
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
 
-    def _path(
-        self, motions: list[Motion], start: End, goal: End, cost: float, replans: int, *, goal_yaw_free: bool
-    ) -> Path:
-        first = np.array(start.pose.as_tuple())
-        last = np.array(goal.pose.as_tuple())
-        if goal_yaw_free:
-            last[2] = motions[-1].yaw + motions[-1].turn if motions else start.pose.yaw
+    def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
+        first = np.array(query.start.pose.as_tuple())
+        last = np.array(query.goal.pose.as_tuple())
+        if query.goal_yaw_free:
+            last[2] = motions[-1].yaw + motions[-1].turn if motions else query.start.pose.yaw
+        leads = query.start.pose.distance_to(query.leave.pose) + query.enter.pose.distance_to(query.goal.pose)
         return Path(
             poses_of(motions, first, last, self._spacing),
-            cost=cost,
+            cost=cost + leads * float(self._line_weights[0]),
             planner=self._name,
             replans=replans,
-            start_snapped_m=start.snapped_m,
-            goal_snapped_m=goal.snapped_m,
+            start_snapped_m=query.start.snapped_m,
+            goal_snapped_m=query.goal.snapped_m,
         )
 
 
@@ -170,11 +190,6 @@ def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     return keep
 
 
-def _cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
-    row, col = costmap.world_to_cell(x, y)
-    return int(row), int(col)
-
-
 def _to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:
     """Points [m] of the map frame in grid units."""
     return costmap.origin.inverse().transform_points(points) / costmap.resolution
@@ -185,19 +200,20 @@ def _to_map(costmap: Costmap, points: FloatArray) -> FloatArray:
     return costmap.origin.transform_points(points * costmap.resolution)
 
 
-def _cells_to_block(motions: list[Motion], hits: FloatArray, owners: list[int]) -> FloatArray:
+def _places_to_avoid(motions: list[Motion], hits: FloatArray, owners: list[int]) -> FloatArray:
     """Places (x, y) [m] that the next way must not go through, shape (K, 2)."""
-    places: list[tuple[float, float]] = []
+    places: dict[tuple[float, float], None] = {}
     last = len(motions) - 1
     for pose, owner in zip(hits.tolist(), owners, strict=True):
         motion = motions[owner]
         if motion.turn != 0.0 and owner == 0 and last > 0:
-            places.append(_point_along(motions[1].start, motions[1].end))
+            place = _point_along(motions[1].start, motions[1].end)
         elif motion.turn != 0.0 and owner == last and last > 0:
-            places.append(_point_along(motions[last - 1].end, motions[last - 1].start))
+            place = _point_along(motions[last - 1].end, motions[last - 1].start)
         else:
-            places.append((pose[0], pose[1]))
-    return np.unique(np.array(places), axis=0)
+            place = (pose[0], pose[1])
+        places[place] = None
+    return np.array(list(places))
 
 
 def _point_along(start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float]:
@@ -217,32 +233,3 @@ def _block(
     for cell in keep:
         blocked[cell] = costs[cell]
     return blocked
-
-
-def _no_path(costmap: Costmap, start: End, goal: End, hit: FloatArray | None) -> NoPathError:
-    ends = f"from ({start.pose.x:.2f}, {start.pose.y:.2f}) to ({goal.pose.x:.2f}, {goal.pose.y:.2f})"
-    if hit is not None:
-        x, y, yaw = hit.tolist()
-        return NoPathError(
-            f"no path {ends}: every way that is wide enough for the robot's inscribed circle makes its footprint hit "
-            f"something, the last one at ({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
-            pose=(x, y, yaw),
-            cell=_cell_at(costmap, x, y),
-        )
-    point_weights = np.full(256, 50, dtype=np.uint16)
-    point_weights[LETHAL:] = 0
-    cells, _ = _core.grid_search(costmap.data, point_weights, start.cell, goal.cell)
-    if len(cells) == 0:
-        return NoPathError(
-            f"no path {ends}: they are separated by occupied or unknown space, and no robot could get there",
-            pose=goal.pose.as_tuple(),
-            cell=goal.cell,
-        )
-    tight = cells[int(np.flatnonzero(costmap.data[cells[:, 0], cells[:, 1]] >= INSCRIBED)[0])]
-    x, y = costmap.cell_to_world(*tight)
-    return NoPathError(
-        f"no path {ends}: there is a way for a point, but this robot is too wide for it at ({x:.2f}, {y:.2f}); its "
-        f"inscribed circle alone needs {2.0 * costmap.inscribed_radius:.2f} m",
-        pose=(float(x), float(y), 0.0),
-        cell=(int(tight[0]), int(tight[1])),
-    )

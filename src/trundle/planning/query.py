@@ -1,0 +1,104 @@
+"""What a planner is asked, and the errors that say why there is no answer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trundle import _core
+from trundle.costmap import INSCRIBED, LETHAL, Costmap
+from trundle.errors import NoPathError, PlanningError
+from trundle.geometry import FloatArray
+from trundle.planning.ends import End, place_to_turn
+from trundle.planning.motions import Motion, motions_along
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """What is asked.
+
+    Attributes:
+        costmap: What to stay clear of.
+        start: Where the robot stands.
+        goal: Where it shall stand.
+        leave: Where the search begins: the start, or a place straight ahead of it.
+        enter: Where the search ends: the goal, or a place straight behind it.
+        goal_yaw_free: Whether it may end with any yaw.
+    """
+
+    costmap: Costmap
+    start: End
+    goal: End
+    leave: End
+    enter: End
+    goal_yaw_free: bool
+
+    def motions(self, vertices: FloatArray) -> list[Motion]:
+        """Motions from the start along the vertices from `leave` to `enter`, and on to the goal."""
+        start, goal = self.start.pose, self.goal.pose
+        corners = np.concatenate([[[start.x, start.y]], vertices, [[goal.x, goal.y]]])
+        return motions_along(corners, start.yaw, None if self.goal_yaw_free else goal.yaw)
+
+    @property
+    def ends(self) -> str:
+        """From where to where, for messages."""
+        start, goal = self.start.pose, self.goal.pose
+        return f"from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f})"
+
+    def with_straight_ends(self) -> Query:
+        """The same, straight out of a start and into a goal where the robot cannot turn round."""
+        leave = place_to_turn(self.costmap, self.start, 1.0)
+        enter = self.goal if self.goal_yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
+        return replace(self, leave=leave, enter=enter)
+
+
+def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
+    """The (row, col) that holds a point [m] of the map frame."""
+    row, col = costmap.world_to_cell(x, y)
+    return int(row), int(col)
+
+
+def still_hits(query: Query, hit: FloatArray, replans: int) -> PlanningError:
+    """The error for a footprint that hits something at a pose (x, y, yaw) however often it was planned again."""
+    x, y, yaw = hit.tolist()
+    return PlanningError(
+        f"no path {query.ends}: planned {replans + 1} times, and the footprint still hits something at "
+        f"({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
+        pose=(x, y, yaw),
+        cell=cell_at(query.costmap, x, y),
+    )
+
+
+def no_path(query: Query, hit: FloatArray | None) -> NoPathError:
+    """The error for ends that no way joins; `hit` is the pose where the footprint hit something on the last one."""
+    costmap, start, goal = query.costmap, query.leave, query.enter
+    if hit is not None:
+        x, y, yaw = hit.tolist()
+        return NoPathError(
+            f"no path {query.ends}: on every way that is wide enough for the robot's inscribed circle its footprint "
+            f"hits something, on the last one at ({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
+            pose=(x, y, yaw),
+            cell=cell_at(costmap, x, y),
+        )
+    # For a point, with as few steps as possible through what is too narrow for the robot.
+    weights = np.ones(256, dtype=np.uint16)
+    weights[INSCRIBED], weights[LETHAL:] = 10_000, 0
+    cells, _ = _core.grid_search(costmap.data, weights, start.cell, goal.cell, 4)
+    if len(cells) == 0:
+        return NoPathError(
+            f"no path {query.ends}: they are separated by occupied or unknown space, and no robot could get there",
+            pose=goal.pose.as_tuple(),
+            cell=goal.cell,
+        )
+    narrow = np.flatnonzero(costmap.data[cells[:, 0], cells[:, 1]] == INSCRIBED)
+    first_gap = narrow[: int(np.argmax(np.diff(narrow, append=len(cells) + 2) > 1)) + 1]
+    row, col = (int(index) for index in cells[first_gap[len(first_gap) // 2]])
+    x, y = costmap.cell_to_world(row, col)
+    return NoPathError(
+        f"no path {query.ends}: there is a way for a point, but this robot is too wide for it at ({x:.2f}, {y:.2f}); "
+        f"its inscribed circle alone needs {2.0 * costmap.inscribed_radius:.2f} m",
+        pose=(float(x), float(y), 0.0),
+        cell=(row, col),
+    )
