@@ -1,11 +1,12 @@
 import math
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trundle._core import cast_grid_rays
+from trundle._core import cast_grid_rays, cast_outline_rays
 from trundle.errors import UnknownNameError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.robots import Lidar, Robot
@@ -13,6 +14,7 @@ from trundle.sim import simulate
 from trundle.sim.beams import WorldOutline, cast_cells
 from trundle.sim.footprint import CellField
 from trundle.sim.lidar import beam_angles
+from trundle.sim.mujoco.model import build_spec
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
@@ -171,3 +173,74 @@ def test_the_kernel_refuses_what_is_not_finite(values):
     x, y, reach = values
     with pytest.raises(ValueError, match="finite"):
         cast_grid_rays(np.zeros((2, 2), np.uint8), x, y, np.zeros(1), reach)
+
+
+def test_the_engines_own_rays_agree():
+    model = build_spec(ROOM, Robot.load("nova_carter")).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    angles = np.linspace(-3.0, 3.0, 400)
+    beams = np.c_[np.cos(angles), np.sin(angles), np.zeros(400)].ravel()
+    groups, geoms, theirs = np.array([1, 0, 0, 0, 0, 0], np.uint8), np.empty(400, np.int32), np.empty(400)
+    origin = np.array([0.3, -0.2, 0.4])
+    mujoco.mj_multiRay(model, data, origin, beams, groups, True, -1, geoms, theirs, None, 400, 12.0)
+    world = World("geoms", tuple(solid for solid in ROOM.solids if solid.name != "cells"))
+    ours = WorldOutline(world, 0.4).cast_quickly(0.3, -0.2, angles, 12.0)
+    theirs = np.where(geoms >= 0, theirs, np.inf)
+    agree = np.isclose(ours, theirs, atol=0.001) | (np.isinf(ours) & np.isinf(theirs))
+    assert np.count_nonzero(~agree) <= 2
+    assert len({*geoms.tolist()}) >= 7
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    x=st.floats(-3.0, 3.0),
+    y=st.floats(-3.0, 3.0),
+    first=st.floats(-10.0, 10.0),
+    fov=st.floats(0.1, 2.0 * math.pi - 0.02),
+    reach=st.floats(0.5, 9.0),
+)
+def test_the_kernels_cast_as_numpy_does(seed, x, y, first, fov, reach):
+    rng = np.random.default_rng(seed)
+    boxes = [
+        Solid(
+            f"b{i}",
+            Box((*rng.uniform(0.05, 1.5, 2), 1.0)),
+            Pose3D.planar(*rng.uniform(-4, 4, 2), 0.5, rng.uniform(-3, 3)),
+        )
+        for i in range(8)
+    ]
+    posts = [
+        Solid(f"c{i}", Cylinder(rng.uniform(0.05, 1.0), 1.0), Pose3D((*rng.uniform(-4, 4, 2), 0.5))) for i in range(4)
+    ]
+    outline = WorldOutline(World("w", (*boxes, *posts)), 0.4)
+    angles = first + np.linspace(0.0, fov, 90)
+    slow, quick = outline.cast(x, y, angles, reach), outline.cast_quickly(x, y, angles, reach)
+    agree = np.isclose(slow, quick, atol=1e-6) | (np.isinf(slow) & np.isinf(quick))
+    assert np.count_nonzero(~agree) <= 1
+
+
+def test_one_beam_is_enough():
+    outline = WorldOutline(World("w", (Solid("b", Box((1.0, 1.0, 1.0)), Pose3D((2.0, 0.0, 0.5))),)), 0.4)
+    assert outline.cast_quickly(0.0, 0.0, np.zeros(1), 5.0) == pytest.approx([1.5])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"x": math.nan},
+        {"first": math.inf},
+        {"step": 0.0},
+        {"step": 1.0},
+        {"count": 0},
+        {"reach": -1.0},
+        {"segments": np.zeros((2, 3))},
+        {"discs": np.zeros((2, 4))},
+    ],
+)
+def test_the_outline_kernel_refuses_bad_arguments(changes):
+    good = {"segments": np.zeros((1, 4)), "discs": np.zeros((1, 3)), "x": 0.0, "y": 0.0}
+    good |= {"first": 0.0, "step": 0.1, "count": 10, "reach": 5.0}
+    assert np.isfinite(cast_outline_rays(**good)).all()
+    with pytest.raises(ValueError, match=r"need shape|must be"):
+        cast_outline_rays(**{**good, **changes})

@@ -173,12 +173,19 @@ def test_other_periods_and_timesteps_give_nearly_the_same_run():
     assert max(end.distance_to(ends[0]) for end in ends) < 0.01
 
 
-def test_the_physics_breaking_down_is_an_error():
+def test_the_physics_breaking_down_is_an_error_and_leaves_no_log_file(tmp_path, monkeypatch, caplog):
+    monkeypatch.chdir(tmp_path)
     with MujocoSimulator(EMPTY, CARTER) as simulator:
         simulator.step(Twist2D(), 0.05)
         simulator.data.qvel[0] = 1e6
         with pytest.raises(SimulationError, match=r"broke down at 0\.1"):
             simulator.step(Twist2D(), 0.05)
+        simulator.data.qpos[0] = math.nan
+        with pytest.raises(SimulationError, match="broke down"):
+            simulator.step(Twist2D(), 0.05)
+        assert simulator.reset(Pose2D(1.0, 0.0)).pose.x == 1.0
+    assert "MuJoCo: " in caplog.text
+    assert not list(tmp_path.iterdir())
 
 
 def test_options_out_of_range_are_refused():

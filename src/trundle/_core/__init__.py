@@ -2,6 +2,7 @@
 
 from trundle._core._kernels import (
     cast_grid_rays,
+    cast_outline_rays,
     draw_triangles,
     flood_free,
     flood_largest,
@@ -20,6 +21,7 @@ from trundle._core._kernels import (
 
 __all__ = [
     "cast_grid_rays",
+    "cast_outline_rays",
     "draw_triangles",
     "flood_free",
     "flood_largest",

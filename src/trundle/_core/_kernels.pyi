@@ -77,6 +77,7 @@ def cast_grid_rays(
     blocked: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
 ) -> npt.NDArray[np.float64]:
     """Distances in cells from (x, y), in cell units, to the first blocked cell along each angle [rad], or infinity."""
+
 def draw_triangles(
     triangles: npt.NDArray[np.float64], width: int, height: int, scale: float, near: float, perspective: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
@@ -85,3 +86,15 @@ def draw_triangles(
     Triangles have shape (N, 3, 3) in the camera's frame: right, up, forward. The camera is in the middle of the picture;
     `scale` is in pixels per unit of right / forward, or of right where the view is parallel.
     """
+
+def cast_outline_rays(
+    segments: npt.NDArray[np.float64],
+    discs: npt.NDArray[np.float64],
+    x: float,
+    y: float,
+    first: float,
+    step: float,
+    count: int,
+    reach: float,
+) -> npt.NDArray[np.float64]:
+    """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""

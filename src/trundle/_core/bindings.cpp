@@ -9,6 +9,7 @@ void bind_grid_rays(nb::module_ &m);
 void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
 void bind_line_of_sight(nb::module_ &m);
+void bind_outline_rays(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
@@ -21,6 +22,7 @@ NB_MODULE(_kernels, m) {
   bind_inflation(m);
   bind_flood(m);
   bind_line_of_sight(m);
+  bind_outline_rays(m);
   bind_png_filter(m);
   bind_raster(m);
   bind_zbuffer(m);

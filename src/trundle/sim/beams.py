@@ -1,9 +1,10 @@
-"""Level lidar beams against a world, worked out exactly with NumPy: the reference that engines are compared with."""
+"""Level lidar beams against a world: worked out with NumPy as the reference, and quickly by our kernels."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from trundle._core import cast_grid_rays, cast_outline_rays
 from trundle.geometry import FloatArray, Pose2D
 from trundle.sim.footprint import CellField
 from trundle.sim.sections import Disc, outline_segments, slab_section
@@ -37,6 +38,19 @@ class WorldOutline:
                 segments.append(outline_segments(solid, height))
         self._segments = np.vstack(segments)
         self._discs = np.array(discs).reshape(-1, 3)
+
+    def cast_quickly(self, x: float, y: float, angles: FloatArray, reach: float) -> FloatArray:
+        """Measure as `cast` does, with the compiled kernels; `angles` are evenly spaced and rising."""
+        count = len(angles)
+        step = float(angles[-1] - angles[0]) / (count - 1) if count > 1 else 1.0
+        distances = cast_outline_rays(self._segments, self._discs, x, y, float(angles[0]), step, count, reach)
+        for field in self._fields:
+            inverse, scale = field.frame.inverse(), field.resolution
+            local = inverse @ Pose2D(x, y)
+            cells = field.blocked.view(np.uint8)
+            hits = cast_grid_rays(cells, local.x / scale, local.y / scale, angles + inverse.yaw, reach / scale)
+            np.minimum(distances, hits * scale, out=distances)
+        return distances
 
     def cast(self, x: float, y: float, angles: FloatArray, reach: float) -> FloatArray:
         """Distances [m] from (x, y) along `angles` [rad] to the nearest outline, infinity beyond `reach` [m].

@@ -49,7 +49,8 @@ class KinematicSimulator:
         self._outlines: dict[float, WorldOutline] = {}
         self._lidars = LidarSet(robot, lidar, self._cast)
         for height in self._lidars.heights:
-            self._outlines.setdefault(height, WorldOutline(world, height))
+            if height not in self._outlines:
+                self._outlines[height] = WorldOutline(world, height)
         self._closed = False
         self.reset(Pose2D(0.0, 0.0))
 

@@ -15,7 +15,7 @@ from trundle.sim.simulator import Scan
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
-[rad] to the nearest solid, infinity where there is none within `reach` [m]."""
+[rad], evenly spaced and rising, to the nearest solid, infinity where there is none within `reach` [m]."""
 
 LidarChoice: TypeAlias = bool | str | Iterable[str]
 """True for all of a robot's lidars, False for none, or names."""

@@ -50,6 +50,12 @@ def slab_section(solid: Solid, low: float, high: float) -> Section | None:
             return Disc(x, y, reach) if reach > 0.0 else None
         case Cylinder(radius, length) if solid.pose.is_upright():
             return Disc(x, y, radius) if z - length / 2.0 < high and z + length / 2.0 > low else None
+        case Box(size) if solid.pose.is_upright():
+            if not (z - size[2] / 2.0 <= high and z + size[2] / 2.0 >= low):
+                return None
+            axes = solid.pose.rotation()[:2, :2]
+            ahead, left = axes[:, 0] * (size[0] / 2.0), axes[:, 1] * (size[1] / 2.0)
+            return Polygon(np.array([ahead + left, left - ahead, -ahead - left, ahead - left]) + np.array([x, y]))
         case OccupancyCells():
             raise WorldError(f"blocked cells {solid.name!r} have no convex section")
         case shape:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-from trundle.geometry import FloatArray
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
 FLOOR = "world:floor"
 GROUP_WORLD = 0
 GROUP_CELLS = 1
-"""Blocked cells lie in a group of their own: lidars trace them cell by cell, not over the slopes of a height field."""
+"""Blocked cells lie in a group of their own, so that rays can leave out the slopes of their height field."""
 
 # The robot's colliders are of type 1 and answer nothing; the world answers type 1 and is of no type. So the robot meets
 # the world, and neither meets itself.
@@ -73,13 +73,13 @@ def add_solids(spec: mujoco.MjSpec, world: World) -> None:
                 _add_cells(spec, solid, cells)
 
 
-def cell_heights(cells: OccupancyCells) -> FloatArray:
+def cell_heights(cells: OccupancyCells) -> npt.NDArray[np.float32]:
     """Heights of a field with one point in the middle of every cell, 0 (free) to 1 (blocked), with a free rim around.
 
     Shape (rows + 2, cols + 2). The field is sunk by the walls' own height: the slope from a blocked to a free cell then
     crosses the floor at the edge between the two, and free cells lie well below the floor.
     """
-    return np.pad(cells.blocked, 1).astype(np.float64)
+    return np.pad(cells.blocked, 1).astype(np.float32)
 
 
 def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> None:

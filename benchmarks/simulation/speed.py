@@ -1,0 +1,149 @@
+"""How fast MuJoCo drives: alone, with a lidar, in a ROS map and in two made-up maps of 4000 × 4000 cells.
+
+    python benchmarks/simulation/speed.py [--map MAP.yaml] [--out speed.md]
+
+Every case runs in a process of its own, so that start time and peak memory are its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+PERIOD = 0.05
+SECONDS = 50.0
+REPEATS = 5
+
+
+def made_up_map(kind: str):
+    """4000 × 4000 cells of 0.05 m: rooms of straight walls ("sparse"), or clutter on every square metre ("dense")."""
+    import numpy as np
+
+    from trundle.maps import OccupancyGrid
+
+    cells = np.zeros((4000, 4000), dtype=np.int8)
+    cells[[0, -1]], cells[:, [0, -1]] = 100, 100
+    if kind == "sparse":
+        cells[400::400, :] = 100
+        cells[:, 400::400] = 100
+        for start in range(180, 4000, 400):  # doors
+            cells[:, start : start + 40] = np.where(
+                cells[:, start : start + 40] == 100, 0, cells[:, start : start + 40]
+            )
+            cells[start : start + 40] = np.where(cells[start : start + 40] == 100, 0, cells[start : start + 40])
+        cells[[0, -1]], cells[:, [0, -1]] = 100, 100
+    else:
+        rng = np.random.default_rng(0)
+        for row, col in rng.integers(0, 3990, (40_000, 2)):
+            cells[row : row + rng.integers(1, 8), col : col + rng.integers(1, 8)] = 100
+    return OccupancyGrid(cells, 0.05)
+
+
+def roomy_place(grid) -> tuple[float, float]:
+    """The middle of some 2.6 × 2.6 m of free cells."""
+    side = round(2.6 / grid.resolution)
+    rows, cols = grid.shape
+    for row in range(0, rows - side, 3):
+        for col in range(0, cols - side, 3):
+            if not grid.data[row : row + side, col : col + side].any():
+                x, y = grid.cell_to_world(row + side // 2, col + side // 2)
+                return float(x), float(y)
+    raise SystemExit("no room for the robot to drive loops in this map")
+
+
+def run_case(case: str, lidar: bool, map_path: str) -> dict[str, float]:
+    begin = time.perf_counter()
+    from trundle.geometry import Pose2D, Twist2D
+    from trundle.maps import OccupancyGrid
+    from trundle.robots import Robot
+    from trundle.sim.mujoco.simulator import MujocoSimulator
+    from trundle.worlds import World
+
+    x, y = 0.0, 0.0
+    if case == "empty":
+        world = World("empty", ())
+    elif case == "warehouse":
+        world = World.generate("warehouse", seed=0)
+        x, y = world.seeds[0]
+    else:
+        grid = OccupancyGrid.load(map_path) if case == "map" else made_up_map(case)
+        x, y = roomy_place(grid)
+        begin = time.perf_counter()  # making the map is not part of the start
+        world = World.from_map(map_path if case == "map" else grid)
+    robot = Robot.load("nova_carter")
+    simulator = MujocoSimulator(world, robot, lidar="front" if lidar else False)
+    start = Pose2D(x, y)
+    simulator.reset(start)
+    simulator.step(Twist2D(), PERIOD)
+    started = time.perf_counter() - begin
+    walls: list[float] = []
+    touched = 0
+    for _ in range(REPEATS):
+        simulator.reset(start)
+        began = time.perf_counter()
+        for index in range(round(SECONDS / PERIOD)):
+            # Small loops one way and the other, so that neither casters nor servos ever rest.
+            turn = 0.6 if index // 200 % 2 == 0 else -0.6
+            touched += bool(simulator.step(Twist2D(0.12, turn), PERIOD).contacts)
+        walls.append(time.perf_counter() - began)
+    walls.sort()
+    return {
+        "solids": len(world.solids),
+        "states": simulator.model.nq + simulator.model.nv,
+        "start_s": started,
+        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        "median": SECONDS / walls[len(walls) // 2],
+        "best": SECONDS / walls[0],
+        "steps": SECONDS / 0.005 / walls[0],
+        "touched": touched,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--map", default="", help="a ROS map YAML to drive in as well")
+    parser.add_argument("--out", type=Path, help="write the table here as well")
+    parser.add_argument("--case", help=argparse.SUPPRESS)
+    parser.add_argument("--lidar", action="store_true", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.case:
+        sys.stdout.write(json.dumps(run_case(options.case, options.lidar, options.map)))
+        return
+    lines = [
+        "# Speed of the MuJoCo simulator",
+        "",
+        f"Nova Carter driving loops for {SECONDS:g} s, {REPEATS} times; 5 ms steps, {platform.machine()}, "
+        "one thread. Real-time factor: simulated over wall time. States: positions and speeds of the model. "
+        "Lidar: 720 beams of 12 m at 20 Hz.",
+        "",
+        "| world | solids | states | lidar | start [s] | peak [MB] | real-time factor, median | best | steps/s, best |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    names = {"map": Path(options.map).stem, "sparse": "4000 × 4000, rooms", "dense": "4000 × 4000, clutter"}
+    for case in ("empty", "warehouse", *(["map"] if options.map else []), "sparse", "dense"):
+        for lidar in (False, True):
+            command = [sys.executable, __file__, "--case", case, "--map", options.map, *(["--lidar"] if lidar else [])]
+            output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+            got = json.loads(output)
+            if got["touched"]:
+                raise SystemExit(f"{case}: the robot touched something, so this measures another thing")
+            lines.append(
+                f"| {names.get(case, case)} | {got['solids']} | {got['states']} | {'yes' if lidar else 'no'} | "
+                f"{got['start_s']:.2f} | {got['memory_mb']:.0f} | {got['median']:.0f} | {got['best']:.0f} | "
+                f"{got['steps']:,.0f} |"
+            )
+            sys.stderr.write(lines[-1] + "\n")
+    text = "\n".join(lines) + "\n"
+    sys.stdout.write(text)
+    if options.out:
+        options.out.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
