@@ -26,6 +26,14 @@ class MapWarning(UserWarning):
     """A map that can be used, and that probably does not mean what it says."""
 
 
+class WorldWarning(UserWarning):
+    """A world that can be used, and that probably is not all that was meant."""
+
+
+class RobotWarning(UserWarning):
+    """A robot that can be used, with something about it assumed."""
+
+
 class RobotError(InputError):
     """A robot description that cannot be used."""
 

@@ -67,4 +67,4 @@ def test_bad_input_leaves_nothing(trundle: Trundle, tmp_path: Path, arguments: t
 def test_generator_options_are_not_for_maps(trundle: Trundle, room_map: Path) -> None:
     done = trundle("map", "build", room_map, "--set", "aisle_width=2")
     assert done.code == 2
-    assert "--set is for generated worlds" in done.err
+    assert "no option for a .yaml file" in done.err

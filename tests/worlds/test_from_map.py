@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trundle.errors import WorldError
+from trundle.errors import InputError, WorldError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.solids import OccupancyCells
+from trundle.solids import Box, OccupancyCells
 from trundle.worlds import World
 from trundle.worlds.from_map import extrude, merge_cells
 
@@ -105,3 +105,24 @@ def test_a_map_without_room_is_refused():
 def test_a_height_of_nothing_is_refused():
     with pytest.raises(WorldError, match="positive"):
         extrude(grid_of("## .."), height=0.0)
+
+
+def test_unknown_cells_can_be_free(tmp_path):
+    data = np.zeros((4, 6), dtype=np.int8)
+    data[:, 0] = 100
+    data[:, 5] = -1
+    grid = OccupancyGrid(data, 0.5)
+    assert {solid.kind for solid in World.from_map(grid).solids} == {"wall", "unknown"}
+    world = World.from_map(grid, unknown="free", height=2.5)
+    assert [(solid.kind, solid.shape) for solid in world.solids] == [("wall", Box((0.5, 2.0, 2.5)))]
+    with pytest.raises(InputError, match="'solid' or 'free'"):
+        World.from_map(grid, unknown="maybe")
+
+
+def test_a_map_is_loaded_as_a_world_with_options(tmp_path):
+    data = np.zeros((4, 6), dtype=np.int8)
+    data[1, 1] = 100
+    OccupancyGrid(data, 0.5).save(tmp_path / "room.yaml")
+    world = World.load(tmp_path / "room.yaml", height=0.7)
+    assert world.name == "room"
+    assert world.bounds[1][2] == pytest.approx(0.7)

@@ -62,7 +62,7 @@ def drive(
         teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends. With --view by
             the arrow keys in the window; close it to end.
         view: Watch it in a window, in real time.
-        world: Where to drive: a world by name, or the YAML of a map; left out: an empty floor.
+        world: Where to drive: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
         out: Folder for drive.csv; left out: a new one under runs.
     """
     from trundle.cli.drive_log import DriveLog

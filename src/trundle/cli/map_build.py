@@ -40,7 +40,7 @@ def build(
     Cells are free, occupied or unknown: unknown is what cannot be reached from the world's free seeds.
 
     Args:
-        world: A world by name, or the YAML of a map to build again from its walls.
+        world: A world by name, or its file: SDF, MJCF, URDF, a mesh, or the YAML of a map to build again.
         out: The map's YAML, with its image beside it; or a folder for map.yaml.
         resolution: Edge of a cell [m].
         z_min: Lower end of the band of heights that counts [m]; left out: the robot's.

@@ -69,7 +69,7 @@ Settings = Annotated[
         allow_leading_hyphen=True,
         negative="",
         metavar="KEY=VALUE",
-        help="An option of the world's generator; repeat it for several.",
+        help="An option of the world's generator or file; repeat it for several.",
     ),
 ]
 

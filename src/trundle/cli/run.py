@@ -52,7 +52,7 @@ def run(
     Exit code 1 says that the robot did not get there.
 
     Args:
-        source: The YAML of a scenario or of a ROS map (it has an image: key), or a world by name.
+        source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name, or a world's file.
         time_limit: Simulated time after which the run is stopped [s].
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
@@ -83,10 +83,12 @@ def _read(source: str, settings: dict[str, bool | int | float | str], changes: d
 
     if source in world_names():
         return Scenario.make(world={"name": source, "options": settings}, **changes)
-    if settings:
-        raise InputError(f"--set is for generated worlds ({', '.join(world_names())}), and {source!r} is none")
     if not sources.looks_like_file(source):
         raise UnknownNameError("world", source, world_names())
+    if not sources.is_yaml(source) and not source.lower().endswith(".map"):
+        return Scenario.make(world={"name": source, "options": settings}, **changes)
+    if settings:
+        raise InputError(f"--set is for worlds, generated ones and files; {source} is a map or a scenario")
     if sources.is_map(Path(source)):
         return Scenario.make(map=source, **changes)
     return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})

@@ -1,4 +1,4 @@
-"""What a verb's first argument stands for: a world by name, a map's YAML, or a scenario's."""
+"""What a verb's first argument stands for: a world by name, a world's file, a map's YAML, or a scenario's."""
 
 from __future__ import annotations
 
@@ -35,15 +35,22 @@ def is_map(path: Path) -> bool:
 
 def looks_like_file(text: str) -> bool:
     """Whether an argument means a file and not a name."""
-    return text.lower().endswith((".yaml", ".yml", ".map")) or os.sep in text
+    from trundle.worlds.load import is_world_file
+
+    return is_world_file(text) or os.sep in text
+
+
+def is_yaml(text: str) -> bool:
+    """Whether an argument is a YAML file, which may be a map or a scenario."""
+    return text.lower().endswith((".yaml", ".yml"))
 
 
 def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
-    """Generate a world by name, or extrude a map from its YAML.
+    """Generate a world by name, or load it from a file: a map, SDF, MJCF, URDF, a mesh.
 
     Raises:
         UnknownNameError: If it is neither a world nor a file; the nearest name is offered.
-        InputError: If the file is no map, or generator options are given for a map.
+        InputError: If the file cannot be used, or the world does not take these options.
     """
     from trundle.worlds import World, world_names
 
@@ -51,11 +58,9 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
         return World.generate(text, seed=seed, **settings)
     if not looks_like_file(text):
         raise UnknownNameError("world", text, world_names())
-    if settings:
-        raise InputError(f"--set is for generated worlds ({', '.join(world_names())}); {text} is a map")
-    if not is_map(Path(text)):
+    if is_yaml(text) and not is_map(Path(text)):
         raise InputError(f"{text}: not a map: it has no image: key")
-    return World.from_map(text)
+    return World.load(text, **settings)
 
 
 def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:

@@ -41,7 +41,7 @@ def view(
 
     Args:
         robot: A robot by name, or the path of its YAML.
-        world: Where it stands: a world by name, or the YAML of a map; left out: an empty floor.
+        world: Where it stands: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
         camera: Where the picture is taken from; left out: robot, or overview in a world.
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.

@@ -19,9 +19,10 @@ from trundle.mission.episode import Episode, Goal
 from trundle.mission.run import Observer, run
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
-from trundle.robots import Robot
+from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
+from trundle.worlds.load import is_world_file
 from trundle.yamlfile import Config, load_config
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -42,13 +43,26 @@ class Choice(Config):
 
 
 class WorldChoice(Choice):
-    """A generated world: `warehouse`, or `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`.
+    """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
 
     Attributes:
-        seed: Of the world; none means the scenario's.
+        name: Of a generated world, or the path of a world's file; a path in a file is relative to that file.
+        options: Of the generator, or of the file's loader.
+        seed: Of a generated world; none means the scenario's.
     """
 
     seed: int | None = None
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is loaded from a file."""
+        return is_world_file(self.name)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.is_file and self.seed is not None:
+            raise ValueError("seed is for generated worlds; this one is a file")
+        return self
 
 
 def _name_alone(value: object) -> object:
@@ -60,7 +74,7 @@ class Scenario(Config):
 
     Attributes:
         name: Of the run; none means robot and place.
-        world: A generated world; its map is made as the robot needs it. Either this or `map`.
+        world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
         compat: "humble" reads the map as ROS 2 Humble does.
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
@@ -71,7 +85,7 @@ class Scenario(Config):
         controller: Controller by name.
         backend: Simulator by name.
         seed: For everything random: the world, the picked poses and the simulator.
-        resolution: Edge of a cell [m] of the map that is made of a generated world.
+        resolution: Edge of a cell [m] of the map that is made of a world.
         inflation_radius: Of the costmap [m]; none means the default for the robot.
         cost_scaling_factor: Of the costmap [1/m]; none means the default.
         control_frequency: Commands per second of simulated time [Hz].
@@ -132,8 +146,7 @@ class Scenario(Config):
         except InputError as error:
             raise ScenarioError(str(error)) from error
         folder = Path(path).parent
-        found = {name: str(folder / value) for name, value in scenario._paths().items()}
-        return scenario.model_copy(update=found)
+        return scenario._with_paths({name: str(folder / value) for name, value in scenario._paths().items()})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it as YAML that `load` reads back as the same scenario.
@@ -143,16 +156,17 @@ class Scenario(Config):
         Raises:
             OutputError: If it cannot be written.
         """
-        settings = self.model_dump(mode="json", exclude_none=True)
+        here = Path.cwd()
+        folder = Path(path).resolve().parent
+        paths: dict[str, str] = {}
+        for key, value in self._paths().items():
+            target = Path(value).resolve()
+            together = Path(value).suffix and target.is_relative_to(here) and folder.is_relative_to(here)
+            paths[key] = os.path.relpath(target, folder) if together else str(target)
+        settings = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
         for key in ("world", "planner", "controller", "backend"):
             if key in settings:
                 settings[key] = _shorten(settings[key])
-        here = Path.cwd()
-        folder = Path(path).resolve().parent
-        for key, value in self._paths().items():
-            target = Path(value).resolve()
-            together = _is_yaml(value) and target.is_relative_to(here) and folder.is_relative_to(here)
-            settings[key] = os.path.relpath(target, folder) if together else str(target)
         write_text(path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True))
 
     def build(self) -> Mission:
@@ -192,14 +206,22 @@ class Scenario(Config):
         """Its name, or robot and place, fit for a folder's name."""
         if self.name is not None:
             return self.name
-        place = self.world.name if self.world is not None else Path(self.map or "").stem
+        place = Path(self.map or "").stem if self.world is None else Path(self.world.name).stem
         return f"{Path(self.robot).stem}-{place}"
 
     def _paths(self) -> dict[str, str]:
         paths = {} if self.map is None else {"map": self.map}
-        if _is_yaml(self.robot) or os.sep in self.robot:
+        if is_robot_file(self.robot):
             paths["robot"] = self.robot
+        if self.world is not None and self.world.is_file:
+            paths["world"] = self.world.name
         return paths
+
+    def _with_paths(self, paths: dict[str, str]) -> Self:
+        update: dict[str, object] = dict(paths)
+        if self.world is not None and "world" in paths:
+            update["world"] = self.world.model_copy(update={"name": paths["world"]})
+        return self.model_copy(update=update)
 
     def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid]:
         if self.map is not None:
@@ -207,8 +229,11 @@ class Scenario(Config):
             return World.from_map(grid), grid
         if self.world is None:
             raise ScenarioError("give either world or map")
-        seed = self.seed if self.world.seed is None else self.world.seed
-        world = World.generate(self.world.name, seed=seed, **self.world.options)
+        if self.world.is_file:
+            world = World.load(self.world.name, **self.world.options)
+        else:
+            seed = self.seed if self.world.seed is None else self.world.seed
+            world = World.generate(self.world.name, seed=seed, **self.world.options)
         return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range)
 
     def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
@@ -276,10 +301,6 @@ def _shorten(choice: dict[str, Any]) -> object:
     """Write a choice without options as its name alone."""
     kept = {key: value for key, value in choice.items() if value not in (None, {})}
     return kept["name"] if set(kept) == {"name"} else kept
-
-
-def _is_yaml(path: str) -> bool:
-    return path.lower().endswith((".yaml", ".yml"))
 
 
 def _as_goal(numbers: tuple[float, ...]) -> Goal:

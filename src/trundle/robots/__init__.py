@@ -2,6 +2,16 @@
 
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
-from trundle.robots.robot import Body, Caster, Lidar, Robot, robot_names
+from trundle.robots.robot import Body, Caster, Lidar, Robot, is_robot_file, robot_names
 
-__all__ = ["Body", "Caster", "DifferentialDrive", "Lidar", "Limits", "Robot", "WheelSpeeds", "robot_names"]
+__all__ = [
+    "Body",
+    "Caster",
+    "DifferentialDrive",
+    "Lidar",
+    "Limits",
+    "Robot",
+    "WheelSpeeds",
+    "is_robot_file",
+    "robot_names",
+]

@@ -153,7 +153,7 @@ class Robot(Config):
         text = os.fspath(name_or_path)
         if text in _catalogue():
             return _load_file(_catalogue()[text])
-        if text.endswith((".yaml", ".yml")) or os.sep in text:
+        if is_robot_file(text):
             return _load_file(Path(text))
         if text in _PLUGINS.names():
             return _load_plugin(text)
@@ -232,6 +232,11 @@ class Robot(Config):
 def robot_names() -> list[str]:
     """Names of the robots that can be loaded without a file, sorted."""
     return sorted({*_catalogue(), *_PLUGINS.names()})
+
+
+def is_robot_file(text: str) -> bool:
+    """Whether a text names a robot's file, and not a robot of the catalogue; whether it is there is not asked."""
+    return Path(text).suffix.lower() in (".yaml", ".yml") or os.sep in text
 
 
 def _catalogue() -> dict[str, Path]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,8 @@ from trundle.geometry import Pose3D
 from trundle.maps import OccupancyGrid
 from trundle.maps.grid import OCCUPIED, UNKNOWN
 from trundle.solids import Box, Color, OccupancyCells, Solid
-from trundle.worlds.world import World
+from trundle.worlds.load import check_choice
+from trundle.worlds.world import Unknown, World
 
 MOST_BOXES = 5_000
 """Above this many boxes an engine slows down, and one field of blocked cells is used instead."""
@@ -37,10 +39,33 @@ class Rectangles(NamedTuple):
     kind: IntArray
 
 
-def extrude(
-    grid: OccupancyGrid | str | os.PathLike[str], *, height: float = 1.0, most_boxes: int = MOST_BOXES
+def load_map(
+    path: Path, *, height: float = 1.0, unknown: Unknown = "solid", compat: Literal["humble"] | None = None
 ) -> World:
-    """Extrude a map into a world of walls; occupied and unknown cells are solid.
+    """Read a map, a ROS YAML or MovingAI's .map, as a world of walls.
+
+    Args:
+        path: The YAML, or the .map.
+        height: Of the walls [m].
+        unknown: What unknown cells are, "solid" or "free".
+        compat: "humble" reads a YAML as ROS 2 Humble does.
+
+    Raises:
+        MapError: If the file cannot be used.
+        WorldError: As `extrude`.
+    """
+    world = extrude(OccupancyGrid.load(path, compat=compat), height=height, unknown=unknown)
+    return replace(world, name=path.stem)
+
+
+def extrude(
+    grid: OccupancyGrid | str | os.PathLike[str],
+    *,
+    height: float = 1.0,
+    unknown: Unknown = "solid",
+    most_boxes: int = MOST_BOXES,
+) -> World:
+    """Extrude a map into a world of walls.
 
     Cells are merged into boxes, row by row and then over equal runs of neighbouring rows. A box is named after its
     cells, as a slice of the map's data: `map[r0:r1,c0:c1]`. A map that needs more than `most_boxes` becomes one solid
@@ -49,17 +74,20 @@ def extrude(
     Args:
         grid: A grid, or the path of a ROS map YAML.
         height: Of the walls [m].
+        unknown: What unknown cells are: "solid" or "free".
         most_boxes: The largest number of boxes.
 
     Raises:
         WorldError: If the height is not positive, or the map has no free cell.
+        InputError: If `unknown` is neither.
         MapError: If the file cannot be used.
     """
+    check_choice("unknown", unknown, ("solid", "free"))
     name = "map"
     if not isinstance(grid, OccupancyGrid):
         name = Path(grid).stem
         grid = OccupancyGrid.load(grid)
-    classes = _classify(grid)
+    classes = _classify(grid, unknown)
     if not (classes == _FREE).any():
         raise WorldError(f"map {name!r} has no free cell: there is no room for a robot in it")
     rectangles = merge_cells(classes, most=most_boxes)
@@ -101,11 +129,12 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
     return Rectangles(row[heads], row[heads] + count, begin[heads], end[heads], kind[heads])
 
 
-def _classify(grid: OccupancyGrid) -> npt.NDArray[np.uint8]:
+def _classify(grid: OccupancyGrid, unknown: Unknown) -> npt.NDArray[np.uint8]:
     """Classes of the cells; as in a costmap, only 100 is occupied and 1 to 99 are free."""
     classes = np.full(grid.shape, _FREE, dtype=np.uint8)
     classes[grid.data == OCCUPIED] = _OCCUPIED
-    classes[grid.data == UNKNOWN] = _UNKNOWN
+    if unknown == "solid":
+        classes[grid.data == UNKNOWN] = _UNKNOWN
     return classes
 
 

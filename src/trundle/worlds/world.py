@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Self, cast
+from typing import Any, Literal, Self, TypeAlias, cast
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
 from trundle.solids import Solid
+
+Unknown: TypeAlias = Literal["solid", "free"]
 
 WORLDS = Registry(
     "world",
@@ -61,16 +63,40 @@ class World:
             raise InputError(f"world {name!r}: {error}") from error
 
     @classmethod
-    def from_map(cls, grid: OccupancyGrid | str | os.PathLike[str], *, height: float = 1.0) -> World:
-        """Extrude a map into walls; occupied and unknown cells are solid.
+    def load(cls, path: str | os.PathLike[str], **options: Any) -> World:
+        """Read a world from a file, by its suffix.
+
+        | suffix | what | options (see the loader) |
+        | --- | --- | --- |
+        | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
+
+        Raises:
+            WorldError: If the file is missing, of another kind, or cannot be used; the message says which part of it.
+            MapError: If a map cannot be used.
+            InputError: If the file's loader does not take an option, or its value is out of range.
+            MissingExtraError: If the library that reads this kind of file is not installed.
+
+        Warns:
+            WorldWarning: Where parts were left out, the world is empty, or it is so large that its unit must be wrong.
+        """
+        from trundle.worlds.load import load_world
+
+        return load_world(path, **options)
+
+    @classmethod
+    def from_map(
+        cls, grid: OccupancyGrid | str | os.PathLike[str], *, height: float = 1.0, unknown: Unknown = "solid"
+    ) -> World:
+        """Extrude a map into walls.
 
         Args:
             grid: A grid, or the path of a ROS map YAML.
             height: Of the walls [m].
+            unknown: What cells that nobody has seen are: "solid" (a robot must not drive there) or "free".
         """
         from trundle.worlds.from_map import extrude
 
-        return extrude(grid, height=height)
+        return extrude(grid, height=height, unknown=unknown)
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:

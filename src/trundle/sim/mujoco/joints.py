@@ -11,10 +11,8 @@ from trundle.errors import RobotError
 from trundle.robots import Robot
 from trundle.sim.mujoco.joint import Joint
 from trundle.sim.mujoco.model import robot_spec
-from trundle.sim.mujoco.urdf import parse_xml, urdf_joints
-
-MAX_BYTES = 64 * 1024 * 1024
-"""Largest description that is read."""
+from trundle.sim.mujoco.urdf import urdf_joints
+from trundle.xmlfile import read_xml
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 
@@ -37,7 +35,7 @@ def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
         joints = _model_joints(robot_spec(Robot.load(source)).compile())
         return [joint for joint in joints if joint.type != "floating"]
     path = Path(source)
-    root = parse_xml(path, _read(path))
+    root = read_xml(path, error=RobotError)
     if root.tag == "robot":
         return urdf_joints(path, root)
     if root.tag in ("mujoco", "mujocoinclude"):
@@ -45,16 +43,6 @@ def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
     raise RobotError(
         f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
     )
-
-
-def _read(path: Path) -> bytes:
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise RobotError(f"{path}: {size} bytes is more than a robot's description may have ({MAX_BYTES})")
-        return path.read_bytes()
-    except OSError as error:
-        raise RobotError(f"cannot read {path}: {error.strerror or error}") from error
 
 
 def _compile_without_assets(path: Path) -> mujoco.MjModel:

@@ -5,37 +5,12 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
-from xml.parsers import expat
 
 from trundle.errors import RobotError
 from trundle.sim.mujoco.joint import TYPES, Joint
 
 _WITHOUT_AXIS = ("fixed", "floating")
 _WITH_LIMITS = ("revolute", "prismatic")
-
-
-def parse_xml(path: Path, content: bytes) -> ElementTree.Element:
-    """Parse XML without document types, and so without entities.
-
-    Raises:
-        RobotError: If it is not well-formed, or declares a document type; the message has the line and column.
-    """
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate()
-
-    def refuse(*_: object) -> None:
-        raise RobotError(f"{path}:{parser.CurrentLineNumber}: a <!DOCTYPE …> is not accepted; take it out")
-
-    parser.StartDoctypeDeclHandler = refuse
-    parser.StartElementHandler = builder.start
-    parser.EndElementHandler = builder.end
-    parser.CharacterDataHandler = builder.data
-    try:
-        parser.Parse(content, True)
-    except expat.ExpatError as error:
-        reason = expat.ErrorString(error.code)
-        raise RobotError(f"{path}:{error.lineno}:{error.offset + 1}: not XML: {reason}") from error
-    return builder.close()
 
 
 def urdf_joints(path: Path, robot: ElementTree.Element) -> list[Joint]:

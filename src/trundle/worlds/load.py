@@ -1,0 +1,102 @@
+"""Worlds from files: which loader reads which suffix, and what is checked of every world that was read."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from trundle.errors import InputError, WorldError, WorldWarning
+
+if TYPE_CHECKING:
+    from trundle.worlds.world import World
+
+LOADERS = {
+    ".yaml": "trundle.worlds.from_map:load_map",
+    ".yml": "trundle.worlds.from_map:load_map",
+    ".map": "trundle.worlds.from_map:load_map",
+}
+"""Suffix → `"module:function"`; the function takes the path and options by keyword, and returns a `World`."""
+
+LARGEST_EXTENT = 2_000.0
+"""A world that is longer than this [m] was probably meant in another unit."""
+
+
+def is_world_file(text: str) -> bool:
+    """Whether a text names a file that `World.load` has a loader for; whether it is there is not asked."""
+    return Path(text).suffix.lower() in LOADERS
+
+
+def load_world(path: str | os.PathLike[str], **options: Any) -> World:
+    """Read a world from a file; see `World.load`."""
+    file = Path(path)
+    target = LOADERS.get(file.suffix.lower())
+    if target is None:
+        raise WorldError(
+            f"{file}: a world's file ends in {', '.join(sorted(LOADERS))}, and this one in {file.suffix or 'nothing'!r}"
+        )
+    if not file.is_file():
+        raise WorldError(f"{file}: {'this is a folder' if file.is_dir() else 'there is no such file'}")
+    module, _, name = target.partition(":")
+    load = cast("Any", getattr(importlib.import_module(module), name))
+    _check_options(file, load, options)
+    world = cast("World", load(file, **options))
+    _check_extent(file, world)
+    return world
+
+
+def split_folders(folders: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> tuple[Path, ...]:
+    """Take folders as a sequence, or as one text with the system's path separator between them."""
+    if isinstance(folders, str):
+        return tuple(Path(part) for part in folders.split(os.pathsep) if part)
+    if isinstance(folders, os.PathLike):
+        return (Path(folders),)
+    return tuple(Path(folder) for folder in folders)
+
+
+def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
+    """Refuse a value that is not among an option's choices.
+
+    Raises:
+        InputError: If it is not.
+    """
+    if value not in choices:
+        raise InputError(f"{option} is {value!r}; it must be {' or '.join(map(repr, choices))}")
+
+
+def _check_options(file: Path, load: Any, options: dict[str, Any]) -> None:
+    known = [
+        name
+        for name, parameter in inspect.signature(load).parameters.items()
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
+    ]
+    for name in options:
+        if name not in known:
+            raise InputError(
+                f"{file}: {name!r} is no option for a {file.suffix} file; there are: {', '.join(known) or 'none'}"
+            )
+
+
+def _check_extent(file: Path, world: World) -> None:
+    if not world.solids:
+        warnings.warn(f"{file}: nothing solid was found in it: the world is an empty floor", WorldWarning, stacklevel=4)
+        return
+    low, high = world.bounds
+    if float(np.max(high - low)) <= LARGEST_EXTENT:
+        return
+    middle = np.median([np.mean(solid.bounds(), axis=0) for solid in world.solids], axis=0)
+    reach = [float(np.max(np.abs(np.asarray(solid.bounds()) - middle))) for solid in world.solids]
+    far = world.solids[int(np.argmax(reach))]
+    size = " x ".join(f"{extent:.0f}" for extent in high - low)
+    warnings.warn(
+        f"{file}: the world is {size} m; {far.name!r} reaches farthest, {max(reach):.0f} m from the middle. Look for a "
+        "wrong unit (millimetres, centimetres) or a solid that is far away by mistake",
+        WorldWarning,
+        stacklevel=4,
+    )

@@ -1,0 +1,99 @@
+"""XML that people write: read with limits, without document types and entities, every element with its line."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import cast
+from xml.parsers import expat
+
+from trundle.errors import InputError
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Largest file that is read: 160 times the largest of the BARN worlds."""
+
+MAX_DEPTH = 200
+"""Deepest nesting of elements; worlds and robots need some twenty."""
+
+
+class XmlElement(ElementTree.Element):
+    """An element that knows the line that it starts on."""
+
+    line: int = 0
+
+
+def read_xml(path: str | os.PathLike[str], *, error: type[InputError]) -> XmlElement:
+    """Read an XML file; see `parse_xml`.
+
+    Raises:
+        InputError: Of the type `error`, also if the file cannot be read or is too large.
+    """
+    return parse_xml(path, read_limited(path, error=error), error=error)
+
+
+def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> bytes:
+    """Read a whole file of at most `MAX_BYTES`.
+
+    Raises:
+        InputError: Of the type `error`, if it cannot be read or is too large.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as problem:
+        raise error(f"cannot read {path}: {problem.strerror or problem}") from problem
+    if len(content) > MAX_BYTES:
+        raise error(f"{path}: more than the {MAX_BYTES // 1024**2} MiB that such a file may have")
+    return content
+
+
+def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[InputError]) -> XmlElement:
+    """Parse XML without document types, and so without entities, to at most `MAX_DEPTH` nested elements.
+
+    Args:
+        path: For messages.
+        content: The file's bytes.
+        error: Type of the exception.
+
+    Raises:
+        InputError: Of the type `error`, if it is not well-formed, declares a document type or nests too deeply; the
+            message has the line.
+    """
+    parser = expat.ParserCreate()
+    depth = 0
+
+    def make(tag: str, attributes: dict[str, str]) -> XmlElement:
+        element = XmlElement(tag, attributes)
+        element.line = parser.CurrentLineNumber
+        return element
+
+    builder = ElementTree.TreeBuilder(element_factory=make)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MAX_DEPTH:
+            raise error(f"{path}:{parser.CurrentLineNumber}: more than {MAX_DEPTH} elements inside each other")
+        builder.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def refuse(*_: object) -> None:
+        raise error(f"{path}:{parser.CurrentLineNumber}: a <!DOCTYPE …> is not accepted; take it out")
+
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = builder.data
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as problem:
+        reason = expat.ErrorString(problem.code)
+        raise error(f"{path}:{problem.lineno}:{problem.offset + 1}: not XML: {reason}") from problem
+    except (LookupError, ValueError) as problem:  # an encoding that Python does not know
+        raise error(f"{path}: not XML that can be read: {problem}") from problem
+    return cast("XmlElement", builder.close())
