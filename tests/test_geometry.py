@@ -109,3 +109,23 @@ def test_padding_a_polygon_widens_its_inscribed_circle_by_the_padding(corners, p
     outline = np.column_stack([np.cos(turn), np.sin(turn)])
     grown = pad_outline(outline, padding)
     assert np.hypot(*grown.T).min() * np.cos(np.pi / corners) == pytest.approx(np.cos(np.pi / corners) + padding)
+
+
+@given(st.lists(st.floats(-3.0, 3.0), min_size=12, max_size=12))
+def test_poses_in_space_compose_and_invert_as_their_matrices_do(numbers):
+    first = Pose3D.from_rpy(numbers[:3], numbers[3:6])
+    second = Pose3D.from_rpy(numbers[6:9], numbers[9:])
+    points = np.array([[1.0, 2.0, 3.0], [-4.0, 0.5, 0.0]])
+    np.testing.assert_allclose(
+        (first @ second).transform_points(points), first.transform_points(second.transform_points(points)), atol=1e-9
+    )
+    np.testing.assert_allclose((first.inverse() @ first).transform_points(points), points, atol=1e-9)
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = first.rotation(), first.position
+    np.testing.assert_allclose(Pose3D.from_matrix(matrix).rotation(), first.rotation(), atol=1e-9)
+
+
+def test_roll_pitch_yaw_turn_about_fixed_axes_in_this_order():
+    pose = Pose3D.from_rpy((0.0, 0.0, 0.0), (math.pi / 2, 0.0, math.pi / 2))
+    np.testing.assert_allclose(pose.transform_points([[0.0, 1.0, 0.0]]), [[0.0, 0.0, 1.0]], atol=1e-12)
+    np.testing.assert_allclose(pose.transform_points([[1.0, 0.0, 0.0]]), [[0.0, 1.0, 0.0]], atol=1e-12)

@@ -147,6 +147,67 @@ class Pose3D:
         """Upright at (x, y, z) [m], turned by yaw [rad]."""
         return cls((x, y, z), (math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
 
+    @classmethod
+    def from_rpy(cls, position: Sequence[float], rpy: Sequence[float]) -> Pose3D:
+        """At a position [m], turned by roll, pitch and yaw [rad] about the fixed x, y and z axes, in this order."""
+        x, y, z = position
+        (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in rpy)
+        quaternion = (
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        )
+        return cls((x, y, z), quaternion)
+
+    @classmethod
+    def from_matrix(cls, matrix: npt.ArrayLike) -> Pose3D:
+        """From a rigid transform, shape (4, 4); the rotation must be one (no scale, no mirror)."""
+        m = np.asarray(matrix, dtype=np.float64)
+        trace = (m[0, 0], m[1, 1], m[2, 2])
+        # The largest of the four components first, so that nothing is divided by a small number (Shepperd, 1978).
+        squares = np.array(
+            [
+                1.0 + trace[0] + trace[1] + trace[2],
+                1.0 + trace[0] - trace[1] - trace[2],
+                1.0 - trace[0] + trace[1] - trace[2],
+                1.0 - trace[0] - trace[1] + trace[2],
+            ]
+        )
+        rows = np.array(
+            [
+                [squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+                [m[2, 1] - m[1, 2], squares[1], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
+                [m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], squares[2], m[1, 2] + m[2, 1]],
+                [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[3]],
+            ]
+        )
+        w, x, y, z = rows[int(np.argmax(squares))].tolist()
+        px, py, pz = m[:3, 3].tolist()
+        return cls((px, py, pz), (w, x, y, z))
+
+    def __matmul__(self, other: Pose3D) -> Pose3D:
+        """Compose: `T_a_c = T_a_b @ T_b_c`."""
+        w1, x1, y1, z1 = self.quaternion
+        w2, x2, y2, z2 = other.quaternion
+        x, y, z = self.transform_points([other.position])[0].tolist()
+        return Pose3D(
+            (x, y, z),
+            (
+                w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
+                w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+                w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+                w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+            ),
+        )
+
+    def inverse(self) -> Pose3D:
+        """Return `T_b_a` of `T_a_b`."""
+        w, x, y, z = self.quaternion
+        turned = Pose3D((0.0, 0.0, 0.0), (w, -x, -y, -z))
+        px, py, pz = (-turned.transform_points([self.position])[0]).tolist()
+        return Pose3D((px, py, pz), turned.quaternion)
+
     def rotation(self) -> FloatArray:
         """Rotation matrix, shape (3, 3)."""
         w, x, y, z = self.quaternion

@@ -18,6 +18,14 @@ if TYPE_CHECKING:
     from trundle.worlds.world import World
 
 LOADERS = {
+    ".sdf": "trundle.worlds.sdf:load_sdf",
+    ".world": "trundle.worlds.sdf:load_sdf",
+    ".glb": "trundle.worlds.meshes:load_mesh",
+    ".gltf": "trundle.worlds.meshes:load_mesh",
+    ".obj": "trundle.worlds.meshes:load_mesh",
+    ".stl": "trundle.worlds.meshes:load_mesh",
+    ".ply": "trundle.worlds.meshes:load_mesh",
+    ".dae": "trundle.worlds.meshes:load_mesh",
     ".yaml": "trundle.worlds.from_map:load_map",
     ".yml": "trundle.worlds.from_map:load_map",
     ".map": "trundle.worlds.from_map:load_map",

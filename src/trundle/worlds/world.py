@@ -68,6 +68,8 @@ class World:
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
+        | .sdf, .world | Gazebo's SDF 1.4 to 1.11 | `worlds.sdf.load_sdf` |
+        | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
 
         Raises:

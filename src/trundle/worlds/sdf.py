@@ -1,0 +1,278 @@
+"""Worlds in SDF, Gazebo's format: versions 1.4 to 1.11, read with a parser of our own."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from trundle.errors import WorldError, WorldWarning
+from trundle.geometry import Pose3D
+from trundle.solids import Color, Solid
+from trundle.worlds.load import check_choice, split_folders
+from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
+from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
+from trundle.worlds.sdf_values import (
+    Place,
+    PoseIn,
+    child,
+    children,
+    read_flag,
+    read_name,
+    read_pose,
+    read_text,
+    read_version,
+)
+from trundle.worlds.shapes import Names, make_solids
+from trundle.worlds.world import World
+from trundle.xmlfile import XmlElement, read_xml
+
+GeometryChoice: TypeAlias = Literal["collision", "visual"]
+MissingChoice: TypeAlias = Literal["error", "skip"]
+
+MAX_NESTING = 32
+"""Of models and includes inside each other."""
+
+
+def load_sdf(
+    path: Path,
+    *,
+    geometry: GeometryChoice = "collision",
+    movable: bool = False,
+    missing: MissingChoice = "error",
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    world: str | None = None,
+) -> World:
+    """Read an SDF world, or the models of an SDF file without one.
+
+    Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
+    materials; planes are floors and left out. A <state>, lights, plugins and actors are not looked at. Nested models,
+    includes by path and poses in named frames are followed.
+
+    Args:
+        path: The file.
+        geometry: Whether solids are what collides or what is seen.
+        movable: Take models that are not static too, where they stand; else they are left out, with a warning.
+        missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
+        paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own.
+        world: Name of the <world>, where a file has several; none means the first.
+
+    Raises:
+        WorldError: If the file cannot be used; the message has file, line and model.
+        InputError: If an option is out of range.
+        MissingExtraError: If it has a mesh and trimesh is not installed.
+
+    Warns:
+        WorldWarning: Where something was left out.
+    """
+    check_choice("geometry", geometry, ("collision", "visual"))
+    check_choice("missing", missing, ("error", "skip"))
+    reader = _Reader(geometry, movable, missing, Files(split_folders(paths)))
+    name, solids = reader.read_file(path, world)
+    for text in reader.remarks():
+        warnings.warn(f"{path}: {text}", WorldWarning, stacklevel=2)
+    return World(name, tuple(solids))
+
+
+@dataclass(slots=True)
+class _Model:
+    """A model as read: its scope, its links with their elements, and the models in it."""
+
+    name: str
+    scope: Scope
+    static: bool
+    links: list[tuple[str, XmlElement]] = field(default_factory=list[tuple[str, XmlElement]])
+    models: list[_Model] = field(default_factory=list["_Model"])
+
+
+@dataclass(slots=True)
+class _Reader:
+    geometry: GeometryChoice
+    movable: bool
+    missing: MissingChoice
+    files: Files
+    names: Names = field(default_factory=Names)
+    moving: list[str] = field(default_factory=list[str])
+    skipped: list[str] = field(default_factory=list[str])
+
+    def read_file(self, path: Path, world: str | None) -> tuple[str, list[Solid]]:
+        place = Place(path)
+        root = read_xml(path, error=WorldError)
+        read_version(place, root)
+        worlds = children(root, "world")
+        if world is not None:
+            worlds = [element for element in worlds if element.get("name") == world]
+            if not worlds:
+                there = ", ".join(element.get("name", "") for element in children(root, "world")) or "none"
+                raise WorldError(f"{path}: there is no world {world!r} in it; there are: {there}")
+        home = worlds[0] if worlds else root
+        scope = Scope(place, own=WORLD_FRAME)
+        models = self._read_models(place, home, scope, static=False, nesting=0)
+        for frame in children(home, "frame"):
+            _add_frame(place, frame, scope)
+        solids: list[Solid] = []
+        for model in models:
+            solids += self._place_model(model, scope, Pose3D(), "")
+        return home.get("name") or path.stem if worlds else path.stem, solids
+
+    def remarks(self) -> list[str]:
+        """What was left out."""
+        texts: list[str] = []
+        if self.moving:
+            texts.append(
+                f"{len(self.moving)} models that are not static were left out ({_shorten(self.moving)}); with "
+                "movable=true they are obstacles where they stand"
+            )
+        if self.skipped:
+            texts.append(f"left out: {_shorten(self.skipped)}")
+        return texts
+
+    def _read_models(
+        self, place: Place, parent: XmlElement, scope: Scope, *, static: bool, nesting: int
+    ) -> list[_Model]:
+        """Read the models and includes below an element, and make them frames of its scope."""
+        models: list[_Model] = []
+        for element in children(parent, "model", "include"):
+            if nesting > MAX_NESTING:
+                place.fail(element, f"more than {MAX_NESTING} models inside each other; does one include itself?")
+            if element.tag == "model":
+                name = read_name(place, element)
+                model = self._read_model(place, element, name, static=static, nesting=nesting)
+                pose = read_pose(model.scope.place, element)
+            else:
+                included = self._include(place, element, static=static, nesting=nesting)
+                if included is None:
+                    continue
+                model, pose = included
+            scope.add(model.name, pose, element)
+            scope.scopes[model.name] = model.scope
+            models.append(model)
+        return models
+
+    def _read_model(self, place: Place, element: XmlElement, name: str, *, static: bool, nesting: int) -> _Model:
+        place = replace(place, model=f"{place.model}::{name}" if place.model else name)
+        # A model in a static one is static, whatever it says.
+        static = static or read_flag(place, element, "static", default=False)
+        scope = Scope(place, placement_frame=element.get("placement_frame", ""))
+        model = _Model(name, scope, static)
+        for link in children(element, "link"):
+            link_name = read_name(place, link)
+            scope.add(link_name, read_pose(place, link), link)
+            model.links.append((link_name, link))
+        model.models = self._read_models(place, element, scope, static=static, nesting=nesting + 1)
+        for frame in children(element, "frame"):
+            _add_frame(place, frame, scope)
+        for joint in children(element, "joint"):
+            pose = read_pose(place, joint)
+            scope.add(read_name(place, joint), pose if pose.frame else replace(pose, frame=_child_of(joint)), joint)
+        return model
+
+    def _include(
+        self, place: Place, element: XmlElement, *, static: bool, nesting: int
+    ) -> tuple[_Model, PoseIn] | None:
+        uri = read_text(place, element, "uri")
+        file = _model_file(self.files.find(uri, place.file.parent))
+        if file is None:
+            message = (
+                f"{place.file}:{element.line}: the model {uri!r} was not found in {self.files.searched()}; give the "
+                "folder with paths=…"
+            )
+            if self.missing == "error":
+                raise MissingFileError(message)
+            self.skipped.append(f"the model {uri!r}")
+            return None
+        inside = Place(file, place.model)
+        root = read_xml(file, error=WorldError)
+        read_version(inside, root)
+        found = child(root, "model")
+        if found is None:
+            inside.fail(root, "an included file needs a <model>")
+        name = (element.findtext("name") or "").strip() or read_name(inside, found)
+        static = static or read_flag(place, element, "static", default=False)
+        model = self._read_model(inside, found, name, static=static, nesting=nesting + 1)
+        override = child(element, "static")
+        if override is not None:
+            model.static = static
+        frame = (element.findtext("placement_frame") or "").strip()
+        if frame:
+            model.scope.placement_frame = frame
+        own = read_pose(place, element)
+        return model, own if own.element is not None else replace(read_pose(inside, found), frame="")
+
+    def _place_model(self, model: _Model, outer: Scope, pose_outer: Pose3D, prefix: str) -> list[Solid]:
+        path = f"{prefix}::{model.name}" if prefix else model.name
+        pose = pose_outer @ outer.find(model.name, None)
+        solids: list[Solid] = []
+        if model.static or self.movable:
+            for link_name, link in model.links:
+                at = pose @ model.scope.find(link_name, None)
+                shapes = children(link, self.geometry)
+                alone = len(model.links) == 1 and len(shapes) == 1
+                for shape in shapes:
+                    name = path if alone else f"{path}/{link_name}/{shape.get('name') or self.geometry}"
+                    solids += self._place_shape(model.scope, link, shape, pose, at, name)
+        elif any(children(link, self.geometry) for _, link in model.links):
+            self.moving.append(path)
+        for inner in model.models:
+            solids += self._place_model(inner, model.scope, pose, path)
+        return solids
+
+    def _place_shape(
+        self, scope: Scope, link: XmlElement, shape: XmlElement, pose: Pose3D, at: Pose3D, name: str
+    ) -> list[Solid]:
+        element = child(shape, "geometry")
+        if element is None:
+            scope.place.fail(shape, f"<{shape.tag}> needs <geometry>")
+        try:
+            found = read_geometry(scope.place, element, self.files)
+        except MissingFileError:
+            if self.missing == "error":
+                raise
+            found = "a mesh that is not there"
+        if isinstance(found, str):
+            if found:
+                self.skipped.append(f"{found} of {name!r}")
+            return []
+        given = read_pose(scope.place, shape)
+        placed = pose @ scope.locate(given) if given.frame else at @ given.pose
+        return make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+
+
+def _color(link: XmlElement, shape: XmlElement) -> Color | None:
+    """The colour of a visual, or of the visual that goes with a collision: of the same name, else the link's first."""
+    if shape.tag == "visual":
+        return read_color(shape)
+    visuals = children(link, "visual")
+    same = [visual for visual in visuals if visual.get("name") == shape.get("name")]
+    return next((color for color in map(read_color, [*same, *visuals]) if color is not None), None)
+
+
+def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:
+    pose = read_pose(place, element)
+    attached = element.get("attached_to", "").strip()
+    scope.add(read_name(place, element), pose if pose.frame else replace(pose, frame=attached), element)
+
+
+def _child_of(joint: XmlElement) -> str:
+    element = child(joint, "child")
+    return "" if element is None else (element.text or "").strip()
+
+
+def _model_file(path: Path | None) -> Path | None:
+    """The SDF file of a model: the file itself, or that of its folder, as its model.config says."""
+    if path is None or path.is_file():
+        return path
+    config = path / "model.config"
+    if config.is_file():
+        named = [(item.text or "").strip() for item in read_xml(config, error=WorldError).iter("sdf")]
+        files = [path / name for name in named if name and (path / name).is_file()]
+        if files:
+            return files[-1]
+    return path / "model.sdf" if (path / "model.sdf").is_file() else None
+
+
+def _shorten(names: list[str], most: int = 5) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -1,0 +1,70 @@
+"""Frames of SDF: who is placed relative to whom, in a world, its models and the models in them.
+
+http://sdformat.org/tutorials?tut=pose_frame_semantics
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from trundle.geometry import Pose3D
+from trundle.worlds.sdf_values import Place, PoseIn
+from trundle.xmlfile import XmlElement
+
+MODEL_FRAME = "__model__"
+WORLD_FRAME = "world"
+
+
+@dataclass(slots=True)
+class Scope:
+    """The frames of a world or a model, by name; poses in it are relative to its own frame.
+
+    Attributes:
+        place: For messages.
+        own: Name of its own frame, `__model__` or `world`.
+        frames: Where each named frame is given.
+        scopes: The models in it, which are frames too.
+        placement_frame: The frame of a model that its pose places; nothing means its own.
+    """
+
+    place: Place
+    own: str = MODEL_FRAME
+    frames: dict[str, PoseIn] = field(default_factory=dict[str, PoseIn])
+    scopes: dict[str, Scope] = field(default_factory=dict[str, "Scope"])
+    placement_frame: str = ""
+    _resolved: dict[str, Pose3D] = field(default_factory=dict[str, Pose3D])
+
+    def add(self, name: str, pose: PoseIn, element: XmlElement) -> None:
+        """Add a frame: a link, a joint, a model, or a frame by that name."""
+        if name in self.frames:
+            self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
+        self.frames[name] = pose
+
+    def locate(self, given: PoseIn, default: str = "") -> Pose3D:
+        """The pose, in this scope's own frame, of something that is placed as `given`; `default` is its frame else."""
+        return self.find(given.frame or default, given.element) @ given.pose
+
+    def find(self, name: str, element: XmlElement | None, trail: tuple[str, ...] = ()) -> Pose3D:
+        """The pose of a frame in this scope's own frame."""
+        if name in ("", self.own):
+            return Pose3D()
+        if name in self._resolved:
+            return self._resolved[name]
+        if name in trail:
+            self.place.fail(element, f"frames are placed in a circle: {' -> '.join((*trail, name))}")
+        given = self.frames.get(name)
+        if given is not None:
+            pose = self.find(given.frame, given.element or element, (*trail, name)) @ given.pose
+            if name in self.scopes:
+                pose = pose @ self.scopes[name].placement().inverse()
+            self._resolved[name] = pose
+            return pose
+        outer, _, inner = name.partition("::")
+        if not inner or outer not in self.scopes:
+            known = ", ".join(sorted(self.frames)) or "none"
+            self.place.fail(element, f"there is no frame {name!r} here; there are: {known}")
+        return self.find(outer, element, trail) @ self.scopes[outer].find(inner, element)
+
+    def placement(self) -> Pose3D:
+        """The frame that this model's pose places, in the model's own frame."""
+        return self.find(self.placement_frame, None)

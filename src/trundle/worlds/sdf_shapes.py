@@ -1,0 +1,205 @@
+"""Geometry and colours of SDF."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import unquote
+
+from trundle.errors import WorldError
+from trundle.solids import Box, Color, Cylinder, Shape, Sphere
+from trundle.worlds.meshes import MeshPart, read_mesh
+from trundle.worlds.sdf_values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
+from trundle.worlds.shapes import Part, capsule_parts, cone_mesh, ellipsoid_mesh
+from trundle.xmlfile import XmlElement
+
+_NOT_SOLID = ("plane", "empty")
+_NOT_READ = ("heightmap", "image", "polyline")
+
+# Gazebo's media/materials/scripts/gazebo.material: the plain colours of worlds that name a script.
+_SCRIPT_COLORS: dict[str, tuple[float, float, float]] = {
+    "Gazebo/Grey": (0.7, 0.7, 0.7),
+    "Gazebo/DarkGrey": (0.175, 0.175, 0.175),
+    "Gazebo/White": (1.0, 1.0, 1.0),
+    "Gazebo/Black": (0.0, 0.0, 0.0),
+    "Gazebo/Red": (1.0, 0.0, 0.0),
+    "Gazebo/Green": (0.0, 1.0, 0.0),
+    "Gazebo/Blue": (0.0, 0.0, 1.0),
+    "Gazebo/Yellow": (1.0, 1.0, 0.0),
+    "Gazebo/Orange": (1.0, 0.5, 0.0),
+    "Gazebo/Purple": (1.0, 0.0, 1.0),
+    "Gazebo/Turquoise": (0.0, 1.0, 1.0),
+    "Gazebo/Wood": (0.6, 0.45, 0.3),
+    "Gazebo/Bricks": (0.55, 0.3, 0.25),
+}
+
+
+class MissingFileError(WorldError):
+    """A mesh or a model that a world names and that is not there."""
+
+
+@dataclass(slots=True)
+class Files:
+    """Finds what a URI means, and keeps the meshes that were read.
+
+    Attributes:
+        folders: Where models and packages are looked for.
+    """
+
+    folders: tuple[Path, ...]
+    _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
+
+    def find(self, uri: str, base: Path) -> Path | None:
+        """The file or folder that a URI names: model://, package://, file:// or a path beside the file it stands in.
+
+        Args:
+            uri: What the file says.
+            base: Folder of the file that says it.
+        """
+        scheme, mark, rest = uri.partition("://")
+        if not mark:
+            rest, scheme = uri, "file"
+        if scheme not in ("model", "package", "file"):
+            return None
+        path = Path(unquote(rest))
+        if path.is_absolute():
+            return path if path.exists() else None
+        # A model's own files are named by the model's folder, which is beside or above the file.
+        near = (base, base.parent, base.parent.parent)
+        found = (folder / path for folder in (*(near if scheme == "file" else near[1:] + near[:1]), *self.folders))
+        return next((place for place in found if place.exists()), None)
+
+    def mesh(self, path: Path) -> list[MeshPart]:
+        """The meshes of a file."""
+        key = path.resolve()
+        if key not in self._meshes:
+            self._meshes[key] = read_mesh(path)
+        return self._meshes[key]
+
+    def searched(self) -> str:
+        """Where it looked, for messages."""
+        return f"the file's own folder and {os.pathsep.join(map(str, self.folders)) or 'no others'}"
+
+
+def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
+    """Shapes of a <geometry>; or, as text, what it is that is left out (nothing, for planes).
+
+    Raises:
+        WorldError: If it cannot be used.
+        MissingFileError: If its mesh is not there.
+    """
+    kinds = children(element, *_READERS, *_NOT_SOLID, *_NOT_READ)
+    if len(kinds) != 1:
+        there = ", ".join(f"<{item.tag}>" for item in element) or "nothing"
+        place.fail(element, f"<geometry> needs one shape of {', '.join((*_READERS, *_NOT_SOLID))}; it has {there}")
+    shape = kinds[0]
+    if shape.tag in _NOT_SOLID:
+        return ""
+    if shape.tag in _NOT_READ:
+        return f"<{shape.tag}>"
+    return _READERS[shape.tag](place, shape, files)
+
+
+def read_color(visual: XmlElement) -> Color | None:
+    """The colour of a visual's material: diffuse, else ambient, else that of a Gazebo script; or none."""
+    material = child(visual, "material")
+    if material is None:
+        return None
+    for tag in ("diffuse", "ambient"):
+        words = material.findtext(tag, "").split()
+        try:
+            numbers = [min(max(float(word), 0.0), 1.0) for word in words]
+        except ValueError:
+            continue
+        if len(numbers) in (3, 4):
+            red, green, blue, alpha = (*numbers, 1.0)[:4]
+            return (red, green, blue, alpha)
+    script = _SCRIPT_COLORS.get(material.findtext("script/name", "").strip())
+    return None if script is None else (*script, 1.0)
+
+
+def _one(shape: Shape) -> list[Part]:
+    return [Part(shape)]
+
+
+def _box(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    x, y, z = read_sizes(place, element, "size", 3)
+    return _one(Box((x, y, z)))
+
+
+def _cylinder(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    return _one(Cylinder(*_radius_and_length(place, element)))
+
+
+def _cone(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    return _one(cone_mesh(*_radius_and_length(place, element)))
+
+
+def _capsule(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    return capsule_parts(*_radius_and_length(place, element))
+
+
+def _radius_and_length(place: Place, element: XmlElement) -> tuple[float, float]:
+    (radius,), (length,) = (read_sizes(place, element, tag, 1) for tag in ("radius", "length"))
+    return radius, length
+
+
+def _sphere(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    return _one(Sphere(*read_sizes(place, element, "radius", 1)))
+
+
+def _ellipsoid(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    x, y, z = read_sizes(place, element, "radii", 3)
+    return _one(ellipsoid_mesh((x, y, z)))
+
+
+def _mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
+    uri = read_text(place, element, "uri")
+    path = files.find(uri, place.file.parent)
+    if path is None or not path.is_file():
+        raise MissingFileError(
+            f"{place.file}:{element.line}: model {place.model!r}: the mesh {uri!r} was not found in "
+            f"{files.searched()}; give the folder with paths=…"
+        )
+    scale = child(element, "scale")
+    x, y, z = (1.0, 1.0, 1.0) if scale is None else read_numbers(place, scale, 3)
+    if 0.0 in (x, y, z):
+        place.fail(scale, f"<scale> must not be 0 along any axis, got {x:g} {y:g} {z:g}")
+    try:
+        parts = _pick_submesh(place, element, files.mesh(path))
+    except WorldError as error:
+        raise WorldError(f"{place.file}:{element.line}: model {place.model!r}: {error}") from error
+    suffixes = [f"/{part.name}" if len(parts) > 1 else "" for part in parts]
+    return [
+        Part(part.scaled((x, y, z)), suffix, color=part.color) for part, suffix in zip(parts, suffixes, strict=True)
+    ]
+
+
+def _pick_submesh(place: Place, element: XmlElement, parts: list[MeshPart]) -> list[MeshPart]:
+    submesh = child(element, "submesh")
+    if submesh is None:
+        return parts
+    name = read_text(place, submesh, "name")
+    picked = [part for part in parts if name in (part.name, part.geometry)]
+    if not picked:
+        raise WorldError(f"there is no submesh {name!r}; there are: {_listed(part.name for part in parts)}")
+    if not read_flag(place, submesh, "center", default=False):
+        return picked
+    return [part.centred() for part in picked]
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(set(names)))
+
+
+_READERS = {
+    "box": _box,
+    "cylinder": _cylinder,
+    "sphere": _sphere,
+    "capsule": _capsule,
+    "ellipsoid": _ellipsoid,
+    "cone": _cone,
+    "mesh": _mesh,
+}

@@ -1,0 +1,144 @@
+"""Numbers, poses and names in SDF elements; every mistake is reported with file, line and model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn, cast
+
+from trundle.errors import WorldError
+from trundle.geometry import Pose3D
+from trundle.xmlfile import XmlElement
+
+VERSIONS = tuple(f"1.{minor}" for minor in range(4, 12))
+"""Versions of SDF that are read."""
+
+FAR = 1e7
+"""Numbers beyond this [m] are mistakes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where in a file we are, for messages.
+
+    Attributes:
+        file: The file.
+        model: Name of the model, or nothing above models.
+    """
+
+    file: Path
+    model: str = ""
+
+    def fail(self, element: XmlElement | None, message: str) -> NoReturn:
+        """Raise a `WorldError` that names file, line and model."""
+        line = "" if element is None else f":{element.line}"
+        model = f" model {self.model!r}:" if self.model else ""
+        raise WorldError(f"{self.file}{line}:{model} {message}")
+
+
+@dataclass(frozen=True, slots=True)
+class PoseIn:
+    """A pose that is given in a frame.
+
+    Attributes:
+        frame: Name of the frame; nothing means the default of what has the pose.
+        pose: In that frame.
+        element: Where it stands, or none where it was left out.
+    """
+
+    frame: str = ""
+    pose: Pose3D = Pose3D()
+    element: XmlElement | None = None
+
+
+def child(element: XmlElement, tag: str) -> XmlElement | None:
+    """The first child of a tag."""
+    return cast("XmlElement | None", element.find(tag))
+
+
+def children(element: XmlElement, *tags: str) -> list[XmlElement]:
+    """All children of some tags, in order."""
+    return [cast("XmlElement", item) for item in element if item.tag in tags]
+
+
+def read_version(place: Place, root: XmlElement) -> None:
+    """Check that a root element is <sdf> of a version that is read."""
+    if root.tag != "sdf":
+        place.fail(root, f"an SDF file starts with <sdf version=…>, this one with <{root.tag}>")
+    version = root.get("version", "").strip()
+    if version not in VERSIONS:
+        what = f"SDF version {version!r} is not known" if version else "<sdf> has no version"
+        place.fail(root, f"{what}; {VERSIONS[0]} to {VERSIONS[-1]} are read")
+
+
+def read_name(place: Place, element: XmlElement) -> str:
+    """The name of an element."""
+    name = element.get("name", "").strip()
+    if not name:
+        place.fail(element, f"<{element.tag}> has no name")
+    return name
+
+
+def read_text(place: Place, parent: XmlElement, tag: str) -> str:
+    """The text of a child that must be there."""
+    element = child(parent, tag)
+    text = "" if element is None else (element.text or "").strip()
+    if not text:
+        place.fail(element if element is not None else parent, f"<{parent.tag}> needs <{tag}>")
+    return text
+
+
+def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> bool:
+    """A child that is true or false."""
+    element = child(parent, tag)
+    if element is None:
+        return default
+    text = (element.text or "").strip().lower()
+    if text not in ("1", "0", "true", "false"):
+        place.fail(element, f"<{tag}> must be true or false, got {text!r}")
+    return text in ("1", "true")
+
+
+def read_numbers(place: Place, element: XmlElement, count: int, *, positive: bool = False) -> tuple[float, ...]:
+    """The numbers in an element."""
+    words = (element.text or "").split()
+    try:
+        numbers = tuple(float(word) for word in words)
+    except ValueError:
+        numbers = ()
+    sound = len(numbers) == count and all(math.isfinite(number) and abs(number) <= FAR for number in numbers)
+    if not sound or (positive and min(numbers) <= 0.0):
+        what = "number" if count == 1 else f"{count} numbers"
+        place.fail(
+            element,
+            f"<{element.tag}> must be {what}, finite{' and above 0' if positive else ''}, got {' '.join(words)[:80]!r}",
+        )
+    return numbers
+
+
+def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[float, ...]:
+    """The positive numbers in a child that must be there."""
+    element = child(parent, tag)
+    if element is None:
+        place.fail(parent, f"<{parent.tag}> needs <{tag}>")
+    return read_numbers(place, element, count, positive=True)
+
+
+def read_pose(place: Place, parent: XmlElement) -> PoseIn:
+    """The <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in the frame that it names."""
+    element = child(parent, "pose")
+    if element is None:
+        return PoseIn()
+    frame = (element.get("relative_to") or element.get("frame") or "").strip()
+    if not (element.text or "").strip():
+        return PoseIn(frame, element=element)
+    if element.get("rotation_format", "euler_rpy") == "quat_xyzw":
+        x, y, z, qx, qy, qz, qw = read_numbers(place, element, 7)
+        if not 0.5 < math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw) < 2.0:
+            place.fail(element, f"<pose>: {qx:g} {qy:g} {qz:g} {qw:g} is no unit quaternion (x y z w)")
+        return PoseIn(frame, Pose3D((x, y, z), (qw, qx, qy, qz)), element)
+    x, y, z, *angles = read_numbers(place, element, 6)
+    if element.get("degrees", "false").strip().lower() in ("1", "true"):
+        angles = [math.radians(angle) for angle in angles]
+    return PoseIn(frame, Pose3D.from_rpy((x, y, z), angles), element)

@@ -1,0 +1,337 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.geometry import Pose3D
+from trundle.maps import OccupancyGrid
+from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.worlds import World
+from trundle.worlds.sdf_values import VERSIONS
+
+CUBE = "<geometry><box><size>1 2 3</size></box></geometry>"
+
+
+def model(inner: str, name: str = "m", static: str = "<static>1</static>") -> str:
+    return f"<model name='{name}'>{static}{inner}</model>"
+
+
+def link(geometry: str = CUBE, name: str = "l", pose: str = "", extra: str = "") -> str:
+    return f"<link name='{name}'>{pose}<collision name='c'>{geometry}{extra}</collision></link>"
+
+
+def write(folder: Path, body: str, version: str = "1.9", name: str = "w.sdf") -> Path:
+    file = folder / name
+    file.write_text(f"<?xml version='1.0'?>\n<sdf version='{version}'>\n<world name='hall'>\n{body}\n</world></sdf>")
+    return file
+
+
+def load(folder: Path, body: str, version: str = "1.9", **options) -> World:
+    return World.load(write(folder, body, version), **options)
+
+
+def only(world: World):
+    assert len(world.solids) == 1
+    return world.solids[0]
+
+
+def assert_at(pose: Pose3D, position, yaw=0.0):
+    np.testing.assert_allclose(pose.position, position, atol=1e-9)
+    np.testing.assert_allclose(pose.rotation(), Pose3D.planar(0, 0, 0, yaw).rotation(), atol=1e-9)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_version_is_read(tmp_path, version):
+    solid = only(load(tmp_path, model("<pose>1 2 3 0 0 0.5</pose>" + link()), version))
+    assert solid.name == "m"
+    assert solid.shape == Box((1.0, 2.0, 3.0))
+    assert_at(solid.pose, (1, 2, 3), 0.5)
+
+
+def test_shapes_become_solids_and_planes_do_not(tmp_path):
+    geometries = {
+        "cylinder": "<cylinder><radius>0.5</radius><length>2</length></cylinder>",
+        "sphere": "<sphere><radius>0.25</radius></sphere>",
+        "ellipsoid": "<ellipsoid><radii>1 2 3</radii></ellipsoid>",
+        "cone": "<cone><radius>1</radius><length>2</length></cone>",
+        "plane": "<plane><normal>0 0 1</normal><size>9 9</size></plane>",
+    }
+    body = "".join(model(link(f"<geometry>{text}</geometry>"), name) for name, text in geometries.items())
+    shapes = {solid.name: solid.shape for solid in load(tmp_path, body, "1.11").solids}
+    assert set(shapes) == {"cylinder", "sphere", "ellipsoid", "cone"}
+    assert shapes["cylinder"] == Cylinder(0.5, 2.0)
+    assert shapes["sphere"] == Sphere(0.25)
+    for name, extent in (("ellipsoid", (2, 4, 6)), ("cone", (2, 2, 2))):
+        assert isinstance(shapes[name], Mesh)
+        np.testing.assert_allclose(np.ptp(shapes[name].vertices, axis=0), extent, rtol=1e-9)
+        assert signed_volume(shapes[name]) > 0.0
+
+
+def signed_volume(mesh: Mesh) -> float:
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+def test_a_capsule_is_exactly_a_cylinder_and_two_balls(tmp_path):
+    geometry = "<geometry><capsule><radius>0.5</radius><length>2</length></capsule></geometry>"
+    world = load(tmp_path, model(link(geometry)))
+    assert {(solid.name, type(solid.shape), solid.pose.position[2]) for solid in world.solids} == {
+        ("m", Cylinder, 0.0),
+        ("m:low", Sphere, -1.0),
+        ("m:high", Sphere, 1.0),
+    }
+
+
+def test_poses_of_world_model_link_and_collision_multiply(tmp_path):
+    turn = math.pi / 2
+    body = model(
+        f"<pose>10 0 0 0 0 {turn}</pose>"
+        + link(pose=f"<pose>1 0 0 0 0 {turn}</pose>", extra="<pose>1 0 0 0 0 0</pose>")
+    )
+    # Model at x = 10 facing +y; the link 1 m ahead of it, facing -x; the box 1 m ahead of that.
+    assert_at(only(load(tmp_path, body)).pose, (9, 1, 0), math.pi)
+
+
+def test_nested_models_are_placed_in_their_model_and_named_by_both(tmp_path):
+    inner = model("<pose>0 1 0 0 0 0</pose>" + link(), "inner", static="")
+    world = load(tmp_path, model(f"<pose>5 0 0 0 0 {math.pi / 2}</pose>" + inner, "outer"))
+    assert only(world).name == "outer::inner"
+    assert_at(only(world).pose, (4, 0, 0), math.pi / 2)
+
+
+def test_poses_are_relative_to_links_frames_models_and_joints(tmp_path):
+    body = (
+        "<frame name='corner'><pose>100 0 0 0 0 0</pose></frame>"
+        + model(
+            "<pose relative_to='corner'>1 0 0 0 0 0</pose>"
+            "<frame name='f' attached_to='a'><pose>0 0 7 0 0 0</pose></frame>"
+            "<joint name='j' type='fixed'><parent>a</parent><child>b</child><pose>0 0 0.5 0 0 0</pose></joint>"
+            + link(name="a", pose="<pose>0 1 0 0 0 0</pose>")
+            + link(name="b", pose="<pose relative_to='f'>0 0 1 0 0 0</pose>")
+            + link(name="c", pose="<pose relative_to='j'>2 0 0 0 0 0</pose>")
+            + link(name="d", extra="<pose relative_to='deep::l'>0 0 1 0 0 0</pose>")
+            + model(link(pose="<pose>0 30 0 0 0 0</pose>") + "<pose relative_to='a'>0 0 0 0 0 0</pose>", "deep")
+        )
+        + model("<pose relative_to='m'>0 0 0.25 0 0 0</pose>" + link(), "late")
+    )
+    at = {solid.name: solid.pose.position for solid in load(tmp_path, body).solids}
+    expected = {
+        "m/a/c": (101, 1, 0),
+        "m/b/c": (101, 1, 8),
+        "m/c/c": (103, 1, 8.5),
+        "m/d/c": (101, 31, 1),
+        "m::deep": (101, 31, 0),
+        "late": (101, 0, 0.25),
+    }
+    assert at.keys() == expected.keys()
+    for name, position in expected.items():
+        np.testing.assert_allclose(at[name], position, atol=1e-9)
+
+
+def test_a_placement_frame_is_what_the_pose_places(tmp_path):
+    inner = f"<pose>5 5 0 0 0 {math.pi}</pose>" + link(name="l") + link(name="grip", pose="<pose>1 0 0 0 0 0</pose>")
+    world = load(tmp_path, f"<model name='m' placement_frame='grip'><static>true</static>{inner}</model>")
+    at = {solid.name: solid.pose.position for solid in world.solids}
+    np.testing.assert_allclose(at["m/grip/c"], (5, 5, 0), atol=1e-9)
+    np.testing.assert_allclose(at["m/l/c"], (6, 5, 0), atol=1e-9)
+
+
+def test_degrees_and_quaternions(tmp_path):
+    assert_at(
+        only(load(tmp_path, model("<pose degrees='true'>0 0 0 0 0 90</pose>" + link()))).pose, (0, 0, 0), math.pi / 2
+    )
+    half = math.sqrt(0.5)
+    text = f"<pose rotation_format='quat_xyzw'>1 0 0 0 0 {half} {half}</pose>"
+    assert_at(only(load(tmp_path, model(text + link()))).pose, (1, 0, 0), math.pi / 2)
+
+
+def test_the_state_block_is_not_looked_at(tmp_path):
+    state = "<state world_name='hall'><model name='m'><pose>9 9 9 0 0 0</pose></model></state>"
+    assert only(load(tmp_path, model(link()) + state)).pose.position == (0.0, 0.0, 0.0)
+
+
+def test_models_that_can_move_are_left_out_with_a_word_or_taken(tmp_path):
+    body = model(link(), "wall") + model(link(), "trolley", static="")
+    with pytest.warns(WorldWarning, match=r"1 models that are not static were left out \(trolley\)"):
+        assert only(load(tmp_path, body)).name == "wall"
+    assert len(load(tmp_path, body, movable=True).solids) == 2
+
+
+def test_colours_come_from_the_visual_of_the_same_link(tmp_path):
+    red = "<material><diffuse>1 0 0 0.5</diffuse></material>"
+    script = "<material><script><name>Gazebo/Blue</name></script></material>"
+    body = model(
+        "<link name='l'>"
+        f"<collision name='a'>{CUBE}</collision><collision name='b'>{CUBE}</collision>"
+        f"<visual name='b'>{CUBE}{script}</visual><visual name='v'>{CUBE}{red}</visual></link>"
+    )
+    colors = {solid.name: solid.color for solid in load(tmp_path, body).solids}
+    assert colors == {"m/l/a": (0.0, 0.0, 1.0, 1.0), "m/l/b": (0.0, 0.0, 1.0, 1.0)}
+    seen = {solid.name: solid.color for solid in load(tmp_path, body, geometry="visual").solids}
+    assert seen == {"m/l/b": (0.0, 0.0, 1.0, 1.0), "m/l/v": (1.0, 0.0, 0.0, 0.5)}
+
+
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+
+
+def mesh(uri: str, scale: str = "") -> str:
+    return f"<geometry><mesh><uri>{uri}</uri>{scale}</mesh></geometry>"
+
+
+@pytest.fixture
+def shop(tmp_path: Path) -> Path:
+    """A folder of models with one, a shelf whose mesh names the model."""
+    folder = tmp_path / "models" / "shelf"
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "meshes" / "t.obj").write_text(TETRAHEDRON)
+    (folder / "model.config").write_text("<model><name>shelf</name><sdf version='1.6'>shelf.sdf</sdf></model>")
+    body = "<pose>0 0 2 0 0 0</pose>" + link(mesh("model://shelf/meshes/t.obj", "<scale>2 2 -2</scale>"))
+    (folder / "shelf.sdf").write_text(f"<sdf version='1.6'>{model(body, 'shelf')}</sdf>")
+    return tmp_path / "models"
+
+
+def test_includes_and_meshes_are_found_by_path(tmp_path, shop):
+    body = (
+        "<include><uri>model://shelf</uri></include>"
+        "<include><uri>model://shelf</uri><name>b</name><pose>5 0 0 0 0 0</pose></include>"
+        f"<include><uri>file://{shop}/shelf/shelf.sdf</uri><name>c</name><pose>7 0 0 0 0 0</pose></include>"
+    )
+    world = load(tmp_path, body, paths=str(shop))
+    assert {solid.name: solid.pose.position for solid in world.solids} == {
+        "shelf": (0.0, 0.0, 2.0),
+        "b": (5.0, 0.0, 0.0),
+        "c": (7.0, 0.0, 0.0),
+    }
+    shape = world.solids[0].shape
+    assert isinstance(shape, Mesh)
+    np.testing.assert_allclose(shape.vertices.min(axis=0), (0, 0, -2))
+    assert signed_volume(shape) == pytest.approx(8.0 / 6.0)
+
+
+def test_a_model_file_alone_is_a_world(shop):
+    world = World.load(shop / "shelf" / "shelf.sdf")
+    assert world.name == "shelf"
+    assert only(world).name == "shelf"
+
+
+def test_what_is_missing_is_named_or_skipped(tmp_path):
+    body = model(link(mesh("model://gone/t.obj"))) + model(link(), "n")
+    with pytest.raises(WorldError, match=r"w\.sdf:4: model 'm': the mesh 'model://gone/t\.obj' was not found"):
+        load(tmp_path, body)
+    with pytest.warns(WorldWarning, match="left out: a mesh that is not there of 'm'"):
+        assert only(load(tmp_path, body, missing="skip")).name == "n"
+    include = "<include><uri>https://fuel.gazebosim.org/1.0/x/models/y</uri></include>" + model(link())
+    with pytest.raises(WorldError, match=r"w\.sdf:4: the model 'https://.*' was not found"):
+        load(tmp_path, include)
+    with pytest.warns(WorldWarning, match="left out: the model 'https"):
+        assert only(load(tmp_path, include, missing="skip")).name == "m"
+
+
+def test_geometry_that_is_not_read_is_said(tmp_path):
+    body = model(link("<geometry><heightmap><uri>h.png</uri></heightmap></geometry>"))
+    with pytest.warns(WorldWarning) as caught:
+        load(tmp_path, body)
+    assert {"<heightmap> of 'm'" in str(one.message) or "nothing solid" in str(one.message) for one in caught} == {True}
+
+
+def test_one_of_several_worlds_is_picked_by_name(tmp_path):
+    file = tmp_path / "w.sdf"
+    worlds = "".join(f"<world name='{name}'>{model(link(), name)}</world>" for name in ("one", "two"))
+    file.write_text(f"<sdf version='1.9'>{worlds}</sdf>")
+    assert only(World.load(file)).name == "one"
+    assert only(World.load(file, world="two")).name == "two"
+    with pytest.raises(WorldError, match="no world 'three' in it; there are: one, two"):
+        World.load(file, world="three")
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (
+            model(link("<geometry><box><size>1 2</size></box></geometry>")),
+            "w.sdf:4: model 'm': <size> must be 3 numbers",
+        ),
+        (model(link("<geometry><box><size>1 nan 1</size></box></geometry>")), "<size> must be 3 numbers, finite and"),
+        (model(link("<geometry><box><size>1 -1 1</size></box></geometry>")), "above 0, got '1 -1 1'"),
+        (model(link("<geometry><sphere><radius>x</radius></sphere></geometry>")), "<radius> must be number"),
+        (model(link("<geometry><box/></geometry>")), "<box> needs <size>"),
+        (model(link("<geometry><blob/></geometry>")), "it has <blob>"),
+        (model(link("<geometry/>")), "it has nothing"),
+        (model(link("")), "<collision> needs <geometry>"),
+        (model("<pose>1 2 3</pose>" + link()), "<pose> must be 6 numbers"),
+        (model("<pose>0 0 0 0 0 inf</pose>" + link()), "<pose> must be 6 numbers"),
+        (model("<pose relative_to='moon'>0 0 0 0 0 0</pose>" + link()), "no frame 'moon' here; there are: m"),
+        (model(link(pose="<pose relative_to='moon'>0 0 0 0 0 0</pose>")), "model 'm': there is no frame 'moon'"),
+        (
+            model(
+                link(name="a", pose="<pose relative_to='b'>0 0 0 0 0 0</pose>")
+                + link(name="b", pose="<pose relative_to='a'>0 0 0 0 0 0</pose>")
+            ),
+            "placed in a circle: a -> b -> a",
+        ),
+        (model(link() + link()), "two frames named 'l'"),
+        (model(link()) * 2, "two frames named 'm'"),
+        ("<model><static>1</static></model>", "<model> has no name"),
+        (model(link(), static="<static>maybe</static>"), "<static> must be true or false"),
+        (model(link(mesh("t.obj", "<scale>1 0 1</scale>"))), "<scale> must not be 0 along any axis, got 1 0 1"),
+        (model(link(mesh("bad.obj"))), "corners that are not finite numbers"),
+        (
+            model(link("<geometry><mesh><uri>t.obj</uri><submesh><name>x</name></submesh></mesh></geometry>")),
+            "no submesh 'x'",
+        ),
+        ("<include><uri>w.sdf</uri></include>", "an included file needs a <model>"),
+        ("<include/>", "<include> needs <uri>"),
+    ],
+)
+def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
+    (tmp_path / "t.obj").write_text(TETRAHEDRON)
+    (tmp_path / "bad.obj").write_text(TETRAHEDRON.replace("v 1 0 0", "v nan 0 0"))
+    with pytest.raises(WorldError) as caught:
+        load(tmp_path, body)
+    assert message in str(caught.value)
+    assert "w.sdf:" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<sdf version='1.3'><world name='w'/></sdf>", "SDF version '1.3' is not known; 1.4 to 1.11 are read"),
+        ("<sdf version='2.0'><world name='w'/></sdf>", "SDF version '2.0' is not known"),
+        ("<sdf><world name='w'/></sdf>", "<sdf> has no version"),
+        ("<gazebo/>", "starts with <sdf version=…>, this one with <gazebo>"),
+        ("<!DOCTYPE sdf [<!ENTITY a 'b'>]><sdf version='1.6'>&a;</sdf>", "a <!DOCTYPE …> is not accepted"),
+        ("<sdf version='1.6'><world name='w'>", "not XML: no element found"),
+    ],
+)
+def test_files_that_are_no_sdf_are_refused(tmp_path, text, message):
+    (tmp_path / "w.sdf").write_text(text)
+    with pytest.raises(WorldError) as caught:
+        World.load(tmp_path / "w.sdf")
+    assert message in str(caught.value)
+
+
+def test_a_model_that_includes_itself_ends(tmp_path):
+    text = "<sdf version='1.9'><model name='m'><include><uri>m.sdf</uri></include></model></sdf>"
+    (tmp_path / "m.sdf").write_text(text)
+    with pytest.raises(WorldError, match="does one include itself"):
+        World.load(tmp_path / "m.sdf")
+
+
+def test_options_are_checked(tmp_path):
+    with pytest.raises(InputError, match="geometry is 'both'; it must be 'collision' or 'visual'"):
+        load(tmp_path, model(link()), geometry="both")
+
+
+def test_a_field_of_posts_as_barn_has_them_becomes_a_map(tmp_path):
+    post = "<geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry>"
+    body = "".join(model(f"<pose frame=''>{x} 1 0 0 0 0</pose>" + link(post), f"p{x}") for x in range(4))
+    file = write(tmp_path, body, "1.6", name="posts.world")
+    grid = OccupancyGrid.from_world(World.load(file), z_range=(0.05, 0.4), bounds=((-1, 0), (4, 2)))
+    for x in range(4):
+        row, col = grid.world_to_cell(x + 0.001, 1.001)
+        assert grid.data[row, col] == 100
+    assert (grid.data == 100).sum() == 4 * 16
