@@ -29,6 +29,10 @@ LOADERS = {
     ".yaml": "trundle.worlds.from_map:load_map",
     ".yml": "trundle.worlds.from_map:load_map",
     ".map": "trundle.worlds.from_map:load_map",
+    ".usd": "trundle.worlds.usd:load_usd",
+    ".usda": "trundle.worlds.usd:load_usd",
+    ".usdc": "trundle.worlds.usd:load_usd",
+    ".usdz": "trundle.worlds.usd:load_usd",
 }
 """Suffix → `"module:function"`; the function takes the path and options by keyword, and returns a `World`."""
 

@@ -71,6 +71,7 @@ class World:
         | .sdf, .world | Gazebo's SDF 1.4 to 1.11 | `worlds.sdf.load_sdf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
+        | .usd, .usda, .usdc, .usdz | OpenUSD, Isaac Sim's scenes | `worlds.usd.load_usd` |
 
         Raises:
             WorldError: If the file is missing, of another kind, or cannot be used; the message says which part of it.

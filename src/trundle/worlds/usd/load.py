@@ -1,0 +1,179 @@
+"""From a USD stage to a `World`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self, get_args
+
+from pxr import UsdPhysics
+
+from trundle.errors import InputError, WorldError
+from trundle.solids import Solid
+from trundle.worlds.affine import FlattenedError
+from trundle.worlds.usd.colors import Colors
+from trundle.worlds.usd.shapes import Shapes, is_floor
+from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
+from trundle.worlds.usd.walk import SHAPES, Filter, Place, walk
+from trundle.worlds.usd.words import Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.world import World
+
+MAX_SOLIDS = 1_000_000
+
+NAME = "trundle:name"
+"""Key of a prim's customData under which our exporter keeps a solid's name."""
+
+_FLOOR_TOP = 0.01
+_CEILING_BOTTOM = 2.0
+"""[m]; what the words `floor` and `ceiling` leave out by its place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What `load_usd` takes, checked."""
+
+    geometry: str
+    exclude: tuple[str, ...]
+    refuse_missing: bool
+    purposes: frozenset[str]
+    variants: tuple[str, ...]
+    meters_per_unit: float | None
+    up_axis: str | None
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        geometry: str,
+        exclude: str | Sequence[str],
+        missing: str,
+        purposes: str | Sequence[str],
+        variants: str | Sequence[str],
+        meters_per_unit: float | None,
+        up_axis: str | None,
+    ) -> Self:
+        """Check what a user gave.
+
+        Raises:
+            InputError: If a word is not one of those that there are.
+        """
+        _check("geometry", geometry, get_args(Geometry))
+        _check("missing", missing, get_args(Missing))
+        if up_axis is not None:
+            _check("up_axis", up_axis, get_args(UpAxis))
+        for purpose in _words(purposes):
+            _check("a purpose", purpose, get_args(Purpose))
+        return cls(
+            geometry=geometry,
+            exclude=_words(exclude),
+            refuse_missing=missing == "error",
+            purposes=frozenset(_words(purposes)),
+            variants=_words(variants),
+            meters_per_unit=meters_per_unit,
+            up_axis=up_axis,
+        )
+
+
+def load(path: str, options: Options) -> World:
+    """Load a world; see `trundle.worlds.usd.load_usd`."""
+    leave_out = Filter.of(options.exclude)
+    with opened(path) as stage:
+        select_variants(path, stage, options.variants)
+        report_missing(path, stage, refuse=options.refuse_missing, is_excluded=leave_out.takes_path)
+        root = to_metres(path, stage, options.meters_per_unit, options.up_axis)
+        places = []
+        for place in walk(path, stage, root, leave_out):
+            places.append(place)
+            if len(places) > MAX_SOLIDS:
+                raise WorldError(f"{path}: it has more than {MAX_SOLIDS} prims with a shape; leave some out")
+        colliders = _takes_colliders(places, options.geometry)
+        chosen = _choose(path, places, options, colliders)
+        _warn_of_robots(path, stage, leave_out)
+        solids = tuple(_solids(path, chosen, leave_out, colliders))
+    world = World(Path(path).stem, solids)
+    _warn_of_emptiness(path, places, chosen, options)
+    if leave_out.unmet:
+        warn(f"{path}: nothing was left out by: {', '.join(leave_out.unmet)}")
+    return world
+
+
+def _words(words: str | Sequence[str]) -> tuple[str, ...]:
+    """Words from a sequence, or from one text with commas between them, as the command line gives it."""
+    if isinstance(words, str):
+        return tuple(word.strip() for word in words.split(",") if word.strip())
+    return tuple(words)
+
+
+def _check(what: str, word: str, choices: Sequence[str]) -> None:
+    if word not in choices:
+        raise InputError(f"{what} is {word!r}, it must be one of: {', '.join(choices)}")
+
+
+def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
+    if geometry != "auto":
+        return geometry == "collision"
+    return any(place.approximation is not None and place.prim.GetTypeName() != "Plane" for place in places)
+
+
+def _choose(path: str, places: Sequence[Place], options: Options, colliders: bool) -> list[Place]:
+    """The places that count, without the floor and without prims of types that have no solid form."""
+    if colliders:
+        chosen = [place for place in places if place.approximation is not None]
+    else:
+        chosen = [place for place in places if place.visible and place.purpose in options.purposes]
+    unknown = [place for place in chosen if place.prim.GetTypeName() not in SHAPES]
+    for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
+        first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
+        warn(f"{path}: prims of type {kind} have no solid form and are left out: {count}, the first is {first}")
+    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor(place)]
+
+
+def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bool) -> Iterator[Solid]:
+    shapes, colors = Shapes(path, colliders), Colors()
+    taken = {place.name for place in places}
+    for place in places:
+        try:
+            shape, pose = shapes.shape(place)
+        except FlattenedError as error:
+            warn(f"{path}: {place.name}: {error}. It is left out")
+            continue
+        given = place.prim.GetCustomDataByKey(NAME)
+        name = place.name
+        if isinstance(given, str) and given and given not in taken:
+            taken.add(given)
+            name = given
+        solid = Solid(name, shape, pose, color=colors.of(place.prim), kind=place.label)
+        if not _is_left_out(solid, leave_out):
+            yield solid
+
+
+def _is_left_out(solid: Solid, leave_out: Filter) -> bool:
+    if not leave_out.labels & {"floor", "ceiling"}:
+        return False
+    low, high = solid.bounds()
+    if high[2] <= _FLOOR_TOP:
+        return leave_out.takes_label("floor")
+    across = max(high[0] - low[0], high[1] - low[1])
+    return bool(low[2] >= _CEILING_BOTTOM and across > high[2] - low[2]) and leave_out.takes_label("ceiling")
+
+
+def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
+    for prim in stage.Traverse():
+        if prim.HasAPI(UsdPhysics.ArticulationRootAPI) and not leave_out.takes_path(str(prim.GetPath())):
+            warn(
+                f"{path}: {prim.GetPath()} is an articulation, a robot perhaps, and becomes a fixed obstacle; "
+                "leave it out by its path if it is not meant to be one"
+            )
+
+
+def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Place], options: Options) -> None:
+    if chosen or all(is_floor(place) for place in places):
+        return
+    if options.geometry == "collision":
+        reason = f'none of its {len(places)} shapes but the floor is a collider; take geometry="visual"'
+    else:
+        purposes = ", ".join(sorted(options.purposes))
+        reason = f"none of its {len(places)} shapes but the floor is visible and of the purposes {purposes}"
+    warn(f"{path}: the world is empty: {reason}")

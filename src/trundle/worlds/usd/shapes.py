@@ -1,0 +1,204 @@
+"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from pxr import UsdGeom
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, Pose3D
+from trundle.solids import Box, Cylinder, Mesh, Sphere
+from trundle.worlds import tessellate
+from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
+from trundle.worlds.hull import convex_hull
+from trundle.worlds.polygons import triangulate
+from trundle.worlds.usd.walk import TIME, Place
+
+Placeable: TypeAlias = Box | Cylinder | Sphere | Mesh
+
+_TO_AXIS = {
+    "X": np.array([[0.0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]]),
+    "Y": np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]),
+    "Z": np.eye(4),
+}
+"""From a shape along z to the same along one of USD's axes; acts on columns."""
+
+
+@dataclass(slots=True)
+class Shapes:
+    """Makes shapes of prims; what instances share is read and scaled once.
+
+    Attributes:
+        path: The file, for messages.
+        colliders: Whether meshes are taken as their colliders' approximation says.
+    """
+
+    path: str
+    colliders: bool
+    _meshes: dict[tuple[str, str], Mesh] = field(default_factory=dict)
+    _scaled: dict[tuple[str, str, tuple[float, ...]], Mesh] = field(default_factory=dict)
+
+    def shape(self, item: Place) -> tuple[Placeable, Pose3D]:
+        """A prim's shape and its pose in the map frame.
+
+        Raises:
+            FlattenedError: If there is nothing of it: no faces, or a size or scale of 0.
+            WorldError: If its numbers do not fit together; the prim is named.
+        """
+        prim = item.prim
+        try:
+            if prim.GetTypeName() == "Mesh":
+                return self._mesh(item)
+            shape, axis = _primitive(prim)
+            return place(shape, item.matrix @ _TO_AXIS[axis])
+        except FlattenedError:
+            raise
+        except WorldError as error:
+            raise WorldError(f"{self.path}: {item.name}: {error}") from error
+
+    def _mesh(self, item: Place) -> tuple[Placeable, Pose3D]:
+        kind = item.approximation if self.colliders and item.approximation else "none"
+        key = (_key(item.prim), "convexHull" if kind == "convexHull" else "none")
+        if key not in self._meshes:
+            mesh = _read_mesh(item.prim)
+            if key[1] == "convexHull":
+                mesh = convex_hull(mesh.vertices[np.unique(mesh.faces)]) or mesh
+            self._meshes[key] = mesh
+        mesh = self._meshes[key]
+        if kind == "boundingCube":
+            low, high = _extent(mesh)
+            edges = np.maximum(high - low, 1e-6 * (high - low).max())
+            return place(Box((edges[0], edges[1], edges[2])), item.matrix @ _shift((low + high) / 2.0))
+        if kind == "boundingSphere":
+            return _bounding_sphere(mesh, item.matrix)
+        parts = split(item.matrix[:3, :3])
+        if parts is None:
+            return place(mesh, item.matrix)
+        rotation, scales = parts
+        scaled = (*key, tuple(round(float(scale), 12) for scale in scales))
+        if scaled not in self._scaled:
+            self._scaled[scaled] = scale_mesh(mesh, scales)
+        return self._scaled[scaled], pose_of(item.matrix[:3, 3], rotation)
+
+
+def is_floor(item: Place) -> bool:
+    """Whether a plane prim is the plane z = 0 of the map frame, facing up."""
+    if item.prim.GetTypeName() != "Plane":
+        return False
+    normal = item.matrix[:3, :3] @ _TO_AXIS[str(UsdGeom.Plane(item.prim).GetAxisAttr().Get(TIME))][:3, 2]
+    return bool(abs(item.matrix[2, 3]) < 1e-3 and normal[2] > (1.0 - 1e-9) * np.linalg.norm(normal))
+
+
+def _primitive(prim: Any) -> tuple[Placeable, str]:
+    """A prim's shape along z, and the axis that it lies along."""
+    kind = str(prim.GetTypeName())
+    if kind == "Cube":
+        edge = _number(UsdGeom.Cube(prim).GetSizeAttr())
+        return Box((edge, edge, edge)), "Z"
+    if kind == "Sphere":
+        return Sphere(_number(UsdGeom.Sphere(prim).GetRadiusAttr())), "Z"
+    if kind == "Plane":
+        plane = UsdGeom.Plane(prim)
+        width, length = _number(plane.GetWidthAttr()), _number(plane.GetLengthAttr())
+        axis = str(plane.GetAxisAttr().Get(TIME))
+        # Across z and y where it faces x: USD's width is then along z.
+        if axis == "X":
+            width, length = length, width
+        corners = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * (width / 2.0, length / 2.0, 1.0)
+        return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)), axis
+    axis = str(prim.GetAttribute("axis").Get(TIME))
+    height = _number(prim.GetAttribute("height"), zero=kind.startswith("Capsule"))
+    if kind in ("Cylinder_1", "Capsule_1"):
+        bottom = _number(prim.GetAttribute("radiusBottom"), zero=True)
+        top = _number(prim.GetAttribute("radiusTop"), zero=True)
+    else:
+        bottom = top = _number(prim.GetAttribute("radius"))
+    if max(bottom, top) == 0.0:
+        raise FlattenedError("its radii are 0")
+    if kind == "Cone":
+        return tessellate.cone_mesh(bottom, height), axis
+    if kind.startswith("Capsule"):
+        return _capsule(bottom, top, height), axis
+    return (Cylinder(bottom, height) if bottom == top else tessellate.frustum_mesh(bottom, top, height)), axis
+
+
+def _capsule(bottom: float, top: float, height: float) -> Mesh:
+    if bottom == top:
+        return tessellate.capsule_mesh(bottom, height)
+    ends = [
+        tessellate.sphere_mesh(radius).vertices + np.array([0.0, 0.0, sign * height / 2.0])
+        for radius, sign in ((bottom, -1.0), (top, 1.0))
+        if radius > 0.0
+    ]
+    ends.append(np.array([[0.0, 0.0, height / 2.0 if top == 0.0 else -height / 2.0]]))
+    hull = convex_hull(np.concatenate(ends))
+    if hull is None:
+        raise FlattenedError("there is nothing of it")
+    return hull
+
+
+def _number(attribute: Any, *, zero: bool = False) -> float:
+    value = attribute.Get(TIME)
+    number = float("nan") if value is None else float(value)
+    if not np.isfinite(number) or number < 0.0:
+        raise WorldError(f"{attribute.GetName()} must be a number of at least 0, got {value}")
+    if number == 0.0 and not zero:
+        raise FlattenedError(f"its {attribute.GetName()} is 0")
+    return number
+
+
+def _read_mesh(prim: Any) -> Mesh:
+    mesh = UsdGeom.Mesh(prim)
+    points = _array(mesh.GetPointsAttr(), np.float64).reshape(-1, 3)
+    counts = _array(mesh.GetFaceVertexCountsAttr(), np.int64)
+    indices = _array(mesh.GetFaceVertexIndicesAttr(), np.int64)
+    if len(counts) == 0 or len(points) == 0:
+        raise FlattenedError("it has no faces")
+    if not np.isfinite(points).all():
+        raise WorldError(f"{int((~np.isfinite(points)).any(axis=1).sum())} of its {len(points)} points are not finite")
+    if counts.min() < 0 or counts.sum() != len(indices):
+        raise WorldError(f"its faces have {counts.sum()} corners and faceVertexIndices {len(indices)}")
+    if len(indices) and (indices.min() < 0 or indices.max() >= len(points)):
+        raise WorldError(f"its faces name points outside 0..{len(points) - 1}")
+    faces, owners = triangulate(points, counts, indices)
+    holes = _array(mesh.GetHoleIndicesAttr(), np.int64)
+    if len(holes):
+        faces = faces[~np.isin(owners, holes)]
+    if len(faces) == 0:
+        raise FlattenedError("it has no faces")
+    if mesh.GetOrientationAttr().Get(TIME) == UsdGeom.Tokens.leftHanded:
+        faces = faces[:, ::-1]
+    return Mesh(points, faces.astype(np.int32))
+
+
+def _array(attribute: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    value = attribute.Get(TIME)
+    return np.array([] if value is None else value, dtype=dtype)
+
+
+def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]:
+    points = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    radius = float(np.sqrt(((points - centre) ** 2).sum(axis=1).max()))
+    if radius == 0.0:
+        raise FlattenedError("its scale of 0 leaves nothing of it")
+    return Sphere(radius), pose_of(centre, np.eye(3))
+
+
+def _extent(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    corners = mesh.vertices[np.unique(mesh.faces)]
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _shift(offset: FloatArray) -> FloatArray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = offset
+    return matrix
+
+
+def _key(prim: Any) -> str:
+    return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())

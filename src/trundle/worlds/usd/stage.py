@@ -1,0 +1,134 @@
+"""Opening USD stages: what is wrong with them as one clear error, and where they are in metres with z up."""
+
+from __future__ import annotations
+
+import logging
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
+
+from trundle.errors import WorldError, WorldWarning
+from trundle.geometry import FloatArray
+
+log = logging.getLogger(__name__)
+
+SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+_SHOWN = 20
+_VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}")
+
+
+@contextmanager
+def opened(path: str) -> Iterator[Any]:
+    """Give the stage of a file; what goes wrong in USD while the block reads it becomes a `WorldError`.
+
+    USD's warnings go to this module's log and not to the terminal.
+
+    Raises:
+        WorldError: If there is no such file, or USD cannot read it.
+    """
+    if not Path(path).is_file():
+        raise WorldError(f"cannot read {path}: there is no such file")
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield Usd.Stage.Open(path)
+    except Tf.ErrorException as error:
+        raise WorldError(f"{path}: not a USD file that can be read: {_reason(error)}") from None
+    finally:
+        for item in delegate.TakeUncoalescedDiagnostics():
+            log.debug("%s: %s", path, item.commentary)
+
+
+def select_variants(path: str, stage: Any, variants: Sequence[str]) -> None:
+    """Select variants, each given as `/prim{set=variant}`, over what the file selects; the file stays as it is.
+
+    Raises:
+        WorldError: If a selection names a prim, a set or a variant that is not there; the message has what is.
+    """
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for text in variants:
+            match = _VARIANT.fullmatch(text)
+            if match is None or not Sdf.Path.IsValidPathString(match["prim"])[0]:
+                raise WorldError(f"a variant is selected as /prim/path{{set=variant}}, got {text!r}")
+            prim = stage.GetPrimAtPath(match["prim"])
+            if not prim:
+                raise WorldError(f"{path}: there is no prim {match['prim']} to select a variant of ({text})")
+            sets = prim.GetVariantSets()
+            if match["set"] not in sets.GetNames():
+                known = ", ".join(sets.GetNames()) or "none"
+                raise WorldError(f"{path}: {match['prim']} has no variant set {match['set']!r}; it has: {known}")
+            names = sets.GetVariantSet(match["set"]).GetVariantNames()
+            if match["name"] not in names:
+                raise WorldError(
+                    f"{path}: variant set {match['set']!r} of {match['prim']} has no {match['name']!r}; "
+                    f"it has: {', '.join(names)}"
+                )
+            sets.SetSelection(match["set"], match["name"])
+
+
+def report_missing(path: str, stage: Any, *, refuse: bool, is_excluded: Callable[[str], bool]) -> None:
+    """Say which references, payloads and sublayers could not be composed, but for those under excluded prims.
+
+    Raises:
+        WorldError: If there is one and `refuse` is set.
+    """
+    found: dict[str, None] = {}
+    for error in stage.GetCompositionErrors():
+        prim = str(error.rootSite.path)
+        if not is_excluded(prim):
+            found[f"{prim}: {_one_line(str(error))}"] = None
+    if not found:
+        return
+    if refuse:
+        more = f" (and {len(found) - _SHOWN} more)" if len(found) > _SHOWN else ""
+        raise WorldError(f"{path}: {'; '.join(list(found)[:_SHOWN])}{more}")
+    for text in list(found)[:_SHOWN]:
+        warn(f"{path}: {text}. It is left out")
+    if len(found) > _SHOWN:
+        warn(f"{path}: {len(found) - _SHOWN} more references cannot be had and are left out")
+
+
+def to_metres(path: str, stage: Any, meters_per_unit: float | None, up_axis: str | None) -> FloatArray:
+    """Matrix, shape (4, 4), from the stage's units and axes to metres with z up; acts on columns.
+
+    Raises:
+        WorldError: If the unit is not a positive number, or the axis neither Y nor Z.
+    """
+    if meters_per_unit is None:
+        meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(stage))
+        if not UsdGeom.StageHasAuthoredMetersPerUnit(stage):
+            warn(
+                f"{path}: it does not say its metersPerUnit, so {meters_per_unit:g} m holds, as USD has it; "
+                "give meters_per_unit=1 if the world comes out a hundredth of its size"
+            )
+    if not (math.isfinite(meters_per_unit) and meters_per_unit > 0.0):
+        raise WorldError(f"{path}: metersPerUnit must be a positive number, got {meters_per_unit}")
+    axis = up_axis or str(UsdGeom.GetStageUpAxis(stage))
+    matrix = np.diag([meters_per_unit, meters_per_unit, meters_per_unit, 1.0])
+    if axis == "Y":
+        matrix = matrix @ np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
+    elif axis != "Z":
+        raise WorldError(f"{path}: the up axis must be Y or Z, got {axis!r}")
+    return matrix
+
+
+def warn(message: str) -> None:
+    """Warn of something about a world."""
+    warnings.warn(message, WorldWarning, stacklevel=2)
+
+
+def _reason(error: Exception) -> str:
+    """What USD says, without its source code's places."""
+    said = re.findall(r"in file .*? : '(.*?)'\s*$", str(error), flags=re.MULTILINE | re.DOTALL)
+    return _one_line(said[0] if said else str(error))
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split()).rstrip(" .")
