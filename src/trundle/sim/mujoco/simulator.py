@@ -132,6 +132,7 @@ class MujocoSimulator:
         motions = self._ramp.advance(command, count_steps(dt, self._timestep))
         touched: dict[tuple[str, str], Contact] = {}
         model, data, control, qpos = self.model, self.data, self.data.ctrl, self.data.qpos
+        contact = data.contact  # A view that follows the data; making one anew costs as much as reading it.
         step, told = mujoco.mj_step, self._told
         left_address, right_address = self._wheel_qpos
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
@@ -144,7 +145,7 @@ class MujocoSimulator:
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))
             # The floor is geom 0, and a plane comes first in its contacts: any other number is a collision.
-            if any(data.contact.geom1.tolist()):
+            if any(contact.geom1.tolist()):
                 self._contacts.read(data, touched)
         self._told = told
         self._steps += len(motions)
