@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
+from trundle.cli.engine import import_engine
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ def drive(
     pose = sources.start_pose(place, start)
     if teleop and not view:
         check_terminal()
+    if backend == "mujoco":
+        import_engine()
     log = DriveLog()
     with ExitStack() as stack:
         simulator = stack.enter_context(simulate(place, machine, backend=backend))
