@@ -3,7 +3,8 @@ import math
 from pathlib import Path
 
 import pytest
-from conftest import Trundle
+
+from support.command_line import Trundle
 
 COMMANDS = ("--command", "0.4,0,2", "--command", "0,0.5,2", "--command", "-0.2,-0.3,1.02")
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import Trundle, room
+
+from support.command_line import Trundle, room
 
 ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
 SHORT = ("--start", "0.5,0.5", "--goal", "0.9,0.5", "--robot", "turtlebot3_burger")

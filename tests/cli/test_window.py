@@ -3,8 +3,8 @@ from pathlib import Path
 from types import TracebackType
 
 import pytest
-from conftest import Trundle
 
+from support.command_line import Trundle
 from trundle.cli.window import Watcher
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Step
