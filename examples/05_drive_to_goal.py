@@ -3,10 +3,9 @@
 Writes overlay.png: the planned path and the driven one, coloured by speed, over the map.
 """
 
-from trundle.record.overlay import draw_run
-
 import trundle
 from trundle.mission import sample_mission
+from trundle.record.overlay import draw_run
 
 world = trundle.World.generate("warehouse", seed=7)
 robot = trundle.Robot.load("nova_carter")

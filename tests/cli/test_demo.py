@@ -1,8 +1,8 @@
 from pathlib import Path
 
-from conftest import Trundle
 from PIL import Image
 
+from support.command_line import Trundle
 from trundle.maps import OccupancyGrid
 
 

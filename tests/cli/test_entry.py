@@ -142,3 +142,29 @@ def test_a_stream_that_cannot_show_a_letter_is_no_fault() -> None:
     )
     assert done.returncode == BAD_INPUT
     assert b"unknown verb 'd?mo'" in done.stderr
+
+
+@pytest.mark.parametrize("before", ["", "egl"])
+def test_the_engine_starts_without_its_window_and_leaves_the_environment(before: str) -> None:
+    program = (
+        "import os, sys\n"
+        "from trundle.cli.engine import import_engine\n"
+        "import_engine()\n"
+        "print('mujoco' in sys.modules, 'glfw' in sys.modules, os.environ.get('MUJOCO_GL', ''))"
+    )
+    environment = {key: value for key, value in os.environ.items() if key != "MUJOCO_GL"}
+    environment |= {"MUJOCO_GL": before} if before else {}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.split(" ", 2) == ["True", "False", f"{before}\n"]
+
+
+def test_a_run_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
+    program = (
+        "import sys\n"
+        "from trundle.cli.entry import run_command\n"
+        "code = run_command(['run', 'warehouse', '--time-limit=0.1', '--no-video', '--quiet', '--out=out'])\n"
+        "heavy = {'scipy', 'matplotlib', 'av', 'OpenGL', 'glfw', 'rich', 'asyncio', 'numpy.ma'}\n"
+        "print(code, *sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "1"

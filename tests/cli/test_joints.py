@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from conftest import Trundle
+from support.command_line import Trundle
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 URDF = f"""<robot name="cart">

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Trundle
 
+from support.command_line import Trundle
 from trundle.maps import OccupancyGrid
 
 

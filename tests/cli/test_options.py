@@ -51,10 +51,3 @@ def test_an_output_of_another_kind_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"\.yaml or \.yml, or a folder"):
         options.output_file(tmp_path / "map.png", "map.yaml", (".yaml", ".yml"))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_run_folders_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    folders = {options.run_folder(None, "drive") for _ in range(3)}
-    assert len(folders) == 3
-    assert all(folder.is_dir() and folder.parent == Path("runs") for folder in folders)

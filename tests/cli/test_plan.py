@@ -1,9 +1,9 @@
 from pathlib import Path
 
 import pytest
-from conftest import Trundle, room
 from PIL import Image
 
+from support.command_line import Trundle, room
 from trundle.maps import OccupancyGrid
 
 

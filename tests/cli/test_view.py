@@ -1,8 +1,9 @@
 from pathlib import Path
 
 import pytest
-from conftest import Trundle
 from PIL import Image
+
+from support.command_line import Trundle
 
 SMALL = ("--size", "160x90")
 

@@ -1,9 +1,10 @@
 import time
+from pathlib import Path
 from types import TracebackType
 
 import pytest
-from conftest import Trundle
 
+from support.command_line import Trundle
 from trundle.cli.window import Watcher
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Step
@@ -63,6 +64,17 @@ def test_commands_are_shown_in_real_time(trundle: Trundle, monkeypatch: pytest.M
     assert done.code == 0, done.err
     assert time.monotonic() - began >= 0.45
     assert len(window.shown) == 10
+
+
+def test_a_run_is_watched(trundle: Trundle, room_map: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = FakeWindow({}, looks=4)
+    use(window, monkeypatch)
+    ends = ("--start", "0.5,0.5", "--goal", "1.5,0.5")
+    done = trundle("run", room_map, *ends, "--backend", "kinematic", "--no-video", "--view", "--json")
+    assert done.code == 0, done.err
+    assert done.json["outcome"] == "arrived"
+    assert window.shown[0] == Pose2D(0.5, 0.5)
+    assert len(window.shown) == 4
 
 
 def test_a_window_needs_a_screen(trundle: Trundle, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import random
 
-import fuzz_map_reader
 import pytest
 
+from fuzz import fuzz_map_reader
 from trundle.maps.pnm import decode_pnm
 
 

@@ -5,10 +5,10 @@ import struct
 import zlib
 
 import numpy as np
-import png_samples as samples_of
 import pytest
 from PIL import Image
 
+from support import png_samples as samples_of
 from trundle.errors import MapError
 from trundle.maps.png import decode_png, encode_png
 

@@ -8,10 +8,10 @@ import textwrap
 from pathlib import Path
 
 import numpy as np
-import png_samples
 import pytest
 from PIL import Image
 
+from support import png_samples
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid

@@ -209,6 +209,18 @@ def test_two_joints_of_one_name_are_refused():
         MujocoSimulator(EMPTY, CARTER.model_copy(update={"drive": drive_of_one_name}))
 
 
+def test_what_is_out_of_reach_costs_nothing_and_is_still_seen():
+    solids = (
+        Solid("lintel", Box((1.0, 1.0, 1.0)), Pose3D((0.0, 0.0, 1.5))),
+        Solid("shelf", Box((1.0, 1.0, 0.1)), Pose3D((0.0, 0.0, 0.7))),
+    )
+    with MujocoSimulator(World("w", solids), CARTER) as simulator:
+        names = {simulator.model.geom(index).name for index in range(simulator.model.ngeom)}
+        assert names & {"lintel", "shelf"} == {"shelf"}
+        assert not any(state.contacts for state in drive(simulator, Twist2D(0.0, 0.5), 1.0))
+    assert {geom.name for geom in build_spec(World("w", solids), CARTER).geoms} >= {"lintel", "shelf"}
+
+
 def test_an_outline_that_is_no_rectangle_becomes_a_prism():
     corners = ((0.2, 0.0), (0.0, 0.25), (-0.55, 0.25), (-0.55, -0.25), (0.0, -0.25))
     robot = CARTER.model_copy(update={"footprint": corners})

@@ -87,6 +87,17 @@ def test_a_camera_outside_looks_through_the_wall_on_its_side(renderer_kind, cart
     assert (np.abs(here - away).max(axis=2) > 30).sum() > 30
 
 
+def test_shadows_can_be_turned_off(renderer_kind, carter):
+    world = World("box", (Solid("box", Box((1.0, 1.0, 1.0)), Pose3D((0.0, 0.0, 0.5)), (0.9, 0.9, 0.9, 1.0)),))
+    camera = Camera((2.0, 3.0, 5.0), (0.3, 0.2, 0.0))
+    dark = []
+    for shadow_size in (512, 0):
+        with SceneRenderer(world, carter, size=SIZE, camera=camera, shadow_size=shadow_size) as scene:
+            brightness = scene.render((50.0, 50.0)).mean(axis=2)
+        dark.append((brightness < np.median(brightness) - 30.0).sum())
+    assert dark[0] > dark[1] + 50
+
+
 def test_a_picture_is_saved_whole_or_not_at_all(renderer_kind, carter, tmp_path):
     picture = render(WORLD, carter, size=SIZE)
     picture.save(tmp_path / "a.png")

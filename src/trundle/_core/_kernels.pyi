@@ -83,7 +83,7 @@ def draw_triangles(
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
     """Which triangle each pixel shows (−1 none) and its depth (infinity for none), shapes (height, width).
 
-    Triangles have shape (N, 3, 3) in the camera's frame: right, up, forward. The camera is in the middle of the picture;
+    Triangles have shape (N, 3, 3) in the camera's frame: right, up, forward. The camera is in the picture's middle;
     `scale` is in pixels per unit of right / forward, or of right where the view is parallel.
     """
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace trundle {
@@ -133,6 +134,20 @@ double to_cell(const std::vector<Point> &polygon, double col, double row) {
   return best;
 }
 
+// The first blocked column from `col` up to `last` of a row, or more than `last`; it looks at eight cells at a time.
+std::ptrdiff_t next_blocked(const std::uint8_t *cells, std::ptrdiff_t col, std::ptrdiff_t last) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101, kTops = 0x8080808080808080;
+  for (; col + 7 <= last; col += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, cells + col, 8);
+    // 254 and 255 are the bytes that are all ones but for the last bit; those turn to 0 here.
+    const std::uint64_t zeros = ~eight & ~kOnes;
+    if (((zeros - kOnes) & ~zeros & kTops) != 0) break;
+  }
+  while (col <= last && cells[col] < kLethal) ++col;
+  return col;
+}
+
 // Distance to the nearest blocked cell or to the map's edge, at most `cap`, of a polygon that touches nothing.
 double nearest(const Costs &costs, const std::vector<Point> &polygon, const Box &box, double cap) {
   double best = std::min({cap, box.min_x, box.min_y, static_cast<double>(costs.cols) - box.max_x,
@@ -148,8 +163,8 @@ double nearest(const Costs &costs, const std::vector<Point> &polygon, const Box 
     for (std::ptrdiff_t r = first_row; r <= last_row; ++r) {
       const double dy = std::max({static_cast<double>(r) - box.max_y, box.min_y - static_cast<double>(r + 1), 0.0});
       if (dy * dy >= best_squared) continue;
-      for (std::ptrdiff_t c = first_col; c <= last_col; ++c) {
-        if (!costs.blocked(r, c)) continue;
+      const std::uint8_t *cells = costs.data + r * costs.cols;
+      for (auto c = next_blocked(cells, first_col, last_col); c <= last_col; c = next_blocked(cells, c + 1, last_col)) {
         const double dx = std::max({static_cast<double>(c) - box.max_x, box.min_x - static_cast<double>(c + 1), 0.0});
         if (dx * dx + dy * dy >= best_squared) continue;
         // A cell with blocked cells on all four sides is behind one of them.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
+from trundle.cli.engine import import_engine
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def drive(
     from trundle.cli.drive_log import DriveLog
     from trundle.cli.teleop import check_terminal, drive_by_keys
     from trundle.cli.window import drive_in_window, open_window
+    from trundle.record.run_folder import make_run_folder
     from trundle.robots import Robot
     from trundle.sim import simulate
 
@@ -79,11 +81,13 @@ def drive(
     pose = sources.start_pose(place, start)
     if teleop and not view:
         check_terminal()
+    if backend == "mujoco":
+        import_engine()
     log = DriveLog()
     with ExitStack() as stack:
         simulator = stack.enter_context(simulate(place, machine, backend=backend))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
-        folder = options.run_folder(out, "drive")
+        folder = make_run_folder(out, "drive")
         log.add(simulator.reset(pose, seed=seed))
         try:
             if not teleop:

@@ -76,7 +76,13 @@ def _dispatch(arguments: Sequence[str]) -> int:
     from cyclopts import App, CycloptsError
 
     target, summary = VERBS[verb]
-    app = App(name="trundle", version_flags=[], help_format="plaintext", result_action="return_value")
+    app = App(
+        name="trundle",
+        version_flags=[],
+        help_format="plaintext",
+        result_action="return_value",
+        suppress_keyboard_interrupt=False,
+    )
     app.command(target, name=verb, help=summary)
     try:
         code = app(list(arguments), exit_on_error=False, print_error=False)

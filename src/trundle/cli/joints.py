@@ -5,6 +5,7 @@ from __future__ import annotations
 from cyclopts import App
 
 from trundle.cli import options, output
+from trundle.cli.engine import import_engine
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf")
 
@@ -28,6 +29,7 @@ def joints(
     Args:
         robot: A robot by name, or the path of a robot's YAML, an MJCF or a URDF.
     """
+    import_engine()
     from trundle.robots import Robot
     from trundle.sim.mujoco.joints import list_joints
 

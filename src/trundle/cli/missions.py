@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trundle.cli import output
+from trundle.cli.engine import import_engine
 
 if TYPE_CHECKING:
     from trundle.cli.scene_frames import SceneFrames
@@ -42,6 +43,8 @@ def drive(
     from trundle.record.progress import ProgressBar
     from trundle.record.run_folder import RunFolder
 
+    if scenario.backend.name == "mujoco":
+        import_engine()
     with ExitStack() as stack:
         mission = stack.enter_context(scenario.build())
         observers: list[Observer] = []

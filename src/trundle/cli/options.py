@@ -132,27 +132,6 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
     return make_folder(out) / default_name
 
 
-def run_folder(out: Path | None, name: str) -> Path:
-    """Create the folder that a verb writes into: `out`, or a new `runs/<time>-<name>`.
-
-    Raises:
-        OutputError: If it cannot be created or written to.
-    """
-    import time
-
-    from trundle.files import make_folder
-
-    if out is not None:
-        return make_folder(out)
-    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{name}"
-    number = 1
-    while True:
-        folder = Path("runs") / (stem if number == 1 else f"{stem}-{number}")
-        if not folder.exists():
-            return make_folder(folder)
-        number += 1
-
-
 def _plain(text: str) -> bool | int | float | str:
     if text.lower() in ("true", "false"):
         return text.lower() == "true"

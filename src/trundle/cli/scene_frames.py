@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from trundle.mission import Episode, Mission
     from trundle.viewer.painters import Pixels
 
-QUICK_S = 0.02
-"""A picture that takes longer than this is drawn by a processor and not by a graphics card."""
+QUICK_S = 0.005
+"""A small picture that takes longer than this is drawn by a processor and not by a graphics card."""
 
 STRIDE = 2
 """Without a graphics card, a new picture is drawn for every so many frames."""
@@ -33,13 +33,13 @@ class SceneFrames:
         self._mission = mission
         self._path = episode.paths[0].poses if episode.paths else None
         self._goal = Pose2D.of(episode.goals[-1])
-        self._stride = 1
+        self._stride = STRIDE
         self._count = 0
-        self._scene = self._open((1280, 720), shadow_size=2048)
-        if not self._is_quick():
+        self._scene = self._open((640, 360), shadow_size=0)
+        if self._is_quick():
             self._scene.close()
-            self._stride = STRIDE
-            self._scene = self._open((640, 360), shadow_size=0)
+            self._stride = 1
+            self._scene = self._open((1280, 720), shadow_size=2048)
         self._picture = self._scene.render(mission.start)
 
     def render(self, pose: Pose2D) -> Pixels:

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
+from trundle.cli.engine import import_engine
 
 app = App(
     name="view",
@@ -46,6 +47,7 @@ def view(
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
+    import_engine()
     from trundle.robots import Robot
     from trundle.viewer.offscreen import render
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
-    """Open a window on a robot.
+    """Open a window on a robot that drives; the camera stays behind it.
 
     Raises:
         InputError: If there is no screen.
@@ -28,7 +28,7 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
 
     if not has_screen():
         raise InputError("--view needs a screen that shows OpenGL, and there is none here; leave it out")
-    return NativeWindow(world, robot, pose)
+    return NativeWindow(world, robot, pose, chase=True)
 
 
 def drive_in_window(simulator: Simulator, log: DriveLog, window: NativeWindow, *, period_s: float) -> None:

@@ -106,7 +106,7 @@ class GlPainter:
     def _aim_shadows(self, data: mujoco.MjData, camera: Camera) -> None:
         """Spread the shadow map over what the camera looks at, instead of over the whole model."""
         # Half its width; where it ends, speckles appear, so it ends out of the picture.
-        reach = 2.0 * camera.distance + 2.0
+        reach = 3.0 * camera.distance + 2.0
         self._mjr.shadowClip = reach
         for light in range(self._model.nlight):
             data.light_xpos[light] = np.asarray(camera.target) - reach * data.light_xdir[light]

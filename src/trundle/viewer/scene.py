@@ -30,7 +30,7 @@ class SceneRenderer:
         path: Waypoints [m] in the map frame, shape (N, 2) or more columns, drawn on the floor.
         goal: Drawn on the floor as a disc.
         samples: Samples a pixel at edges; 0 is quickest, 4 looks best.
-        shadow_size: Edge of the shadow map, in pixels.
+        shadow_size: Edge of the shadow map, in pixels; 0 draws no shadows.
 
     Raises:
         InputError: If the size is out of range, or the path is none.

@@ -32,7 +32,7 @@ class _Shadows:
         axes: Right, up and forward of the sun's view, one a row.
         middle: Of the view [m], map frame.
         scale: Pixels per metre.
-        depths: [m] along `forward` from `middle`, infinity where nothing is.
+        depths: [m] along `forward` from `middle`, infinite where nothing is; a single one where there are no shadows.
     """
 
     axes: FloatArray
@@ -43,8 +43,10 @@ class _Shadows:
     def lit(self, points: FloatArray, normals: FloatArray) -> FloatArray:
         """How much sun falls on points [m] of surfaces, 0 to 1, shape (N,)."""
         strength = np.clip(-normals @ self.axes[2], 0.0, 1.0)
-        right, up, forward = self.axes @ (points - self.middle).T
         size = len(self.depths)
+        if size == 1:
+            return strength
+        right, up, forward = self.axes @ (points - self.middle).T
         slack = (1.5 + 1.5 * np.sqrt(1.0 - strength**2) / np.maximum(strength, 0.15)) / self.scale
         open_sky = np.zeros(len(points))
         for dx, dy in _SOFT:
@@ -64,7 +66,7 @@ class SoftwarePainter:
         size: Width and height of the pictures, in pixels.
         groups: Which geom groups are shown, 1 or 0 each.
         samples: Samples a pixel: 4 or more draw at twice the size and average.
-        shadow_size: Edge of the shadow map, in pixels.
+        shadow_size: Edge of the shadow map, in pixels; 0 draws no shadows.
     """
 
     kind: Literal["software"] = "software"
@@ -125,9 +127,11 @@ class SoftwarePainter:
         right = np.cross(forward, (0.0, 1.0, 0.0))
         right /= np.linalg.norm(right)
         axes = np.array([right, np.cross(right, forward), forward])
-        scale = self._shadow_size / (2.0 * (1.6 * camera.distance + 2.0))
         middle = np.asarray(camera.target, dtype=np.float64)
         size = self._shadow_size
+        scale = size / (2.0 * (1.6 * camera.distance + 2.0))
+        if size == 0:
+            return _Shadows(axes, middle, 1.0, np.full((1, 1), np.inf))
         _, depths = draw_triangles((corners - middle) @ axes.T, size, size, scale, _NEAR, False)
         return _Shadows(axes, middle, scale, depths)
 

@@ -16,6 +16,9 @@ from trundle.worlds import World
 TIMESTEP = 0.005
 """Length of a physics step [s]."""
 
+_ROOM_ABOVE = 0.1
+"""How much higher than it stands a robot may come when it rides up on something [m]."""
+
 
 def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks: bool = True) -> mujoco.MjSpec:
     """Compose a world and a robot; the robot's base_link starts at the origin, on the floor, looking along x.
@@ -47,6 +50,12 @@ def robot_spec(robot: Robot, *, floor: bool = False, timestep: float = TIMESTEP,
         add_floor(spec)
     add_robot(spec, robot, looks=looks)
     return spec
+
+
+def within_reach(world: World, robot: Robot) -> World:
+    """Leave out what is wholly above the robot: it cannot be touched, and every solid costs time at every step."""
+    top = robot.body.height + _ROOM_ABOVE
+    return World(world.name, tuple(solid for solid in world.solids if solid.bounds()[0][2] < top), world.seeds)
 
 
 def _empty_spec(name: str, timestep: float) -> mujoco.MjSpec:

@@ -16,7 +16,7 @@ from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.mujoco.contacts import ContactReader
-from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec
+from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
 from trundle.sim.mujoco.robot_parts import FeedForward
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState, Scan
@@ -45,7 +45,7 @@ class MujocoSimulator:
         casters: How swivel casters stand after a reset: behind their axis for driving forward, or the other way.
 
     Attributes:
-        model: The compiled MuJoCo model, without the robot's looks; viewers build their own.
+        model: The compiled MuJoCo model: what the robot can touch, without its looks. Viewers build their own.
         data: Its state, in step with what `step` returned; observers read it and never write.
 
     Raises:
@@ -73,7 +73,7 @@ class MujocoSimulator:
         self._timestep = timestep
         self._rest = _resting_state(robot, timestep, casters)
         try:
-            self.model = build_spec(world, robot, timestep=timestep, looks=False).compile()
+            self.model = build_spec(within_reach(world, robot), robot, timestep=timestep, looks=False).compile()
         except InputError:
             raise
         except ValueError as error:
@@ -132,6 +132,7 @@ class MujocoSimulator:
         motions = self._ramp.advance(command, count_steps(dt, self._timestep))
         touched: dict[tuple[str, str], Contact] = {}
         model, data, control, qpos = self.model, self.data, self.data.ctrl, self.data.qpos
+        contact = data.contact  # A view that follows the data; making one anew costs as much as reading it.
         step, told = mujoco.mj_step, self._told
         left_address, right_address = self._wheel_qpos
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
@@ -144,7 +145,7 @@ class MujocoSimulator:
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))
             # The floor is geom 0, and a plane comes first in its contacts: any other number is a collision.
-            if any(data.contact.geom1.tolist()):
+            if any(contact.geom1.tolist()):
                 self._contacts.read(data, touched)
         self._told = told
         self._steps += len(motions)

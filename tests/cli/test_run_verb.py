@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import Trundle, room
+
+from support.command_line import Trundle, room
 
 ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
+SHORT = ("--start", "0.5,0.5", "--goal", "0.9,0.5", "--robot", "turtlebot3_burger")
 QUICK = ("--backend", "kinematic", "--no-video")
 KEYS = {
     "outcome",
@@ -83,9 +85,21 @@ def test_options_change_a_scenario(trundle: Trundle, room_map: Path, tmp_path: P
 
 
 def test_a_video_is_written_by_default(trundle: Trundle, room_map: Path) -> None:
-    done = trundle("run", room_map, "--start", "0.5,0.5", "--goal", "1.2,0.5", "--robot", "turtlebot3_burger", "--json")
+    done = trundle("run", room_map, *SHORT, "--json")
     assert done.code == 0, done.err
     assert (Path(done.json["run_dir"]) / "video.mp4").stat().st_size > 1000
+
+
+def test_without_opengl_the_video_is_drawn_and_the_packages_are_named(
+    trundle: Trundle, room_map: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trundle.viewer.gl.find_gl", lambda: None)
+    done = trundle("run", room_map, *SHORT, "--json")
+    assert done.code == 0, done.err
+    assert (Path(done.json["run_dir"]) / "video.mp4").stat().st_size > 1000
+    assert "The video is drawn from above." in done.err
+    assert "libegl1" in done.err
+    assert trundle("run", room_map, *SHORT, "--quiet").err == ""
 
 
 def test_a_time_limit_is_an_outcome(trundle: Trundle, room_map: Path) -> None:
@@ -163,6 +177,28 @@ def test_a_scenario_that_cannot_be_used(trundle: Trundle, tmp_path: Path, text: 
     assert [path.name for path in tmp_path.iterdir()] == ["scenario.yaml"]
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("wheel_radius: 0.05", "wheel_radius: -1", "cart.yaml:2:23: drive.wheel_radius"),
+        ("track_width: 0.24", "track_with: 0.24", "drive.track_with"),
+        ("mass: 4.0", "mass: .nan", "body.mass"),
+        ("[[0.15, 0.15]", "[[0.0, 0.0]", "convex"),
+        ("casters", "castors", "castors"),
+    ],
+)
+def test_a_robot_that_cannot_be_used(
+    trundle: Trundle, room_map: Path, tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    text = (Path(__file__).parents[1] / "plugin_package" / "trundle_example_plugin" / "mini_cart.yaml").read_text()
+    assert old in text
+    (tmp_path / "cart.yaml").write_text(text.replace(old, new))
+    done = trundle("run", room_map, "--robot", "cart.yaml")
+    assert done.code == 2
+    assert words in done.err
+    assert not (tmp_path / "runs").exists()
+
+
 def test_an_output_folder_that_is_a_file(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     done = trundle("run", room_map, *ENDS, *QUICK, "--out", "file")
@@ -198,7 +234,7 @@ def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Si
     deadline = time.monotonic() + 30.0
     while not (tmp_path / "out").exists() and time.monotonic() < deadline:
         time.sleep(0.02)
-    time.sleep(0.3)
+    time.sleep(4.0)  # Its folder is made before it plans all the ways; by now it drives, for as long again and more.
     process.send_signal(number)
     out, err = process.communicate(timeout=30)
     names = {path.name for path in (tmp_path / "out").iterdir()}

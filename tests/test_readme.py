@@ -1,0 +1,82 @@
+"""Every command and snippet of the README runs; the Korean one has the same."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trundle.cli.entry import VERBS
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.mission import Episode
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+KOREAN = (ROOT / "README.ko.md").read_text()
+COMMANDS = re.findall(r"^\| `(trundle [^`]+)` \|", README, flags=re.MULTILINE)
+SNIPPETS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+
+
+def without_comments(text: str) -> list[str]:
+    blocks = re.findall(r"```(?:sh|python)\n(.*?)```", text, flags=re.DOTALL)
+    return [re.sub(r"\s*#.*", "", block) for block in blocks]
+
+
+def test_the_table_names_every_verb() -> None:
+    assert {command.split()[1] for command in COMMANDS} == set(VERBS)
+
+
+def test_the_korean_readme_has_the_same_commands_and_code() -> None:
+    assert re.findall(r"^\| `(trundle [^`]+)` \|", KOREAN, flags=re.MULTILINE) == COMMANDS
+    assert without_comments(KOREAN) == without_comments(README)
+
+
+def test_the_commands_run_one_after_another(tmp_path: Path) -> None:
+    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    for command in COMMANDS:
+        words = shlex.split(command)[1:]
+        words += ["--no-video"] if words[0] in ("demo", "run") else []
+        done = subprocess.run(
+            [sys.executable, "-m", "trundle", *words],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        assert done.stdout, command
+
+
+def test_the_five_lines_arrive(capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, object] = {}
+    exec(SNIPPETS[0], names)
+    episode = names["episode"]
+    assert isinstance(episode, Episode)
+    assert episode.arrived, episode.message
+    assert capsys.readouterr().out.startswith("arrived")
+
+
+def test_a_loop_of_your_own_ends_at_the_goal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = np.zeros((140, 140), dtype=np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    OccupancyGrid(data, 0.05, Pose2D(0.0, 0.0)).save(tmp_path / "map.yaml")
+    monkeypatch.chdir(tmp_path)
+    pose = Pose2D(2.0, 2.0, 1.0)
+    names: dict[str, object] = {"twist": Twist2D()}
+
+    def pose_of_my_robot() -> Pose2D:
+        nonlocal pose
+        twist = names["twist"]
+        assert isinstance(twist, Twist2D)
+        pose = twist.integrate(pose, 0.05)
+        return pose
+
+    names["pose_of_my_robot"] = pose_of_my_robot
+    exec("import trundle\n" + SNIPPETS[1], names)
+    assert pose.distance_to(Pose2D(5.0, 3.5)) < 0.3
