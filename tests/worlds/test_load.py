@@ -5,8 +5,9 @@ import pytest
 
 from trundle.errors import InputError, WorldError, WorldWarning
 from trundle.maps import OccupancyGrid
+from trundle.uris import split_folders
 from trundle.worlds import World
-from trundle.worlds.load import LOADERS, split_folders
+from trundle.worlds.load import LOADERS
 
 
 @pytest.mark.parametrize("suffix", [".txt", ""])

@@ -6,7 +6,6 @@ import importlib
 import inspect
 import os
 import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -20,6 +19,9 @@ if TYPE_CHECKING:
 LOADERS = {
     ".sdf": "trundle.worlds.sdf:load_sdf",
     ".world": "trundle.worlds.sdf:load_sdf",
+    ".xml": "trundle.worlds.mjcf:load_mjcf",
+    ".mjcf": "trundle.worlds.mjcf:load_mjcf",
+    ".urdf": "trundle.worlds.mjcf:load_mjcf",
     ".glb": "trundle.worlds.meshes:load_mesh",
     ".gltf": "trundle.worlds.meshes:load_mesh",
     ".obj": "trundle.worlds.meshes:load_mesh",
@@ -61,15 +63,6 @@ def load_world(path: str | os.PathLike[str], **options: Any) -> World:
     world = cast("World", load(file, **options))
     _check_extent(file, world)
     return world
-
-
-def split_folders(folders: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> tuple[Path, ...]:
-    """Take folders as a sequence, or as one text with the system's path separator between them."""
-    if isinstance(folders, str):
-        return tuple(Path(part) for part in folders.split(os.pathsep) if part)
-    if isinstance(folders, os.PathLike):
-        return (Path(folders),)
-    return tuple(Path(folder) for folder in folders)
 
 
 def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:

@@ -1,70 +1,25 @@
-"""Mesh files, through trimesh: as worlds, and as parts of worlds of other formats."""
+"""Worlds from mesh files."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
 
-import numpy as np
-import numpy.typing as npt
-
-from trundle.errors import InputError, MissingExtraError, WorldError
-from trundle.geometry import FloatArray
-from trundle.solids import Color, Mesh, Solid
-from trundle.worlds.load import check_choice
-from trundle.worlds.shapes import Names
+from trundle.geometry import Pose3D
+from trundle.meshfile import read_mesh
+from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
-from trundle.xmlfile import parse_xml, read_limited
-
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
-"""Metres in a unit of length."""
-
-MAX_BYTES = 1024**3
-"""Largest mesh file that is read."""
-
-_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-_GLTF = (".glb", ".gltf")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeshPart:
-    """One mesh of a file, where the file puts it.
-
-    Attributes:
-        name: Of its node in the file.
-        geometry: Name of the mesh itself, which several nodes may share.
-        vertices: [m], z up, shape (V, 3).
-        faces: Indices into `vertices`, shape (F, 3).
-        color: As the file says, or none.
-    """
-
-    name: str
-    geometry: str
-    vertices: FloatArray
-    faces: npt.NDArray[np.int32]
-    color: Color | None
-
-    def scaled(self, scale: tuple[float, float, float]) -> Mesh:
-        """As a shape, scaled along the axes; a mirror turns its faces round, so that they look outward still."""
-        return Mesh(self.vertices * np.asarray(scale), self.faces if np.prod(scale) > 0.0 else self.faces[:, ::-1])
-
-    def centred(self) -> MeshPart:
-        """With the middle of its bounds in the origin."""
-        middle = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
-        return replace(self, vertices=self.vertices - middle)
 
 
 def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = None) -> World:
     """Read a mesh file (GLB, glTF, OBJ, STL, PLY, COLLADA) as a world: every mesh of its scene is a solid.
 
+    In the map and for the lidar a mesh is as it is. In MuJoCo, which collides convex bodies alone, it is taken apart:
+    see `trundle.convex`.
+
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; none means what the format says (glTF: y; COLLADA: as in the file), z
-            for OBJ, STL and PLY, which do not say.
-        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; none means what the format says (glTF:
-            m; COLLADA: as in the file), m for OBJ, STL and PLY, which do not say.
+        up: The file's upward axis, "y" or "z"; none means what the format says, see `trundle.meshfile.read_mesh`.
+        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; none means what the format says.
 
     Raises:
         WorldError: If it cannot be read, has no faces, corners that are not numbers, or a scale of 0.
@@ -72,134 +27,11 @@ def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
         MissingExtraError: If trimesh is not installed.
     """
     names = Names()
+    parts = read_mesh(path, up=up, unit=unit)
+    same = (1.0, 1.0, 1.0)
     solids = [
-        Solid(names.take(part.name), part.scaled((1.0, 1.0, 1.0)), kind="mesh", **_colored(part.color))
-        for part in read_mesh(path, up=up, unit=unit)
+        solid
+        for part in parts
+        for solid in make_solids(names, part.name, [Part(part.scaled(same))], Pose3D(), color=part.color, kind="mesh")
     ]
     return World(path.stem, tuple(solids))
-
-
-def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = None) -> list[MeshPart]:
-    """Read all meshes of a file, flattened to one frame in metres with z up; equal corners are joined.
-
-    Raises:
-        WorldError: If it cannot be read, has no faces, corners that are not numbers, or a scale of 0.
-        InputError: If an option is out of range.
-        MissingExtraError: If the library that reads it is not installed.
-    """
-    if up is not None:
-        check_choice("up", up, ("y", "z"))
-    factor = None if unit is None else _metres(unit)
-    suffix = path.suffix.lower()
-    file_up, file_unit = (
-        ("y", 1.0) if suffix in _GLTF else _read_collada_asset(path) if suffix == ".dae" else ("z", 1.0)
-    )
-    turn = (_Y_UP if (up or file_up) == "y" else np.eye(3)) * (file_unit if factor is None else factor)
-    scene = _load_scene(path)
-    parts: list[MeshPart] = []
-    nodes = sorted(scene.graph.nodes_geometry, key=str)  # trimesh's own order is that of a set
-    for node in nodes:
-        transform, geometry = scene.graph[node]
-        mesh = scene.geometry[geometry]
-        faces = getattr(mesh, "faces", None)
-        if faces is None:
-            continue  # points or lines
-        name = str(node if len(nodes) > 1 else geometry).strip() or path.stem
-        parts.append(_flatten(f"{path}: mesh {name!r}", mesh, np.asarray(transform), turn, name, str(geometry)))
-    if not parts:
-        raise WorldError(f"{path}: no mesh with faces is in it")
-    return parts
-
-
-def _flatten(where: str, mesh: Any, transform: FloatArray, turn: FloatArray, name: str, geometry: str) -> MeshPart:
-    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
-    if len(faces) == 0:
-        raise WorldError(f"{where} has no faces")
-    if not np.isfinite(vertices[np.unique(faces)]).all():
-        raise WorldError(f"{where} has corners that are not finite numbers")
-    linear = turn @ transform[:3, :3]
-    size = np.linalg.norm(linear, axis=0)
-    if not np.isfinite(transform).all() or size.min() <= 0.0 or abs(np.linalg.det(linear / size)) < 1e-9:
-        raise WorldError(f"{where} is scaled to 0, or by a transform that cannot be undone")
-    with np.errstate(over="ignore", invalid="ignore"):
-        placed = np.nan_to_num(vertices) @ linear.T + turn @ transform[:3, 3]
-    if not np.isfinite(placed).all() or np.ptp(placed, axis=0).max() <= 0.0:
-        raise WorldError(f"{where} has no extent, or an infinite one")
-    corners, index = np.unique(placed, axis=0, return_inverse=True)
-    joined = index.reshape(-1)[faces]
-    if np.linalg.det(linear) < 0.0:
-        joined = joined[:, ::-1]
-    # Triangles that the join has made into lines bound nothing.
-    kept = (joined[:, 0] != joined[:, 1]) & (joined[:, 1] != joined[:, 2]) & (joined[:, 2] != joined[:, 0])
-    if not kept.any():
-        raise WorldError(f"{where} has only faces without area")
-    used, index = np.unique(joined[kept], return_inverse=True)
-    return MeshPart(name, geometry, corners[used], index.reshape(-1, 3).astype(np.int32), _color_of(mesh))
-
-
-def _load_scene(path: Path) -> Any:
-    try:
-        import trimesh
-    except ImportError as error:
-        raise MissingExtraError("reading meshes", "trimesh", 'pip install "trundle[mesh]"') from error
-    try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
-    if size > MAX_BYTES:
-        raise WorldError(f"{path}: {size} bytes is more than a mesh file may have ({MAX_BYTES})")
-    options = {"split_objects": True} if path.suffix.lower() == ".obj" else {}
-    try:
-        return cast("Any", trimesh).load_scene(str(path), process=False, **options)
-    except Exception as error:  # readers of broken files raise whatever the bytes lead them into
-        if isinstance(error, ImportError) and error.name == "collada":
-            install = 'pip install "trundle[mesh]"'
-            raise MissingExtraError(f"reading {path.suffix} files", "pycollada", install) from error
-        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
-
-
-def _read_collada_asset(path: Path) -> tuple[str, float]:
-    """The upward axis and the unit [m] of a COLLADA file; refuses document types before another parser sees them."""
-    root = parse_xml(path, read_limited(path, error=WorldError), error=WorldError)
-    up, unit = "y", 1.0
-    for element in root.iter():
-        tag = element.tag.rpartition("}")[2].rpartition(":")[2]
-        if tag == "up_axis":
-            up = {"Z_UP": "z", "Y_UP": "y"}.get((element.text or "").strip(), "")
-            if not up:
-                raise WorldError(f"{path}: up_axis is {element.text!r}; Y_UP and Z_UP can be read")
-        elif tag == "unit" and "meter" in element.attrib:
-            unit = _metres(element.attrib["meter"])
-    return up, unit
-
-
-def _metres(unit: str | float) -> float:
-    if isinstance(unit, str) and unit in UNITS:
-        return UNITS[unit]
-    try:
-        metres = float(unit)
-    except ValueError:
-        metres = math.nan
-    if not (math.isfinite(metres) and metres > 0.0):
-        raise InputError(f"unit is {unit!r}; it must be one of {', '.join(UNITS)}, or a positive number of metres")
-    return metres
-
-
-def _color_of(mesh: Any) -> Color | None:
-    visual = getattr(mesh, "visual", None)
-    kind = getattr(visual, "kind", None)
-    if visual is None or kind is None:
-        return None
-    if kind == "texture":
-        rgba = getattr(getattr(visual, "material", None), "main_color", None)
-    else:
-        rgba = np.asarray(visual.face_colors, dtype=np.float64).mean(axis=0)
-    if rgba is None or len(rgba) != 4:
-        return None
-    red, green, blue, alpha = (float(np.clip(channel, 0.0, 255.0)) / 255.0 for channel in rgba)
-    return (red, green, blue, alpha)
-
-
-def _colored(color: Color | None) -> dict[str, Color]:
-    return {} if color is None else {"color": color}

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import warnings
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -12,7 +10,8 @@ from typing import Literal, TypeAlias
 from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
-from trundle.worlds.load import check_choice, split_folders
+from trundle.uris import Folders, split_folders
+from trundle.worlds.load import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
 from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
 from trundle.worlds.sdf_values import (
@@ -43,7 +42,7 @@ def load_sdf(
     geometry: GeometryChoice = "collision",
     movable: bool = False,
     missing: MissingChoice = "error",
-    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    paths: Folders = (),
     world: str | None = None,
 ) -> World:
     """Read an SDF world, or the models of an SDF file without one.
@@ -116,7 +115,8 @@ class _Reader:
         solids: list[Solid] = []
         for model in models:
             solids += self._place_model(model, scope, Pose3D(), "")
-        return home.get("name") or path.stem if worlds else path.stem, solids
+        name = home.get("name", "") if worlds else ""
+        return path.stem if name in ("", "default") else name, solids
 
     def remarks(self) -> list[str]:
         """What was left out."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from urllib.parse import unquote
 
 from trundle.errors import WorldError
+from trundle.meshfile import MeshPart, read_mesh
 from trundle.solids import Box, Color, Cylinder, Shape, Sphere
-from trundle.worlds.meshes import MeshPart, read_mesh
+from trundle.uris import describe_search, find_uri
 from trundle.worlds.sdf_values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
 from trundle.worlds.shapes import Part, capsule_parts, cone_mesh, ellipsoid_mesh
 from trundle.xmlfile import XmlElement
@@ -52,24 +51,8 @@ class Files:
     _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
 
     def find(self, uri: str, base: Path) -> Path | None:
-        """The file or folder that a URI names: model://, package://, file:// or a path beside the file it stands in.
-
-        Args:
-            uri: What the file says.
-            base: Folder of the file that says it.
-        """
-        scheme, mark, rest = uri.partition("://")
-        if not mark:
-            rest, scheme = uri, "file"
-        if scheme not in ("model", "package", "file"):
-            return None
-        path = Path(unquote(rest))
-        if path.is_absolute():
-            return path if path.exists() else None
-        # A model's own files are named by the model's folder, which is beside or above the file.
-        near = (base, base.parent, base.parent.parent)
-        found = (folder / path for folder in (*(near if scheme == "file" else near[1:] + near[:1]), *self.folders))
-        return next((place for place in found if place.exists()), None)
+        """The file or folder that a URI names in a file of the folder `base`; see `find_uri`."""
+        return find_uri(uri, base, self.folders)
 
     def mesh(self, path: Path) -> list[MeshPart]:
         """The meshes of a file."""
@@ -80,7 +63,7 @@ class Files:
 
     def searched(self) -> str:
         """Where it looked, for messages."""
-        return f"the file's own folder and {os.pathsep.join(map(str, self.folders)) or 'no others'}"
+        return describe_search(self.folders)
 
 
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:

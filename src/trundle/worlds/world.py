@@ -69,6 +69,7 @@ class World:
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
         | .sdf, .world | Gazebo's SDF 1.4 to 1.11 | `worlds.sdf.load_sdf` |
+        | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; what is fixed | `worlds.mjcf.load_mjcf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
         | .usd, .usda, .usdc, .usdz | OpenUSD, Isaac Sim's scenes | `worlds.usd.load_usd` |

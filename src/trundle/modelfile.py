@@ -1,0 +1,152 @@
+"""MJCF and URDF files, read with MuJoCo's MjSpec: for worlds, and for robots.
+
+MuJoCo is used here as the reader of its format: nothing is simulated.
+"""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TypeAlias, cast
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.meshfile import read_mesh
+from trundle.uris import describe_search, find_uri
+from trundle.xmlfile import XmlElement, read_limited, read_xml
+
+if TYPE_CHECKING:
+    import mujoco
+
+GeometryChoice: TypeAlias = Literal["collision", "visual"]
+
+# MuJoCo reads these itself, and needs no library for it.
+_AS_THEY_ARE = (".stl", ".obj")
+
+
+def read_spec(
+    path: Path, *, folders: tuple[Path, ...], error: type[InputError], geometry: GeometryChoice | None = None
+) -> mujoco.MjSpec:
+    """Read an MJCF or URDF file. A URDF's links stay bodies of their own, and its meshes are found and put in.
+
+    Args:
+        path: The file.
+        folders: Where package:// and model:// names are looked for, after the folders above the file.
+        error: Type of the exception.
+        geometry: Of a URDF, read only what collides, or only what is seen; none means both.
+
+    Raises:
+        InputError: Of the type `error`, if it cannot be read, is neither, or a mesh is not there.
+    """
+    import mujoco
+
+    root = read_xml(path, error=error)
+    if root.tag not in ("mujoco", "robot"):
+        raise error(f"{path}: MJCF starts with <mujoco> and URDF with <robot>, this file with <{root.tag}>")
+    try:
+        if root.tag == "mujoco":
+            return mujoco.MjSpec.from_file(os.fspath(path))
+        assets = _prepare_urdf(path, root, folders, error, geometry)
+        return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), assets=assets)
+    except (ValueError, mujoco.FatalError) as problem:
+        if isinstance(problem, InputError):
+            raise
+        raise error(f"{path}: MuJoCo cannot read it: {_one_line(problem)}") from problem
+
+
+def compile_spec(path: Path, spec: mujoco.MjSpec, *, error: type[InputError]) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Compile what was read, and place its bodies as the file has them.
+
+    Raises:
+        InputError: Of the type `error`, if MuJoCo cannot build it.
+    """
+    import mujoco
+
+    try:
+        model = spec.compile()
+    except (ValueError, mujoco.FatalError) as problem:
+        raise error(f"{path}: MuJoCo cannot build it: {_one_line(problem)}") from problem
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    return model, data
+
+
+def drop_textures(spec: mujoco.MjSpec) -> None:
+    """Take out pictures and skins, which need not be there; the materials' colours stay."""
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for assets in (spec.skins, spec.textures):
+        for asset in list(assets):
+            spec.delete(asset)
+
+
+def _one_line(problem: BaseException) -> str:
+    return " ".join(str(problem).split())
+
+
+def _prepare_urdf(
+    path: Path,
+    robot: XmlElement,
+    folders: tuple[Path, ...],
+    error: type[InputError],
+    geometry: GeometryChoice | None,
+) -> dict[str, bytes]:
+    """Change a URDF in place so that MuJoCo takes it as it is meant; return its meshes by their new names."""
+    if any(element.tag.startswith("xacro:") for element in robot.iter()):
+        raise error(f"{path}: this is a xacro file; expand it first: xacro {path.name} > robot.urdf")
+    for extension in robot.findall("mujoco"):
+        robot.remove(extension)
+    # Else links on fixed joints lose their names, what is seen is dropped, and folders of meshes are cut off.
+    settings = {"fusestatic": "false", "discardvisual": "false", "strippath": "false", "balanceinertia": "true"}
+    ElementTree.SubElement(ElementTree.SubElement(robot, "mujoco"), "compiler", settings)
+    unwanted = {"collision": "visual", "visual": "collision"}.get(geometry or "")
+    for link in robot.iter("link"):
+        for element in link.findall(unwanted) if unwanted else []:
+            link.remove(element)
+    assets: dict[str, bytes] = {}
+    names: dict[Path, str] = {}
+    for element in robot.iter("mesh"):
+        uri = element.get("filename", "").strip()
+        where = f"{path}:{cast('XmlElement', element).line}"
+        _check_scale(where, element, error)
+        found = find_uri(uri, path.parent, folders)
+        if found is None or not found.is_file():
+            raise error(f"{where}: the mesh {uri!r} was not found in {describe_search(folders)}; name it with paths=…")
+        key = found.resolve()
+        if key not in names:
+            stem = f"mesh{len(names)}"
+            names[key], content = _mesh_asset(where, found, stem, error)
+            assets[names[key]] = content
+        element.set("filename", names[key])
+    return assets
+
+
+def _check_scale(where: str, element: ElementTree.Element, error: type[InputError]) -> None:
+    words = element.get("scale", "1 1 1").split()
+    try:
+        numbers = np.array([float(word) for word in words])
+    except ValueError:
+        numbers = np.zeros(0)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all() or (numbers == 0.0).any():
+        raise error(f"{where}: a mesh's scale must be three numbers, none of them 0, got {' '.join(words)[:80]!r}")
+
+
+def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> tuple[str, bytes]:
+    """A mesh's name and content for MuJoCo, turned into binary STL where MuJoCo cannot read it itself."""
+    suffix = path.suffix.lower()
+    if suffix in _AS_THEY_ARE:
+        content = read_limited(path, error=error)
+        if not (suffix == ".stl" and content[:5] == b"solid"):
+            return stem + suffix, content
+    try:
+        parts = read_mesh(path)
+    except InputError as problem:
+        raise error(f"{where}: {problem}") from problem
+    corners = np.concatenate([part.vertices[part.faces] for part in parts])
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
+    triangles = np.zeros(len(corners), dtype=record)
+    triangles["corners"] = corners
+    return stem + ".stl", bytes(80) + np.uint32(len(corners)).tobytes() + triangles.tobytes()

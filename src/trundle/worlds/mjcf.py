@@ -1,0 +1,147 @@
+"""Worlds in MJCF, MuJoCo's format, and in URDF: what is fixed in them."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from trundle.errors import WorldError, WorldWarning
+from trundle.geometry import Pose3D
+from trundle.modelfile import GeometryChoice, compile_spec, drop_textures, read_spec
+from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
+from trundle.uris import Folders, split_folders
+from trundle.worlds.load import check_choice
+from trundle.worlds.shapes import Names, Part, capsule_parts, ellipsoid_mesh, height_field_mesh, make_solids
+from trundle.worlds.world import World
+
+if TYPE_CHECKING:
+    import mujoco
+
+_COLLIDES, _SHOWN = 1, 2
+
+
+def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Folders = ()) -> World:
+    """Read an MJCF or URDF file as a world: the geometry that no joint moves, where it stands in the file.
+
+    Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours; planes
+    are floors and left out. What joints move is left out with a warning.
+
+    Args:
+        path: The file.
+        geometry: Whether solids are what collides (MJCF: geoms with a contype or conaffinity) or what is seen (MJCF:
+            geoms of the groups 0 to 2, which MuJoCo shows).
+        paths: Folders in which package:// and model:// names are looked for, after those above the file.
+
+    Raises:
+        WorldError: If it cannot be read, or a mesh is not there.
+        InputError: If an option is out of range.
+        MissingExtraError: If it has meshes that need trimesh, and that is not installed.
+
+    Warns:
+        WorldWarning: Where moving parts were left out.
+    """
+    check_choice("geometry", geometry, ("collision", "visual"))
+    spec = read_spec(path, folders=split_folders(paths), error=WorldError, geometry=geometry)
+    _simplify(spec)
+    model, data = compile_spec(path, spec, error=WorldError)
+    wanted = _SHOWN if geometry == "visual" else _COLLIDES
+    names = Names()
+    solids: list[Solid] = []
+    moving: list[str] = []
+    for geom in range(model.ngeom):
+        if not int(model.geom_group[geom]) & wanted:
+            continue
+        body = int(model.geom_bodyid[geom])
+        if model.body_weldid[body] != 0:
+            moving.append(model.body(int(model.body_rootid[body])).name or "unnamed")
+            continue
+        pose = Pose3D.from_matrix(_matrix(data.geom_xpos[geom], data.geom_xmat[geom]))
+        parts = _parts(model, geom)
+        solids += make_solids(names, _name(model, geom, body), parts, pose, color=_color(model, geom), kind="model")
+    if moving:
+        left_out = ", ".join(dict.fromkeys(moving))
+        warnings.warn(
+            f"{path}: what joints move was left out: {len(moving)} geoms of {left_out}", WorldWarning, stacklevel=2
+        )
+    return World(spec.modelname if spec.modelname not in ("", "MuJoCo Model") else path.stem, tuple(solids))
+
+
+def _simplify(spec: mujoco.MjSpec) -> None:
+    """Keep what matters of geometry that stands still, so that nothing else can fail; note in the groups what it is."""
+    import mujoco
+
+    drop_textures(spec)
+    for geom in spec.geoms:
+        collides = _COLLIDES if geom.contype or geom.conaffinity else 0
+        shown = _SHOWN if geom.group <= 2 else 0
+        geom.group = collides | shown
+        geom.contype = geom.conaffinity = 0
+    for body in spec.bodies:
+        body.mass, body.explicitinertial = 1.0, True
+        body.inertia, body.ipos = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+        body.fullinertia = (float("nan"),) * 6
+    for mesh in spec.meshes:
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+
+
+def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = position, rotation.reshape(3, 3)
+    return matrix
+
+
+def _name(model: mujoco.MjModel, geom: int, body: int) -> str:
+    """The geom's name; else its body's, else its mesh's, else what it is."""
+    import mujoco
+
+    own = model.geom(geom).name
+    if own or body != 0:
+        return own or model.body(body).name or "body"
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+        return model.mesh(int(model.geom_dataid[geom])).name
+    return mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
+
+
+def _color(model: mujoco.MjModel, geom: int) -> Color:
+    material = int(model.geom_matid[geom])
+    red, green, blue, alpha = (model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]).tolist()
+    return (red, green, blue, alpha)
+
+
+def _parts(model: mujoco.MjModel, geom: int) -> list[Part]:
+    import mujoco
+
+    x, y, z = model.geom_size[geom].tolist()
+    match mujoco.mjtGeom(int(model.geom_type[geom])):
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            return [Part(Box((2.0 * x, 2.0 * y, 2.0 * z)))]
+        case mujoco.mjtGeom.mjGEOM_CYLINDER:
+            return [Part(Cylinder(x, 2.0 * y))]
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return [Part(Sphere(x))]
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return capsule_parts(x, 2.0 * y)
+        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            return [Part(ellipsoid_mesh((x, y, z)))]
+        case mujoco.mjtGeom.mjGEOM_MESH | mujoco.mjtGeom.mjGEOM_SDF:
+            return [Part(_mesh(model, int(model.geom_dataid[geom])))]
+        case mujoco.mjtGeom.mjGEOM_HFIELD:
+            return [Part(_height_field(model, int(model.geom_dataid[geom])))]
+        case _:
+            return []
+
+
+def _mesh(model: mujoco.MjModel, mesh: int) -> Mesh:
+    first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+    face, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+    return Mesh(model.mesh_vert[first : first + count], model.mesh_face[face : face + faces])
+
+
+def _height_field(model: mujoco.MjModel, field: int) -> Mesh:
+    rows, cols, first = (int(values[field]) for values in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr))
+    half_x, half_y, top, base = model.hfield_size[field].tolist()
+    heights = model.hfield_data[first : first + rows * cols].reshape(rows, cols).astype(np.float64) * top
+    return height_field_mesh(heights, (half_x, half_y), -base)
