@@ -17,6 +17,7 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.solids import Color, Solid
+from trundle.worlds.checks import check_number, check_seed, check_size, check_whole
 from trundle.worlds.props import (
     CARTONS,
     SAFETY_YELLOW,
@@ -105,13 +106,13 @@ def generate_warehouse(
     Raises:
         WorldError: If a value is out of range, or the floor has no room for two rows of racks with their aisles.
     """
-    seed = _check_whole("seed", seed, 0, 2**63 - 1)
-    levels = _check_whole("levels", levels, 1, 6)
-    aisle_width = _check_number("aisle_width", aisle_width, 1.0, 10.0)
-    fill = _check_number("fill", fill, 0.0, 1.0)
-    clutter = _check_number("clutter", clutter, 0.0, 3.0)
-    wall_height = _check_number("wall_height", wall_height, 0.7, 20.0)
-    layout = _lay_out(_check_size(size), aisle_width)
+    seed = check_seed("warehouse", seed)
+    levels = check_whole("warehouse", "levels", levels, 1, 6)
+    aisle_width = check_number("warehouse", "aisle_width", aisle_width, 1.0, 10.0)
+    fill = check_number("warehouse", "fill", fill, 0.0, 1.0)
+    clutter = check_number("warehouse", "clutter", clutter, 0.0, 3.0)
+    wall_height = check_number("warehouse", "wall_height", wall_height, 0.7, 20.0)
+    layout = _lay_out(check_size("warehouse", size, 1.0, MAX_SIZE), aisle_width)
     rng = np.random.default_rng(seed)
     solids = _walls(layout.floor, wall_height)
     number = 0
@@ -126,30 +127,6 @@ def generate_warehouse(
     solids += _Clutter(layout, rng).scatter(clutter)
     seeds = (((layout.field.x1 + layout.floor.x1) / 2.0, 0.0),)
     return World("warehouse", tuple(solids), seeds)
-
-
-def _check_number(name: str, value: float, low: float, high: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not (math.isfinite(number) and low <= number <= high):
-        raise WorldError(f"warehouse: {name} must be a number from {low:g} to {high:g}, got {value!r}")
-    return number
-
-
-def _check_whole(name: str, value: int, low: int, high: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise WorldError(f"warehouse: {name} must be a whole number from {low} to {high}, got {value!r}")
-    return int(value)
-
-
-def _check_size(size: Sequence[float]) -> tuple[float, float]:
-    try:
-        length, width = size
-    except (TypeError, ValueError):
-        raise WorldError(f"warehouse: size must be two numbers of metres, along x and y, got {size!r}") from None
-    return _check_number("size along x", length, 1.0, MAX_SIZE), _check_number("size along y", width, 1.0, MAX_SIZE)
 
 
 def _run_length(bays: int) -> float:

@@ -19,7 +19,14 @@ Unknown: TypeAlias = Literal["solid", "free"]
 WORLDS = Registry(
     "world",
     "trundle.worlds",
-    {"warehouse": "trundle.worlds.warehouse:generate_warehouse"},
+    {
+        "corridors": "trundle.worlds.corridors:generate_corridors",
+        "cylinders": "trundle.worlds.cylinders:generate_cylinders",
+        "lot": "trundle.worlds.lot:generate_lot",
+        "maze": "trundle.worlds.maze:generate_maze",
+        "office": "trundle.worlds.office:generate_office",
+        "warehouse": "trundle.worlds.warehouse:generate_warehouse",
+    },
 )
 
 

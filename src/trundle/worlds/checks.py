@@ -1,0 +1,92 @@
+"""Checks of the options that worlds are generated with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from trundle.errors import WorldError
+
+
+def check_number(world: str, name: str, value: float, low: float, high: float) -> float:
+    """Return a finite number from `low` to `high`.
+
+    Raises:
+        WorldError: If it is none; the message names the world and the option.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if isinstance(value, bool) or not (math.isfinite(number) and low <= number <= high):
+        raise WorldError(f"{world}: {name} must be a number from {low:g} to {high:g}, got {value!r}")
+    return number
+
+
+def check_whole(world: str, name: str, value: int, low: int, high: int) -> int:
+    """Return a whole number from `low` to `high`.
+
+    Raises:
+        WorldError: If it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+        raise WorldError(f"{world}: {name} must be a whole number from {low} to {high}, got {value!r}")
+    return int(value)
+
+
+def check_seed(world: str, seed: int) -> int:
+    """Return a seed.
+
+    Raises:
+        WorldError: If it is no whole number of 0 or more.
+    """
+    return check_whole(world, "seed", seed, 0, 2**63 - 1)
+
+
+def check_size(
+    world: str, size: Sequence[float] | str, low: float, high: float, *, name: str = "size"
+) -> tuple[float, float]:
+    """Return two numbers of metres, along x and y; as text they have a comma between them.
+
+    Raises:
+        WorldError: If they are not two numbers from `low` to `high`.
+    """
+    try:
+        length, width = size.split(",") if isinstance(size, str) else size
+    except (TypeError, ValueError):
+        raise WorldError(f"{world}: {name} must be two numbers of metres, along x and y, got {size!r}") from None
+    return (
+        check_number(world, f"{name} along x", float_of(length), low, high),
+        check_number(world, f"{name} along y", float_of(width), low, high),
+    )
+
+
+def check_numbers(
+    world: str, name: str, values: Sequence[float] | str | float, low: float, high: float, *, most: int
+) -> tuple[float, ...]:
+    """Return one to `most` numbers; as text they have commas between them, and one number may stand alone.
+
+    Raises:
+        WorldError: If there are none or too many, or one is not from `low` to `high`.
+    """
+    items: Sequence[object]
+    if isinstance(values, str):
+        items = values.split(",")
+    else:
+        try:
+            items = list(values) if not isinstance(values, int | float) else [values]
+        except TypeError:
+            items = []
+    if not 1 <= len(items) <= most:
+        raise WorldError(f"{world}: {name} must be 1 to {most} numbers, got {values!r}")
+    return tuple(check_number(world, name, float_of(item), low, high) for item in items)
+
+
+def float_of(item: object) -> float:
+    """Read a number that may have come as text; what is none becomes NaN, which every check refuses."""
+    try:
+        return float(item)  # pyright: ignore[reportArgumentType]
+    except (TypeError, ValueError):
+        return math.nan
