@@ -234,6 +234,17 @@ class Pose3D:
         return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
+def rotation_matrices(quaternions: npt.ArrayLike) -> FloatArray:
+    """Rotation matrices, shape (N, 3, 3), of unit quaternions (w, x, y, z), shape (N, 4)."""
+    w, x, y, z = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4).T
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
 def path_length(points: npt.ArrayLike) -> float:
     """Length [m] of a polyline, shape (N, 2) or more columns (the first two count)."""
     array = np.asarray(points, dtype=np.float64)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from itertools import chain
+from typing import Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import WorldError
-from trundle.geometry import FloatArray, Pose3D
+from trundle.geometry import FloatArray, Pose3D, rotation_matrices
 
 Color: TypeAlias = tuple[float, float, float, float]
 
@@ -65,8 +67,8 @@ class Mesh:
     faces: npt.NDArray[np.int32]
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64, copy=True)
-        faces = np.array(self.faces, dtype=np.int32, copy=True)
+        vertices = np.array(self.vertices, dtype=np.float64, order="C", copy=True)
+        faces = np.array(self.faces, dtype=np.int32, order="C", copy=True)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
             raise WorldError(f"a mesh needs finite vertices of shape (V, 3), got {vertices.shape}")
         if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
@@ -139,8 +141,10 @@ class Solid:
             case Sphere(radius):
                 reach = np.full(3, radius)
             case Mesh(vertices, _):
-                points = self.pose.transform_points(vertices)
-                return points.min(axis=0), points.max(axis=0)
+                # Axis by axis: a large mesh needs no copy of all its vertices.
+                reaches = [(along.min(), along.max()) for along in (vertices @ row for row in rotation)]
+                low, high = np.array(reaches).T
+                return centre + low, centre + high
             case OccupancyCells(blocked, resolution, height):
                 rows, cols = blocked.shape
                 extent = np.array([cols * resolution, rows * resolution, height])
@@ -148,3 +152,70 @@ class Solid:
                 points = self.pose.transform_points(corners)
                 return points.min(axis=0), points.max(axis=0)
         return centre - reach, centre + reach
+
+
+@dataclass(frozen=True, slots=True)
+class SolidArrays:
+    """Poses and sizes of N solids of one kind, for work on all of them at once.
+
+    Attributes:
+        positions: [m], shape (N, 3).
+        rotations: Rotation matrices, shape (N, 3, 3).
+        sizes: The numbers of a box, a cylinder or a sphere in their order [m], shape (N, 3), (N, 2) or (N, 1); of other
+            shapes none, (N, 0).
+    """
+
+    positions: FloatArray
+    rotations: FloatArray
+    sizes: FloatArray
+
+    @classmethod
+    def of(cls, solids: Sequence[Solid]) -> Self:
+        """Gather solids of one kind."""
+        numbers = [_numbers(solid.shape) for solid in solids]
+        return cls(
+            _table([solid.pose.position for solid in solids], 3),
+            rotation_matrices(_table([solid.pose.quaternion for solid in solids], 4)),
+            _table(numbers, len(numbers[0]) if numbers else 0),
+        )
+
+
+def _numbers(shape: Shape) -> tuple[float, ...]:
+    match shape:
+        case Box():
+            return shape.size
+        case Cylinder():
+            return (shape.radius, shape.length)
+        case Sphere():
+            return (shape.radius,)
+        case _:
+            return ()
+
+
+def _table(rows: Sequence[Sequence[float]], width: int) -> FloatArray:
+    return np.fromiter(chain.from_iterable(rows), dtype=np.float64, count=len(rows) * width).reshape(len(rows), width)
+
+
+def solids_bounds(solids: Sequence[Solid]) -> tuple[FloatArray, FloatArray]:
+    """Axis-aligned bounds (low, high) [m] of each solid, each of shape (N, 3)."""
+    lows, highs = np.empty((len(solids), 3)), np.empty((len(solids), 3))
+    plain: dict[type[Shape], list[int]] = {Box: [], Cylinder: [], Sphere: []}
+    for index, solid in enumerate(solids):
+        if type(solid.shape) in plain:
+            plain[type(solid.shape)].append(index)
+        else:
+            lows[index], highs[index] = solid.bounds()
+    for kind, indices in plain.items():
+        if not indices:
+            continue
+        arrays = SolidArrays.of([solids[index] for index in indices])
+        if kind is Box:
+            reach = (np.abs(arrays.rotations) @ (arrays.sizes / 2.0)[:, :, None])[:, :, 0]
+        elif kind is Cylinder:
+            axis = arrays.rotations[:, :, 2]
+            rim = np.sqrt(np.maximum(0.0, 1.0 - axis**2))
+            reach = np.abs(axis) * arrays.sizes[:, 1:] / 2.0 + arrays.sizes[:, :1] * rim
+        else:
+            reach = np.broadcast_to(arrays.sizes, (len(indices), 3))
+        lows[indices], highs[indices] = arrays.positions - reach, arrays.positions + reach
+    return lows, highs

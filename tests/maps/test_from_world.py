@@ -165,22 +165,91 @@ def cube_mesh(edge: float) -> Mesh:
     return Mesh(corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]))
 
 
-def test_a_closed_mesh_is_a_shell_with_unknown_inside():
-    grid = occupied((cube_mesh(1.02), Pose3D.planar(0.0, 0.0, 0.5)))
-    assert extent(grid) == (-0.55, -0.55, 0.55, 0.55)
+def turned_inwards(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.vertices, mesh.faces[:, ::-1])
+
+
+def sheet(*corners) -> Mesh:
+    """A quad without thickness."""
+    return Mesh(np.array(corners), [[0, 1, 2], [0, 2, 3]])
+
+
+WALL = sheet([0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.5, 1.0], [0.0, -0.5, 1.0])
+
+
+@pytest.mark.parametrize("coverage", ["any", "centre"])
+def test_a_closed_mesh_is_solid(coverage):
+    pose = Pose3D.planar(0.013, 0.0, 0.5, 0.3)
+    mesh, box = (occupied((shape, pose), coverage=coverage) for shape in (cube_mesh(1.02), Box((1.02, 1.02, 1.02))))
+    assert np.array_equal(mesh.data, box.data)
+    assert {0, 100} == set(np.unique(mesh.data))
+
+
+@pytest.mark.parametrize("coverage", ["any", "centre"])
+def test_a_room_whose_faces_look_inward_is_empty(coverage):
+    for edge, inside in ((2.02, 40 * 40), (2.0, 38 * 38)):
+        grid = occupied(
+            (turned_inwards(cube_mesh(edge)), Pose3D.planar(0.0, 0.0, 0.5)), coverage=coverage, seeds=[(0, 0)]
+        )
+        assert extent(grid) == (-1.05, -1.05, 1.05, 1.05)
+        assert (grid.data == 0).sum() == inside
+        assert grid.data[0, 0] == -1
+
+
+def test_a_room_with_furniture_in_one_mesh_keeps_both():
+    room, desk = turned_inwards(cube_mesh(3.0)), cube_mesh(0.98)
+    both = Mesh(np.concatenate([room.vertices, desk.vertices]), np.concatenate([room.faces, desk.faces + 8]))
+    grid = occupied((both, Pose3D.planar(0.0, 0.0, 0.5)), seeds=[(1.0, 1.0)])
+    assert (grid.data[30:50, 30:50] != 0).all()
+    assert (grid.data == 0).sum() == 58 * 58 - 20 * 20
+
+
+def test_a_sheet_of_two_sides_between_two_cells_is_not_lost():
+    two_sided = Mesh(WALL.vertices, [[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
+    assert extent(occupied((two_sided, Pose3D()))) == (-0.05, -0.55, 0.05, 0.55)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi / 2, math.pi])
+def test_a_thin_part_of_a_thick_mesh_between_two_cells_is_not_lost(turn):
+    # A cube of 0.4 m with a fin of no thickness along x = 0.
+    fin = sheet([0.0, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 1.5, 1.0], [0.0, 0.0, 1.0])
+    cube, fins = cube_mesh(0.4), np.concatenate([fin.faces, fin.faces[:, ::-1]]) + 8
+    mesh = Mesh(np.concatenate([cube.vertices, fin.vertices]), np.concatenate([cube.faces, fins]))
+    grid = occupied((mesh, Pose3D.planar(0.0, 0.0, 0.5, turn)))
+    assert count(grid) == 8 * 8 + 2 * 26
+    wide = {0.0: (-0.2, -0.2, 0.2, 1.5), math.pi / 2: (-1.5, -0.2, 0.2, 0.2), math.pi: (-0.2, -1.5, 0.2, 0.2)}
+    assert extent(grid) == wide[turn]
+
+
+@pytest.mark.parametrize("size", [(1e-7, 2.0, 1.0), (2.0, 1e-7, 1.0), (1e-7, 1e-7, 1.0)])
+def test_a_box_of_less_than_two_micrometres_between_two_cells_is_not_lost(size):
+    for shape in (Box(size), Mesh(cube_mesh(1.0).vertices * size, cube_mesh(1.0).faces)):
+        grid = occupied((shape, Pose3D.planar(0.0, 0.0, 0.5)), bounds=((-2.0, -2.0), (2.0, 2.0)))
+        if size[0] != size[1]:
+            assert (grid.data == 100).any(axis=1 if size[1] == 2.0 else 0).sum() >= 40
+        else:
+            assert count(grid) == 4
+
+
+def test_an_open_mesh_is_a_surface_and_is_told_by_name():
+    open_box = Mesh(cube_mesh(1.02).vertices, cube_mesh(1.02).faces[:-1])
+    solids = [Solid("crate", open_box, Pose3D.planar(0.0, 0.0, 0.5)), Solid("high", open_box, Pose3D((0.0, 0.0, 5.0)))]
+    with pytest.warns(MapWarning, match=r"not watertight.*: 'crate'\. Close") as caught:
+        grid = OccupancyGrid.from_world(Room(solids), bounds=FIELD)
+    assert caught[0].filename == __file__
+    assert len(caught) == 1
     assert count(grid) == 22 * 22 - 20 * 20
     assert grid.data[40, 40] == -1
-    assert grid.data[0, 0] == 0
 
 
-def test_a_surface_counts_in_every_cell_that_it_touches():
-    wall = Mesh(
-        np.array([[0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.5, 1.0], [0.0, -0.5, 1.0]]), [[0, 1, 2], [0, 2, 3]]
-    )
-    assert extent(occupied((wall, Pose3D()))) == (-0.05, -0.55, 0.05, 0.55)
-    assert extent(occupied((wall, Pose3D.planar(0.01, 0.01)))) == (0.0, -0.5, 0.05, 0.55)
+@pytest.mark.filterwarnings("ignore:not watertight")
+@pytest.mark.parametrize("coverage", ["any", "centre"])
+def test_a_surface_counts_in_every_cell_that_it_touches(coverage):
+    assert extent(occupied((WALL, Pose3D()), coverage=coverage)) == (-0.05, -0.55, 0.05, 0.55)
+    assert extent(occupied((WALL, Pose3D.planar(0.01, 0.01)), coverage=coverage)) == (0.0, -0.5, 0.05, 0.55)
 
 
+@pytest.mark.filterwarnings("ignore:not watertight")
 def test_a_mesh_is_cut_to_the_band():
     # A triangle that stands on its tip at z = 0 and is 2 m wide at z = 1.
     mesh = Mesh(np.array([[0.0, 0.01, 0.0], [-1.0, 0.01, 1.0], [1.0, 0.01, 1.0]]), [[0, 1, 2]])
@@ -281,6 +350,9 @@ def test_solids_that_cross_the_bounds_are_cut_off():
         ({"bounds": (0, 0, 1, 1)}, "bounds must be"),
         ({"coverage": "half"}, "coverage is 'half'"),
         ({"margin": -1.0}, "margin"),
+        ({"style": "ros"}, "style is 'ros'"),
+        ({"style": "isaac", "coverage": "centre"}, "leave coverage"),
+        ({"floor_z": math.nan}, "floor_z"),
     ],
 )
 def test_arguments_that_cannot_be_are_refused(options, message):
@@ -297,6 +369,39 @@ def test_a_world_without_solids_or_without_any_in_the_band_is_told():
     with pytest.warns(MapWarning, match=r"heights 2 to 3 m \(the solids span heights 0 to 1 m\)") as caught:
         OccupancyGrid.from_world(World("walls", tuple(WALLS)), z_range=(2.0, 3.0))
     assert caught[0].filename == __file__
+
+
+def test_the_floor_may_lie_elsewhere():
+    walls = [Solid(w.name, w.shape, Pose3D((*w.pose.position[:2], w.pose.position[2] - 7.3))) for w in WALLS]
+    ground, below = OccupancyGrid.from_world(Room(WALLS)), OccupancyGrid.from_world(Room(walls), floor_z=-7.3)
+    assert np.array_equal(ground.data, below.data)
+
+
+def test_the_style_of_isaac_sim():
+    box = (Box((1.0, 1.0, 1.0)), Pose3D.planar(0.0, 0.0, 0.5))
+    assert count(occupied(box, style="isaac")) == 22 * 22
+    # Its box for a cell is half a cell higher than the band, so 0.02 m above it still counts.
+    beam = (Box((1.0, 1.0, 0.1)), Pose3D.planar(0.0, 0.0, 0.62 + 0.02 + 0.05))
+    assert count(occupied(beam, style="isaac")) == 22 * 22
+    with pytest.warns(MapWarning, match="no obstacle"):
+        assert count(occupied(beam)) == 0
+    hollow = occupied((cube_mesh(1.02), Pose3D.planar(0.0, 0.0, 0.5)), style="isaac")
+    assert count(hollow) == 22 * 22 - 20 * 20
+
+
+def test_the_half_cell_origin_is_the_centre_of_the_corner_cell():
+    plain, shifted = (OccupancyGrid.from_world(Room(WALLS), half_cell_origin=half) for half in (False, True))
+    assert plain.origin == Pose2D(-2.0, -2.0)
+    assert shifted.origin == Pose2D(-1.975, -1.975)
+    assert np.array_equal(plain.data, shifted.data)
+
+
+def test_a_solid_far_away_by_mistake_is_named():
+    lost = [*WALLS, Solid("lost", Box((1.0, 1.0, 1.0)), Pose3D.planar(10_000.0, 1.0, 0.5))]
+    with pytest.raises(MapError, match=r"more than 400000000 cells.*'lost' reaches farthest, x 9999.5 to 10000.5"):
+        OccupancyGrid.from_world(Room([*lost, Solid("far", Box((1.0, 1.0, 1.0)), Pose3D.planar(0.0, 9_000.0, 0.5))]))
+    with pytest.warns(MapWarning, match="10002 x 4 m large: 'lost' reaches farthest"):
+        OccupancyGrid.from_world(Room(lost), resolution=0.5)
 
 
 def test_the_warehouse_has_a_map():

@@ -15,7 +15,8 @@ from trundle._core._kernels import (
     raster_discs,
     raster_hexahedra,
     raster_hulls,
-    raster_triangles,
+    raster_mesh,
+    raster_thin_faces,
     shortcut,
 )
 
@@ -34,6 +35,7 @@ __all__ = [
     "raster_discs",
     "raster_hexahedra",
     "raster_hulls",
-    "raster_triangles",
+    "raster_mesh",
+    "raster_thin_faces",
     "shortcut",
 ]

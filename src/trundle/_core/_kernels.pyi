@@ -64,15 +64,36 @@ def raster_hulls(
 def raster_discs(
     cells: npt.NDArray[np.int8], discs: npt.NDArray[np.float64], resolution: float, depth: float, centre: bool
 ) -> None: ...
-def raster_triangles(
+def raster_mesh(
     cells: npt.NDArray[np.int8],
     vertices: npt.NDArray[np.float64],
     faces: npt.NDArray[np.int32],
+    transform: npt.NDArray[np.float64],
     low: float,
     high: float,
     resolution: float,
     depth: float,
-) -> None: ...
+    centre: bool,
+    fill: bool,
+) -> tuple[bool, bool, npt.NDArray[np.int32]]:
+    """Mark a mesh between two heights; `transform` has shape (3, 4).
+
+    Returns whether it is closed (only asked with `fill`), whether any of it lies there, and the faces of a closed mesh
+    that lie between two cells, for `raster_thin_faces`.
+    """
+
+def raster_thin_faces(
+    cells: npt.NDArray[np.int8],
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    transform: npt.NDArray[np.float64],
+    low: float,
+    high: float,
+    resolution: float,
+    depth: float,
+) -> None:
+    """Make 99 of the cells on both sides of such faces where the cell behind is not 100: walls without thickness."""
+
 def cast_grid_rays(
     blocked: npt.NDArray[np.uint8], x: float, y: float, angles: npt.NDArray[np.float64], reach: float
 ) -> npt.NDArray[np.float64]:

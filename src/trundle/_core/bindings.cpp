@@ -12,6 +12,7 @@ void bind_line_of_sight(nb::module_ &m);
 void bind_outline_rays(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
+void bind_raster_mesh(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
@@ -25,5 +26,6 @@ NB_MODULE(_kernels, m) {
   bind_outline_rays(m);
   bind_png_filter(m);
   bind_raster(m);
+  bind_raster_mesh(m);
   bind_zbuffer(m);
 }

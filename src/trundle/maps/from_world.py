@@ -5,21 +5,28 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle._core import flood_free, flood_largest
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
-from trundle.maps.rasterise import DEPTH, HeightBand, SolidRaster
-from trundle.solids import Solid
+from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
+from trundle.solids import Solid, solids_bounds
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
+Style: TypeAlias = Literal["exact", "isaac"]
 
 MIN_RESOLUTION = 1e-4
+FAR = 2_000.0
+"""A wider world [m] is warned of: often its unit is not the metre, or a solid is far away by mistake."""
+
+_NAMES_SHOWN = 5
 
 
 class SolidWorld(Protocol):
@@ -41,14 +48,31 @@ class SolidWorld(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where the cells lie: lower-left corner [m] of cell (0, 0), and (rows, cols)."""
+
+    resolution: float
+    corner: tuple[float, float]
+    shape: tuple[int, int]
+
+    def describe(self) -> str:
+        x, y = self.corner
+        width, height = self.shape[1] * self.resolution, self.shape[0] * self.resolution
+        return f"x {x:g} to {x + width:g}, y {y:g} to {y + height:g}"
+
+
 def rasterise_world(
     world: SolidWorld,
     *,
     resolution: float = 0.05,
     z_range: tuple[float, float] = (0.10, 0.62),
+    floor_z: float = 0.0,
     bounds: Bounds | None = None,
     seeds: Sequence[tuple[float, float]] | None = None,
     coverage: Coverage = "any",
+    style: Style = "exact",
+    half_cell_origin: bool = False,
     margin: float = 0.0,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
@@ -57,31 +81,45 @@ def rasterise_world(
         raise MapError(f"resolution must be at least {MIN_RESOLUTION} m a cell, got {resolution}")
     if coverage not in ("any", "centre"):
         raise MapError(f'coverage is {coverage!r}, it must be "any" or "centre"')
+    if style not in ("exact", "isaac"):
+        raise MapError(f'style is {style!r}, it must be "exact" or "isaac"')
+    if style == "isaac" and coverage != "any":
+        raise MapError('style="isaac" marks every cell that is touched: leave coverage at "any"')
     if not (math.isfinite(margin) and margin >= 0.0):
         raise MapError(f"margin must be a number of metres of at least 0, got {margin}")
-    band = _check_band(z_range)
-    origin, shape = _lay_out(world, resolution, bounds, margin, max_cells)
-    cells = np.full(shape, UNKNOWN, dtype=np.int8)
-    raster = SolidRaster(cells, resolution, origin, band, centre=coverage == "centre")
-    raster.add(world.solids)
-    if not (cells == OCCUPIED).any():
-        _warn_of_nothing(world, z_range)
-    grid_origin = Pose2D(*origin)
-    _free_from_seeds(cells, _choose_seeds(world, seeds, resolution, origin, shape), resolution, origin)
-    return OccupancyGrid(cells, resolution, grid_origin)
+    band = _choose_band(z_range, floor_z, resolution, style)
+    remarks: list[str] = []
+    layout = _lay_out(world, resolution, bounds, margin, max_cells, remarks)
+    points = _choose_seeds(world, seeds, layout)
+    cells = _mark_solids(world, layout, band, coverage, style, remarks)
+    _free_from_seeds(cells, points, layout, band)
+    for remark in remarks:
+        warnings.warn(remark, MapWarning, stacklevel=3)
+    shift = resolution / 2.0 if half_cell_origin else 0.0
+    return OccupancyGrid(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift))
 
 
-def _check_band(z_range: tuple[float, float]) -> HeightBand:
+def _choose_band(z_range: tuple[float, float], floor_z: float, resolution: float, style: Style) -> HeightBand:
     numbers = [float(height) for height in z_range]
     if len(numbers) != 2 or not all(map(math.isfinite, numbers)) or numbers[1] - numbers[0] <= 4.0 * DEPTH:
         raise MapError(f"z_range must be (lowest, highest) height in metres, lowest first, got {tuple(z_range)}")
-    return HeightBand(numbers[0], numbers[1])
+    if not math.isfinite(floor_z):
+        raise MapError(f"floor_z must be a height in metres, got {floor_z}")
+    low, high = numbers[0] + floor_z, numbers[1] + floor_z
+    if style == "isaac":
+        # Isaac Sim's generator asks for overlaps with a box of half extents (cell/2, cell/2, Δz/2 + cell/2) a cell.
+        return HeightBand(low - resolution / 2.0, high + resolution / 2.0, TOUCH)
+    return HeightBand(low, high)
 
 
 def _lay_out(
-    world: SolidWorld, resolution: float, bounds: Bounds | None, margin: float, max_cells: int
-) -> tuple[tuple[float, float], tuple[int, int]]:
-    """The lower-left corner [m] and (rows, cols)."""
+    world: SolidWorld,
+    resolution: float,
+    bounds: Bounds | None,
+    margin: float,
+    max_cells: int,
+    remarks: list[str],
+) -> _Layout:
     if bounds is None:
         if not world.solids:
             raise MapError("the world has no solids, so its map has no bounds: give bounds=((x, y), (x, y))")
@@ -97,58 +135,86 @@ def _lay_out(
         corner = corners[0] - margin
         count = np.maximum(np.ceil((corners[1] + margin - corner - DEPTH) / resolution), 1)
     if not np.isfinite(count).all() or count[0] * count[1] > max_cells:
+        where = f" ({_find_outlier(world)})" if bounds is None else ""
         raise MapError(
             f"a map of {count[0]:.0f} x {count[1]:.0f} cells of {resolution} m is more than {max_cells} cells: use a "
-            "larger resolution or smaller bounds, or look for a solid that is far away by mistake"
+            f"larger resolution or smaller bounds, or look for a solid that is far away by mistake{where}"
         )
-    return (float(corner[0]), float(corner[1])), (int(count[1]), int(count[0]))
+    if bounds is None and max(count) * resolution > FAR:
+        remarks.append(
+            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: {_find_outlier(world)}. "
+            "If that is a mistake, check its unit and its pose, or give bounds"
+        )
+    return _Layout(resolution, (float(corner[0]), float(corner[1])), (int(count[1]), int(count[0])))
 
 
-def _choose_seeds(
-    world: SolidWorld,
-    seeds: Sequence[tuple[float, float]] | None,
-    resolution: float,
-    origin: tuple[float, float],
-    shape: tuple[int, int],
-) -> FloatArray:
+def _find_outlier(world: SolidWorld) -> str:
+    """Which solid reaches farthest from the middle of the others, for messages."""
+    lows, highs = solids_bounds(world.solids)
+    middle = np.median((lows + highs)[:, :2] / 2.0, axis=0)
+    reach = np.maximum(middle - lows[:, :2], highs[:, :2] - middle).max(axis=1)
+    index = int(np.argmax(reach))
+    low, high = lows[index], highs[index]
+    return f"{world.solids[index].name!r} reaches farthest, x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g} m"
+
+
+def _mark_solids(
+    world: SolidWorld, layout: _Layout, band: HeightBand, coverage: Coverage, style: Style, remarks: list[str]
+) -> npt.NDArray[np.int8]:
+    """Cells that are occupied or unknown."""
+    edge = layout.resolution
+    # One cell more on each side, so that a wall on the map's border is seen from both of its sides.
+    cells = np.full((layout.shape[0] + 2, layout.shape[1] + 2), UNKNOWN, dtype=np.int8)
+    origin = (layout.corner[0] - edge, layout.corner[1] - edge)
+    raster = SolidRaster(cells, edge, origin, band, centre=coverage == "centre", fill=style == "exact")
+    raster.add(world.solids)
+    cells = cells[1:-1, 1:-1].copy()
+    if style == "exact" and raster.open_meshes:
+        names = raster.open_meshes
+        more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
+        remarks.append(
+            f"not watertight, so only the surface counts and not what is inside: "
+            f"{', '.join(map(repr, names[:_NAMES_SHOWN]))}{more}. Close the mesh's holes, or ignore this for sheets"
+        )
+    if not (cells == OCCUPIED).any():
+        remarks.append(_nothing_there(world, band))
+    return cells
+
+
+def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None, layout: _Layout) -> FloatArray:
     """Points [m], shape (N, 2): the given ones, or those of the world's that lie inside the bounds."""
     points = np.asarray(world.seeds if seeds is None else seeds, dtype=np.float64).reshape(-1, 2)
     if not np.isfinite(points).all():
         raise MapError(f"seeds must be finite points (x, y), got {points.tolist()}")
-    local = (points - origin) / resolution
-    inside = ((local >= 0.0) & (local < (shape[1], shape[0]))).all(axis=1)
+    local = (points - layout.corner) / layout.resolution
+    inside = ((local >= 0.0) & (local < layout.shape[::-1])).all(axis=1)
     if seeds is not None and not inside.all():
         x, y = points[~inside][0]
         raise MapError(
-            f"the seed ({x:g}, {y:g}) lies outside the map: x {origin[0]:g} to {origin[0] + shape[1] * resolution:g}, "
-            f"y {origin[1]:g} to {origin[1] + shape[0] * resolution:g}; give a point inside, or larger bounds"
+            f"the seed ({x:g}, {y:g}) lies outside the map: {layout.describe()}; give a point inside, or larger bounds"
         )
     return points[inside]
 
 
-def _free_from_seeds(
-    cells: np.ndarray[tuple[int, int], np.dtype[np.int8]],
-    points: FloatArray,
-    resolution: float,
-    origin: tuple[float, float],
-) -> None:
+def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _Layout, band: HeightBand) -> None:
     if len(points) == 0:
         flood_largest(cells)
         return
-    local = np.floor((points - origin) / resolution).astype(np.int64)
+    local = np.floor((points - layout.corner) / layout.resolution).astype(np.int64)
     seeds = np.ascontiguousarray(local[:, ::-1])
     for (x, y), (row, col) in zip(points, seeds, strict=True):
         if cells[row, col] == OCCUPIED:
-            raise MapError(f"the seed ({x:g}, {y:g}) lies in an obstacle; give a point that is free")
+            raise MapError(
+                f"the seed ({x:g}, {y:g}) lies in an obstacle between heights {band.low:g} and {band.high:g} m; give a "
+                "point that is free"
+            )
     flood_free(cells, seeds)
 
 
-def _warn_of_nothing(world: SolidWorld, z_range: tuple[float, float]) -> None:
+def _nothing_there(world: SolidWorld, band: HeightBand) -> str:
     low, high = world.bounds
     there = f"the solids span heights {low[2]:g} to {high[2]:g} m" if world.solids else "the world has no solids"
-    warnings.warn(
-        f"the map has no obstacle: no solid within its bounds reaches into heights {z_range[0]:g} to {z_range[1]:g} m "
-        f"({there}). Check z_range and bounds",
-        MapWarning,
-        stacklevel=4,
+    return (
+        f"the map has no obstacle: no solid within its bounds reaches into heights {band.low:g} to {band.high:g} m "
+        f"({there}). Check z_range and bounds"
     )

@@ -17,7 +17,7 @@ from trundle.maps.frame import GridFrame
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from trundle.maps.from_world import Bounds, Coverage, SolidWorld
+    from trundle.maps.from_world import Bounds, Coverage, SolidWorld, Style
     from trundle.maps.occupancy import Compat, Mode
 
 FREE = 0
@@ -91,27 +91,37 @@ class OccupancyGrid(GridFrame):
         *,
         resolution: float = 0.05,
         z_range: tuple[float, float] = (0.10, 0.62),
+        floor_z: float = 0.0,
         bounds: Bounds | None = None,
         seeds: Sequence[tuple[float, float]] | None = None,
         coverage: Coverage = "any",
+        style: Style = "exact",
+        half_cell_origin: bool = False,
         margin: float = 0.0,
         max_cells: int = MAX_CELLS,
     ) -> OccupancyGrid:
         """Make the map of a world: what stands in a height band, seen from above.
 
         A cell is occupied if a solid reaches deeper than 1 µm into it in x, y and the band (exact: no cell is missed,
-        none is added). A mesh counts as its surface, and where it touches. Of the other cells those are free that a
-        4-connected flood fill from the seeds reaches; the rest, such as the inside of a closed mesh, is unknown.
+        none is added). A mesh is solid where its faces wind around more often outwards than inwards, so a closed body
+        is filled, overlapping bodies are one, and a room whose faces look inward is empty. A mesh that is not closed is
+        its surface alone. What has no thickness counts in x and y where it touches. Of the other cells those are free
+        that a 4-connected flood fill from the seeds reaches; the rest is unknown.
 
         Args:
             world: Anything with `solids`, `bounds` and `seeds`.
             resolution: Edge of a cell [m].
-            z_range: Lowest and highest height of the band [m]; by default what Nova Carter could touch.
+            z_range: Lowest and highest height of the band above the floor [m]; by default what Nova Carter could touch.
+            floor_z: Height of the floor in the world [m].
             bounds: ((x_min, y_min), (x_max, y_max)) [m]; the lower corner is kept, the upper one moved out to whole
                 cells. By default the world's, with both corners moved out to multiples of the resolution.
-            seeds: Points (x, y) [m] that are free and reachable. By default the world's seeds inside the bounds; where
-                there is none, the largest area without obstacles is free.
-            coverage: "any", or "centre" to mark only cells whose centre is inside a solid (meshes: as for "any").
+            seeds: Points (x, y) [m] that are free and reachable; (): the largest area without obstacles. By default the
+                world's seeds inside the bounds, or the largest area where there is none.
+            coverage: "any", or "centre" to mark only cells whose centre is inside a solid. Surfaces count as for "any".
+            style: "exact" as above; "isaac" for comparison with Isaac Sim's generator: its box for each cell, which is
+                half a cell higher and lower than the band, whatever touches it counts, and meshes are surfaces.
+            half_cell_origin: Whether to give the centre of the corner cell as the origin, as Isaac Sim does and ROS
+                does not: the map is then half a cell off wherever it is read.
             margin: Added around the bounds on all sides [m].
             max_cells: The most cells to accept.
 
@@ -120,7 +130,8 @@ class OccupancyGrid(GridFrame):
                 an obstacle.
 
         Warns:
-            MapWarning: If no solid reaches into the band within the bounds.
+            MapWarning: If no solid reaches into the band within the bounds, a mesh in the band is not closed, or the
+                world is more than 2 km wide.
         """
         from trundle.maps.from_world import rasterise_world
 
@@ -128,9 +139,12 @@ class OccupancyGrid(GridFrame):
             world,
             resolution=resolution,
             z_range=z_range,
+            floor_z=floor_z,
             bounds=bounds,
             seeds=seeds,
             coverage=coverage,
+            style=style,
+            half_cell_origin=half_cell_origin,
             margin=margin,
             max_cells=max_cells,
         )

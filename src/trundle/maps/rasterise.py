@@ -1,23 +1,26 @@
-"""Solids to cells: each shape as convex pieces or discs, cut to a height band, marked by the C++ raster."""
+"""Solids to cells: each shape as convex pieces, discs or triangles, cut to a height band, marked by the C++ raster."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle._core import raster_discs, raster_hexahedra, raster_hulls, raster_triangles
+from trundle._core import raster_discs, raster_hexahedra, raster_hulls, raster_mesh, raster_thin_faces
 from trundle.geometry import FloatArray, Pose3D
 from trundle.maps.cylinder import TOLERANCE, slice_cylinder
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, SolidArrays, Sphere
 
 DEPTH = 1e-6
 """A solid must reach deeper than this into a cell [m]: float noise makes 20, 21 or 22 cells of a 1 m box otherwise."""
 
-_TOUCH = -1e-9  # A surface has no depth: it counts in every cell that it touches.
+TOUCH = -1e-9
+"""As a depth: what comes this near to a cell [m] counts."""
+
+_OCCUPIED = 100
+_PENDING = 99  # Touched by a face without thickness; see raster_thin_faces.
 _RUNS_AT_ONCE = 200_000
 # Corners of a box by the bits of their index: x, y, z.
 _CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in range(8)], dtype=np.float64)
@@ -25,119 +28,148 @@ _CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in ran
 
 @dataclass(frozen=True, slots=True)
 class HeightBand:
-    """Heights [m] in which solids count; only what reaches deeper than `DEPTH` into it."""
+    """Heights [m] in which solids count, and how deep [m] they must reach into it, and into a cell."""
 
     low: float
     high: float
+    depth: float = DEPTH
 
     @property
     def inner_low(self) -> float:
         """Lowest height that counts [m]."""
-        return self.low + DEPTH
+        return self.low + self.depth
 
     @property
     def inner_high(self) -> float:
         """Highest height that counts [m]."""
-        return self.high - DEPTH
+        return self.high - self.depth
 
 
+@dataclass(slots=True)
+class _ThinFaces:
+    """Faces of a closed mesh that lie between two cells."""
+
+    mesh: Mesh
+    transform: FloatArray
+    faces: npt.NDArray[np.int32]
+
+
+@dataclass(slots=True)
 class SolidRaster:
     """Marks solids in a grid that is aligned with the axes.
 
-    Args:
+    Attributes:
         cells: int8, shape (rows, cols), written to: 100 where there is a solid.
         resolution: Edge of a cell [m].
         origin: Lower-left corner (x, y) [m] of cell (0, 0).
         band: The heights that count.
         centre: Mark only cells whose centre is inside a solid.
+        fill: Mark what closed meshes enclose; else they are surfaces as open ones are.
+        open_meshes: Names of the meshes that reach into the band and are not closed, so that only their surface counts.
     """
 
-    def __init__(
-        self,
-        cells: npt.NDArray[np.int8],
-        resolution: float,
-        origin: tuple[float, float],
-        band: HeightBand,
-        *,
-        centre: bool = False,
-    ) -> None:
-        self._cells = cells
-        self._resolution = resolution
-        self._shift = np.array([origin[0], origin[1], 0.0])
-        self._band = band
-        self._centre = centre
+    cells: npt.NDArray[np.int8]
+    resolution: float
+    origin: tuple[float, float]
+    band: HeightBand
+    centre: bool = False
+    fill: bool = True
+    open_meshes: list[str] = field(default_factory=list)
 
     def add(self, solids: Sequence[Solid]) -> None:
-        """Mark solids of all kinds."""
-        self._add_boxes([(solid.pose, solid.shape) for solid in solids if isinstance(solid.shape, Box)])
-        discs: list[tuple[float, float, float]] = []
+        """Mark solids of all kinds; their order does not matter."""
+        boxes: list[Solid] = []
+        cylinders: list[tuple[Solid, Cylinder]] = []
+        spheres: list[Solid] = []
+        meshes: list[tuple[Solid, Mesh]] = []
         for solid in solids:
             match solid.shape:
-                case Cylinder() as shape:
-                    self._add_cylinder(shape, solid.pose, discs)
-                case Sphere(radius):
-                    self._add_sphere(radius, solid.pose, discs)
-                case Mesh() as shape:
-                    self._add_mesh(shape, solid.pose)
-                case OccupancyCells() as shape:
-                    self._add_cells(shape, solid.pose)
                 case Box():
-                    pass
-        if discs:
-            centres = np.array(discs)
-            centres[:, :2] -= self._shift[:2]
-            raster_discs(self._cells, centres, self._resolution, DEPTH, self._centre)
+                    boxes.append(solid)
+                case Cylinder():
+                    cylinders.append((solid, solid.shape))
+                case Sphere():
+                    spheres.append(solid)
+                case Mesh():
+                    meshes.append((solid, solid.shape))
+                case OccupancyCells():
+                    self._add_cells(solid.shape, solid.pose)
+        if boxes:
+            self._add_boxes(SolidArrays.of(boxes))
+        if cylinders:
+            self._add_cylinders(cylinders)
+        if spheres:
+            self._add_spheres(SolidArrays.of(spheres))
+        if meshes:
+            self._add_meshes(meshes)
 
-    def _add_boxes(self, boxes: list[tuple[Pose3D, Box]]) -> None:
-        if not boxes:
-            return
-        centres = np.array([pose.position for pose, _ in boxes])
-        rotations = _rotations(np.array([pose.quaternion for pose, _ in boxes]))
-        halves = np.array([box.size for _, box in boxes]) / 2.0
-        corners = (_CORNERS * halves[:, None, :]) @ rotations.transpose(0, 2, 1) + centres[:, None, :]
+    @property
+    def _shift(self) -> FloatArray:
+        return np.array([self.origin[0], self.origin[1], 0.0])
+
+    def _add_boxes(self, boxes: SolidArrays) -> None:
+        corners = (_CORNERS * (boxes.sizes / 2.0)[:, None, :]) @ boxes.rotations.transpose(0, 2, 1)
+        corners += (boxes.positions - self._shift)[:, None, :]
         self._add_hexahedra(corners)
 
     def _add_hexahedra(self, corners: FloatArray) -> None:
         raster_hexahedra(
-            self._cells,
-            np.ascontiguousarray(corners - self._shift),
-            self._band.inner_low,
-            self._band.inner_high,
-            self._resolution,
-            DEPTH,
-            self._centre,
+            self.cells,
+            np.ascontiguousarray(corners),
+            self.band.inner_low,
+            self.band.inner_high,
+            self.resolution,
+            self.band.depth,
+            self.centre,
         )
 
-    def _add_cylinder(self, shape: Cylinder, pose: Pose3D, discs: list[tuple[float, float, float]]) -> None:
-        axis = pose.rotation()[:, 2]
-        x, y, z = pose.position
-        if math.hypot(axis[0], axis[1]) * shape.length <= TOLERANCE:
-            if z - shape.length / 2.0 < self._band.inner_high and z + shape.length / 2.0 > self._band.inner_low:
-                discs.append((x, y, shape.radius))
-            return
-        points = slice_cylinder(shape, pose, self._band.inner_low, self._band.inner_high)
-        self._add_hulls(points - self._shift[:2], np.array([0, len(points)]), DEPTH - TOLERANCE)
+    def _add_cylinders(self, solids: list[tuple[Solid, Cylinder]]) -> None:
+        cylinders = SolidArrays.of([solid for solid, _ in solids])
+        radius, length = cylinders.sizes.T
+        axis = cylinders.rotations[:, :, 2]
+        upright = np.hypot(axis[:, 0], axis[:, 1]) * length <= TOLERANCE
+        z = cylinders.positions[:, 2]
+        there = (z - length / 2.0 < self.band.inner_high) & (z + length / 2.0 > self.band.inner_low)
+        self._add_discs(cylinders.positions[upright & there], radius[upright & there])
+        for index in np.nonzero(~upright)[0]:
+            solid, cylinder = solids[index]
+            points = slice_cylinder(cylinder, solid.pose, self.band.inner_low, self.band.inner_high)
+            self._add_hull(points - self._shift[:2])
 
-    def _add_sphere(self, radius: float, pose: Pose3D, discs: list[tuple[float, float, float]]) -> None:
-        x, y, z = pose.position
-        off = max(self._band.inner_low - z, z - self._band.inner_high, 0.0)
-        if off < radius:
-            discs.append((x, y, math.sqrt((radius - off) * (radius + off))))
+    def _add_spheres(self, spheres: SolidArrays) -> None:
+        radius, z = spheres.sizes[:, 0], spheres.positions[:, 2]
+        off = np.maximum(np.maximum(self.band.inner_low - z, z - self.band.inner_high), 0.0)
+        there = off < radius
+        half = np.sqrt((radius[there] - off[there]) * (radius[there] + off[there]))
+        self._add_discs(spheres.positions[there], half)
 
-    def _add_hulls(self, points: FloatArray, starts: npt.NDArray[np.int64], depth: float) -> None:
-        raster_hulls(self._cells, np.ascontiguousarray(points), starts, self._resolution, depth, self._centre)
+    def _add_discs(self, positions: FloatArray, radius: FloatArray) -> None:
+        discs = np.column_stack([positions[:, :2] - self._shift[:2], radius])
+        raster_discs(self.cells, discs, self.resolution, self.band.depth, self.centre)
 
-    def _add_mesh(self, mesh: Mesh, pose: Pose3D) -> None:
-        vertices = pose.transform_points(mesh.vertices) - self._shift
-        raster_triangles(
-            self._cells,
-            np.ascontiguousarray(vertices),
-            mesh.faces,
-            self._band.inner_low,
-            self._band.inner_high,
-            self._resolution,
-            _TOUCH,
-        )
+    def _add_hull(self, points: FloatArray) -> None:
+        starts = np.array([0, len(points)])
+        depth = self.band.depth - TOLERANCE
+        raster_hulls(self.cells, np.ascontiguousarray(points), starts, self.resolution, depth, self.centre)
+
+    def _add_meshes(self, solids: list[tuple[Solid, Mesh]]) -> None:
+        arrays = SolidArrays.of([solid for solid, _ in solids])
+        transforms = np.concatenate([arrays.rotations, (arrays.positions - self._shift)[:, :, None]], axis=2)
+        band = (self.band.inner_low, self.band.inner_high, self.resolution, self.band.depth)
+        thin: list[_ThinFaces] = []
+        for (solid, mesh), transform in zip(solids, transforms, strict=True):
+            closed, there, between = raster_mesh(
+                self.cells, mesh.vertices, mesh.faces, transform, *band, self.centre, self.fill
+            )
+            if there and not closed:
+                self.open_meshes.append(solid.name)
+            if len(between):
+                thin.append(_ThinFaces(mesh, transform, mesh.faces[between]))
+        # Only now is it known what stands behind these faces.
+        for part in thin:
+            raster_thin_faces(self.cells, part.mesh.vertices, part.faces, part.transform, *band)
+        if thin:
+            self.cells[self.cells == _PENDING] = _OCCUPIED
 
     def _add_cells(self, shape: OccupancyCells, pose: Pose3D) -> None:
         rows, firsts, ends = _find_runs(shape.blocked)
@@ -147,18 +179,7 @@ class SolidRaster:
             high = np.stack([ends[part], rows[part] + 1, np.zeros_like(rows[part])], axis=-1) * shape.resolution
             high[:, 2] = shape.height
             corners = np.where(_CORNERS > 0.0, high[:, None, :], low[:, None, :])
-            self._add_hexahedra(pose.transform_points(corners.reshape(-1, 3)).reshape(-1, 8, 3))
-
-
-def _rotations(quaternions: FloatArray) -> FloatArray:
-    """Rotation matrices, shape (N, 3, 3), of unit quaternions (w, x, y, z), shape (N, 4)."""
-    w, x, y, z = quaternions.T
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-    return np.moveaxis(np.array(rows), -1, 0)
+            self._add_hexahedra(pose.transform_points(corners.reshape(-1, 3)).reshape(-1, 8, 3) - self._shift)
 
 
 def _find_runs(

@@ -12,7 +12,7 @@ from trundle.errors import InputError, WorldError
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
-from trundle.solids import Solid
+from trundle.solids import Solid, solids_bounds
 
 Unknown: TypeAlias = Literal["solid", "free"]
 
@@ -114,8 +114,8 @@ class World:
         """Axis-aligned bounds (low, high) [m] of all solids, each of shape (3,); zeros for an empty world."""
         if not self.solids:
             return np.zeros(3), np.zeros(3)
-        lows, highs = zip(*(solid.bounds() for solid in self.solids), strict=True)
-        return np.min(lows, axis=0), np.max(highs, axis=0)
+        lows, highs = solids_bounds(self.solids)
+        return lows.min(axis=0), highs.max(axis=0)
 
 
 def world_names() -> list[str]:
