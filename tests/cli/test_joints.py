@@ -32,6 +32,23 @@ def test_a_urdf_is_taken_by_its_path(trundle: Trundle, tmp_path: Path) -> None:
     assert [joint["name"] for joint in done.json] == ["left"]
 
 
+def test_a_usd_file_is_taken_by_its_path(trundle: Trundle, tmp_path: Path) -> None:
+    (tmp_path / "cart.usda").write_text(
+        '#usda 1.0\ndef PhysicsRevoluteJoint "left" (prepend apiSchemas = ["PhysicsDriveAPI:angular"]) {}\n'
+    )
+    done = trundle("joints", tmp_path / "cart.usda", "--json")
+    assert done.code == 0, done.err
+    assert done.json[0] == {
+        "name": "/left",
+        "type": "continuous",
+        "axis": [1.0, 0.0, 0.0],
+        "limits": None,
+        "parent": "world",
+        "child": "world",
+        "drives": True,
+    }
+
+
 def test_an_unknown_robot_offers_the_nearest(trundle: Trundle) -> None:
     done = trundle("joints", "nova_cater")
     assert done.code == 2

@@ -7,12 +7,12 @@ from cyclopts import App
 from trundle.cli import options, output
 from trundle.cli.engine import import_engine
 
-MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf")
+MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
 
 app = App(
     name="joints",
     version_flags=[],
-    help_epilogue="Examples:\n  trundle joints nova_carter\n  trundle joints my_robot.urdf --json",
+    help_epilogue="Examples:\n  trundle joints nova_carter\n  trundle joints my_robot.usd --json",
 )
 
 
@@ -27,7 +27,7 @@ def joints(
     """List a robot's joints: name, type, axis, limits, parent, child, and which ones drive it.
 
     Args:
-        robot: A robot by name, or the path of a robot's YAML, an MJCF or a URDF.
+        robot: A robot by name, or the path of a robot's YAML, an MJCF, a URDF or a USD file.
     """
     import_engine()
     from trundle.robots import Robot

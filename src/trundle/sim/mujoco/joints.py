@@ -1,4 +1,4 @@
-"""The joints of a robot, of an MJCF file or of a URDF file."""
+"""The joints of a robot, or of an MJCF, URDF or USD file."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ from trundle.robots import Robot
 from trundle.sim.mujoco.joint import Joint
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.urdf import urdf_joints
+from trundle.worlds.usd import need_usd
 from trundle.xmlfile import read_xml
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
+_USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
 def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
     """List joints, in the order of the description.
 
     Args:
-        source: A robot, the path of an MJCF (.xml, .mjcf) or URDF file, or what `Robot.load` takes. The meshes and
-            textures of a file need not be there.
+        source: A robot, the path of an MJCF (.xml, .mjcf), URDF or USD file, or what `Robot.load` takes. The meshes
+            and textures of a file need not be there.
 
     Returns:
         The joints. A `Robot`'s are those within it: that it floats in the world is not listed.
@@ -30,7 +32,13 @@ def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
     Raises:
         RobotError: If the file is missing, too large, not XML, neither MJCF nor URDF, or MuJoCo cannot build it.
         UnknownNameError: If it is neither a path nor the name of a robot.
+        MissingExtraError: If it is a USD file, and usd-core is not installed.
     """
+    if not isinstance(source, Robot) and Path(source).suffix.lower() in _USD_SUFFIXES:
+        need_usd("reading USD")
+        from trundle.sim.mujoco.usd import usd_joints
+
+        return usd_joints(Path(source))
     if isinstance(source, Robot) or Path(source).suffix.lower() not in _SUFFIXES:
         joints = _model_joints(robot_spec(Robot.load(source)).compile())
         return [joint for joint in joints if joint.type != "floating"]
