@@ -1,0 +1,126 @@
+"""The formats that are written: which there are, what they hold, and the functions that write them."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
+from trundle.robots import Robot
+from trundle.worlds import World
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format.
+
+    Attributes:
+        suffixes: Of its files; the first is the usual one.
+        world: `"module:function"` that writes a world, taking the world and the path, or none.
+        robot: The same for a robot.
+    """
+
+    suffixes: tuple[str, ...]
+    world: str | None = None
+    robot: str | None = None
+
+
+FORMATS = {
+    "glb": Format((".glb",), world="trundle.export.glb:export_world"),
+    "map": Format((".yaml", ".yml"), world="trundle.export.map:export_world"),
+    "mjcf": Format((".xml", ".mjcf"), "trundle.export.mjcf:export_world", "trundle.export.mjcf:export_robot"),
+    "sdf": Format((".sdf", ".world"), world="trundle.export.sdf:export_world"),
+    "urdf": Format((".urdf",), robot="trundle.export.urdf:export_robot"),
+}
+"""By name."""
+
+
+def format_of(path: str | os.PathLike[str]) -> str:
+    """Name of the format that a file's suffix stands for.
+
+    Raises:
+        InputError: If it stands for none.
+    """
+    suffix = Path(path).suffix.lower()
+    for name, known in FORMATS.items():
+        if suffix in known.suffixes:
+            return name
+    suffixes = ", ".join(f"{known.suffixes[0]} ({name})" for name, known in sorted(FORMATS.items()))
+    raise InputError(f"{path}: a file that is written ends in one of {suffixes}")
+
+
+def export_world(world: World, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
+    """Write a world to a file.
+
+    What is written loads back to the same solids: their names, shapes, poses and colours. A GLB holds meshes alone, and
+    round shapes in it are drawn round their circles by at most 0.5 %. A map holds what its height band shows. Blocked
+    cells of a large map are written as boxes.
+
+    Args:
+        world: The world.
+        path: The file; what was there is replaced whole or not at all.
+        to: The format by name; none means the one of the path's suffix.
+        options: Of the format: `robot` for mjcf; `resolution` and `z_range` for map.
+
+    Returns:
+        The path.
+
+    Raises:
+        UnknownNameError: If there is no such format; the nearest is offered.
+        WorldError: If the format cannot hold the world.
+        InputError: If the path has another format's suffix, or an option is not the format's.
+        OutputError: If the file cannot be written.
+        MissingExtraError: If a library that it needs is not installed.
+    """
+    return _export("world", world, path, to, options)
+
+
+def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
+    """Write a robot to a file: its bodies with their masses and inertias, its joints and what collides.
+
+    Args:
+        robot: The robot.
+        path: The file; what was there is replaced whole or not at all.
+        to: The format by name; none means the one of the path's suffix.
+        options: Of the format; none has any at present.
+
+    Returns:
+        The path.
+
+    Raises:
+        UnknownNameError: If there is no such format; the nearest is offered.
+        InputError: If the format holds no robots, the path has another format's suffix, or an option is not known.
+        OutputError: If the file cannot be written.
+        MissingExtraError: If a library that it needs is not installed.
+    """
+    return _export("robot", robot, path, to, options)
+
+
+def _export(kind: str, thing: object, path: str | os.PathLike[str], to: str | None, options: dict[str, Any]) -> Path:
+    file = Path(path)
+    name = format_of(file) if to is None else to
+    if name not in FORMATS:
+        raise UnknownNameError("format", name, FORMATS)
+    chosen = FORMATS[name]
+    target = chosen.world if kind == "world" else chosen.robot
+    if target is None:
+        able = ", ".join(sorted(key for key, known in FORMATS.items() if getattr(known, kind)))
+        raise InputError(f"{name} files hold no {kind}s; a {kind} can be written as {able}")
+    if file.suffix.lower() not in chosen.suffixes:
+        raise InputError(f"{file}: a file in the format {name} ends in {' or '.join(chosen.suffixes)}")
+    if file.is_dir():
+        raise OutputError(f"cannot write {file}: it is a folder")
+    if isinstance(thing, World) and not thing.solids and name != "mjcf":
+        raise WorldError(f"world {thing.name!r} has no solids: there is nothing to write to {file}")
+    module, _, function = target.partition(":")
+    write = cast("Any", getattr(importlib.import_module(module), function))
+    try:
+        write(thing, file, **options)
+    except TypeError as error:
+        if "unexpected keyword" not in str(error):
+            raise
+        raise InputError(f"{name}: {error}") from error
+    return file

@@ -1,0 +1,91 @@
+"""Worlds, robots and both together as MJCF, MuJoCo's format."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import mujoco
+
+from trundle.errors import InputError, WorldError
+from trundle.export.plain import check_xml_names, plain_solids
+from trundle.export.xmltext import add, numbers, to_text
+from trundle.files import write_text
+from trundle.robots import Robot
+from trundle.sim.mujoco.model import build_spec, robot_spec
+from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
+from trundle.worlds import World
+
+
+def export_world(world: World, path: Path, *, robot: Robot | None = None) -> None:
+    """Write a world, or with a robot the whole model that trundle simulates.
+
+    Without a robot every solid is one geom of its name, meshes with their vertices in the file; MuJoCo collides a mesh
+    as its convex hull. The floor is a plane.
+
+    Raises:
+        WorldError: If a name, a mesh or the number of cells cannot be held.
+        OutputError: If the file cannot be written.
+    """
+    if robot is not None:
+        _write_spec(build_spec(world, robot), path)
+        return
+    solids = plain_solids(world)
+    check_xml_names("MJCF", [world.name, *(solid.name for solid in solids)])
+    root = ElementTree.Element("mujoco", model=world.name)
+    add(root, "compiler", angle="radian", autolimits="true")
+    add(root, "statistic", extent="10")
+    asset = add(root, "asset")
+    texture = {"type": "2d", "builtin": "flat", "mark": "edge", "width": "256", "height": "256"}
+    add(asset, "texture", None, name="world:floor", rgb1="0.66 0.67 0.68", markrgb="0.57 0.58 0.60", **texture)
+    add(asset, "material", None, name="world:floor", texture="world:floor", texuniform="true", texrepeat="1 1")
+    body = add(root, "worldbody")
+    add(body, "light", None, type="directional", dir="0.25 0.2 -1", pos="0 0 20", diffuse="0.6 0.6 0.6")
+    add(body, "geom", None, name="world:floor", type="plane", size="0 0 0.05", material="world:floor")
+    for solid in solids:
+        _add_solid(asset, body, solid)
+    text = to_text(root)
+    try:
+        mujoco.MjSpec.from_string(text).compile()
+    except ValueError as error:
+        raise WorldError(f"MuJoCo cannot hold the world {world.name!r}: {error}") from error
+    write_text(path, text)
+
+
+def export_robot(robot: Robot, path: Path) -> None:
+    """Write a robot: bodies with masses and inertias, joints, colliders, looks and the servos of its wheels.
+
+    Raises:
+        OutputError: If the file cannot be written.
+    """
+    _write_spec(robot_spec(robot, floor=True), path)
+
+
+def _write_spec(spec: mujoco.MjSpec, path: Path) -> None:
+    try:
+        spec.compile()
+    except ValueError as error:
+        raise InputError(f"MuJoCo cannot hold the model {spec.modelname!r}: {error}") from error
+    write_text(path, spec.to_xml())
+
+
+def _add_solid(asset: ElementTree.Element, body: ElementTree.Element, solid: Solid) -> None:
+    place = {
+        "name": solid.name,
+        "pos": numbers(solid.pose.position),
+        "quat": numbers(solid.pose.quaternion),
+        "rgba": numbers(solid.color),
+    }
+    match solid.shape:
+        case Box(size):
+            add(body, "geom", None, type="box", size=numbers(edge / 2.0 for edge in size), **place)
+        case Cylinder(radius, length):
+            add(body, "geom", None, type="cylinder", size=numbers((radius, length / 2.0)), **place)
+        case Sphere(radius):
+            add(body, "geom", None, type="sphere", size=numbers((radius,)), **place)
+        case Mesh(vertices, faces):
+            corners, triangles = numbers(vertices.ravel()), " ".join(map(str, faces.ravel().tolist()))
+            add(asset, "mesh", None, name=solid.name, vertex=corners, face=triangles, inertia="shell")
+            add(body, "geom", None, type="mesh", mesh=solid.name, **place)
+        case _:
+            raise WorldError(f"MJCF cannot hold the shape of {solid.name!r}")

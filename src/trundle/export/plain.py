@@ -1,0 +1,75 @@
+"""Worlds as other formats can hold them: blocked cells as boxes, names that XML can hold."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from trundle.errors import OutputError, WorldError
+from trundle.files import make_folder
+from trundle.geometry import Pose3D
+from trundle.solids import Box, OccupancyCells, Solid
+from trundle.worlds import World
+from trundle.worlds.from_map import merge_cells
+from trundle.worlds.shapes import Names
+
+MOST_BOXES = 100_000
+"""Above this many boxes for its blocked cells, a map is refused: no program reads such a file in a useful time."""
+
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+def plain_solids(world: World) -> list[Solid]:
+    """A world's solids, with blocked cells as boxes that fill the same space, named after their rows and columns.
+
+    Raises:
+        WorldError: If the cells need more than MOST_BOXES boxes.
+    """
+    names = Names()
+    solids: list[Solid] = []
+    for solid in world.solids:
+        pieces = _boxes(solid, solid.shape) if isinstance(solid.shape, OccupancyCells) else [solid]
+        solids += [replace(piece, name=names.take(piece.name)) for piece in pieces]
+    return solids
+
+
+def check_xml_names(what: str, names: list[str]) -> None:
+    """Refuse names that an XML file cannot hold.
+
+    Raises:
+        WorldError: If one is empty or has a control character.
+    """
+    for name in names:
+        if not name or _NOT_XML.search(name):
+            raise WorldError(f"{what} cannot hold the name {name!r}: give a name of printable characters")
+
+
+def mesh_folder(path: Path) -> Path:
+    """Create the folder for the meshes of a file, `<stem>_meshes` beside it.
+
+    Raises:
+        OutputError: If the file's own folder is not there, or cannot be written to.
+    """
+    if not path.parent.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {path.parent} is not there")
+    return make_folder(path.with_name(f"{path.stem}_meshes"))
+
+
+def _boxes(solid: Solid, cells: OccupancyCells) -> list[Solid]:
+    merged = merge_cells(cells.blocked.astype(np.uint8), most=MOST_BOXES)
+    if merged is None:
+        raise WorldError(
+            f"the blocked cells of {solid.name!r} need more than {MOST_BOXES} boxes: make the map coarser, or export "
+            "it as a map"
+        )
+    edge, height = cells.resolution, cells.height
+    boxes: list[Solid] = []
+    for row, row_end, col, col_end, _ in zip(*(column.tolist() for column in merged), strict=True):
+        size = ((col_end - col) * edge, (row_end - row) * edge, height)
+        middle = Pose3D(((col + col_end) * edge / 2.0, (row + row_end) * edge / 2.0, height / 2.0))
+        name = f"{solid.name}[{row}:{row_end},{col}:{col_end}]"
+        boxes.append(Solid(name, Box(size), solid.pose @ middle, solid.color, solid.kind))
+    return boxes

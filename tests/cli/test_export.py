@@ -1,0 +1,56 @@
+from pathlib import Path
+
+import pytest
+
+from support.command_line import Trundle
+from trundle.maps import OccupancyGrid
+from trundle.worlds import World
+
+
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".glb"])
+def test_a_world_is_written_and_loads_back(trundle: Trundle, tmp_path: Path, suffix: str) -> None:
+    done = trundle("export", "maze", "--seed", 3, "--set", "rows=3", "-o", f"maze{suffix}", "--json")
+    assert done.code == 0, done.err
+    world = World.generate("maze", seed=3, rows=3)
+    assert done.json["solids"] == len(world.solids)
+    assert done.json["bytes"] == (tmp_path / f"maze{suffix}").stat().st_size
+    assert {solid.name for solid in World.load(tmp_path / f"maze{suffix}").solids} == {s.name for s in world.solids}
+
+
+def test_the_format_names_the_file(trundle: Trundle, tmp_path: Path) -> None:
+    assert trundle("export", "nova_carter", "--to", "urdf").code == 0
+    assert trundle("export", "corridors", "--to", "map", "--resolution", "0.1", "--robot", "jackal").code == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert {"nova_carter.urdf", "corridors.yaml", "corridors.png"} <= names
+    assert OccupancyGrid.load(tmp_path / "corridors.yaml").resolution == 0.1
+
+
+def test_a_map_becomes_a_world_file(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    done = trundle("export", room_map, "--to", "sdf", "-o", "out/room.sdf")
+    assert done.code == 0, done.err
+    assert len(World.load(tmp_path / "out" / "room.sdf").solids) == len(World.from_map(room_map).solids)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("maze",), "give --to FORMAT"),
+        (("maze", "--to", "sfd"), "Did you mean 'sdf'?"),
+        (("maz", "--to", "sdf"), "Did you mean 'maze'?"),
+        (("maze", "--to", "sdf", "-o", "maze.xml"), ".sdf or .world"),
+        (("maze", "-o", "maze.doc"), "ends in one of"),
+        (("maze", "--to", "urdf"), "hold no worlds"),
+        (("nova_carter", "--to", "sdf"), "hold no robots"),
+        (("nova_carter", "--to", "mjcf", "--set", "a=1"), "--set is for worlds"),
+        (("nova_carter", "--to", "mjcf", "--robot", "jackal"), "this is a robot"),
+        (("maze", "--to", "sdf", "--resolution", "0.1"), "--to map"),
+        (("maze", "--to", "sdf", "--robot", "jackal"), "--to mjcf"),
+        (("maze", "--to", "mjcf", "--set", "rows=0"), "rows"),
+    ],
+)
+def test_bad_input_leaves_nothing(trundle: Trundle, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
+    done = trundle("export", *arguments)
+    assert done.code == 2
+    assert words in done.err
+    assert done.out == ""
+    assert list(tmp_path.iterdir()) == []
