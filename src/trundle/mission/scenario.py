@@ -32,6 +32,9 @@ Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | 
 Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
 
 
+_FAR_OUT = 30.0
+"""A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
+
 _ROOM = 1.0
 """Around a start or goal that lies outside the world's solids [m]."""
 
@@ -244,10 +247,15 @@ class Scenario(Config):
         return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
 
     def _map_bounds(self, world: World, robot: Robot) -> Bounds | None:
-        """Bounds that hold the world, and the robot at its start and goals where those lie outside; or none."""
-        ends = [end[:2] for end in (self.start, self.goal, *(self.goals or ())) if end is not None]
+        """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
+
+        A file's world may have no walls around it, and a robot comes from outside.
+        """
+        given = [end[:2] for end in (self.start, self.goal, *(self.goals or ())) if end is not None]
         low, high = (np.asarray(corner)[:2] for corner in world.bounds)
-        if not world.solids or all(bool((low <= end).all() and (high >= end).all()) for end in ends):
+        off = [float(np.maximum(low - end, end - high).max()) for end in given]
+        ends = [end for end, distance in zip(given, off, strict=True) if 0.0 < distance <= _FAR_OUT]
+        if not ends or not world.solids or self.world is None or not self.world.is_file:
             return None
         reach = robot.circumscribed_radius + _ROOM
         low, high = (
