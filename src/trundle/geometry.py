@@ -270,3 +270,24 @@ def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
     # A corner moves along the sum of its two edges' normals, so far that both edges move by the padding.
     shift = (before + normals) / (1.0 + (before * normals).sum(axis=1))[:, None]
     return points + padding * shift
+
+
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered).reshape(-1, 2)
+
+    def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        chain: list[tuple[float, float]] = []
+        for point in sequence:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
+                chain.pop()
+            chain.append(point)
+        return chain[:-1]
+
+    return np.array(half(ordered) + half(ordered[::-1]))
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -31,6 +31,17 @@ def test_a_map_becomes_a_world_file(trundle: Trundle, room_map: Path, tmp_path: 
     assert len(World.load(tmp_path / "out" / "room.sdf").solids) == len(World.from_map(room_map).solids)
 
 
+@pytest.mark.filterwarnings("ignore::trundle.errors.RobotWarning")
+def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_path: Path) -> None:
+    assert trundle("export", "jackal", "--to", "urdf").code == 0
+    done = trundle("export", "jackal.urdf", "--to", "mjcf", "--json")
+    assert (done.code, done.json["robot"]) == (0, "jackal"), done.err
+    assert trundle("export", "jackal.xml", "-o", "again.urdf").code == 0
+    assert trundle("export", "maze", "-o", "maze.xml").code == 0
+    done = trundle("export", "maze.xml", "-o", "maze.sdf", "--json")
+    assert (done.code, done.json["world"]) == (0, "maze"), done.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -74,3 +74,17 @@ def test_an_mjcf_is_the_robot_that_is_simulated(name, tmp_path):
     assert np.allclose(model.body_inertia, expected.body_inertia, rtol=1e-5)
     assert model.opt.integrator == expected.opt.integrator
     assert math.isclose(model.opt.timestep, expected.opt.timestep)
+
+
+@pytest.mark.filterwarnings("ignore::trundle.errors.RobotWarning")
+@pytest.mark.parametrize("suffix", [".urdf", ".xml"])
+@pytest.mark.parametrize("name", ["nova_carter", "jackal", "turtlebot3_burger"])
+def test_a_robot_loads_back_with_its_drive_mass_and_footprint(name, suffix, tmp_path):
+    robot = Robot.load(name)
+    back = Robot.load(export_robot(robot, tmp_path / f"robot{suffix}"))
+    assert (back.drive.left_joint, back.drive.right_joint) == (robot.drive.left_joint, robot.drive.right_joint)
+    assert back.drive.track_width == pytest.approx(robot.drive.track_width, rel=1e-5)
+    assert back.drive.wheel_radius == pytest.approx(robot.drive.wheel_radius, rel=1e-5)
+    assert back.total_mass == pytest.approx(robot.total_mass, rel=1e-5)
+    assert back.outline.min(axis=0) == pytest.approx(robot.outline.min(axis=0), abs=0.06)
+    assert back.outline.max(axis=0) == pytest.approx(robot.outline.max(axis=0), abs=0.06)

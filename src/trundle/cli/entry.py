@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -32,6 +33,7 @@ VERBS = {
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run one command and exit. `arguments` are those after the program's name; none means the process's own."""
+    warnings.formatwarning = _format_warning
     code = run_command(sys.argv[1:] if arguments is None else arguments)
     sys.exit(code)
 
@@ -106,6 +108,15 @@ def _overview() -> str:
         "trundle VERB --help explains a verb; every verb prints JSON with --json.\n"
         "Exit codes: 0 done, 1 the robot did not get there, 2 bad input."
     )
+
+
+def _format_warning(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """Our own warnings are for the person at the screen: without the line of code that they come from."""
+    if category.__module__ == "trundle.errors":
+        return f"trundle: warning: {message}\n"
+    return f"{filename}:{lineno}: {category.__name__}: {message}\n"
 
 
 def _fail(message: str) -> int:

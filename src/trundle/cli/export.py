@@ -45,7 +45,7 @@ def export(
     """Write a world or a robot as a file of another program; what is written loads back to the same solids.
 
     Args:
-        source: A world by name or its file, or a robot by name or its YAML.
+        source: A world by name or its file, or a robot by name or its YAML or URDF.
         to: The format by name: mjcf, sdf, glb or map for a world, mjcf or urdf for a robot; left out: as --out ends.
         out: The file; left out: the source's name, here.
         robot: For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count.
@@ -57,7 +57,7 @@ def export(
     from trundle.robots import Robot
 
     target, form = choose_file(source, to, out)
-    thing = load_source(source, seed=seed, settings=settings)
+    thing = load_source(source, form, seed=seed, settings=settings)
     if isinstance(thing, Robot):
         if robot is not None or resolution is not None or z_min is not None or z_max is not None:
             raise InputError("--robot, --resolution, --z-min and --z-max are for worlds, and this is a robot")
@@ -96,18 +96,24 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
     return options.output_file(Path(name) if out is None else out, name, suffixes), to
 
 
-def load_source(source: str, *, seed: int, settings: list[str] | None) -> World | Robot:
-    """Load what is to be written: a robot by name or YAML, else a world.
+def load_source(source: str, form: str, *, seed: int, settings: list[str] | None) -> World | Robot:
+    """Load what is to be written: a robot by name, YAML or URDF, else a world.
+
+    An MJCF file is a world, and a URDF file a robot, unless the format holds only the other.
 
     Raises:
         UnknownNameError: If it is neither; the nearest of both is offered.
         InputError: If it cannot be used.
     """
+    from trundle.export import FORMATS
     from trundle.robots import Robot, robot_names
     from trundle.worlds import world_names
 
-    is_yaml = Path(source).suffix.lower() in (".yaml", ".yml")
-    if source in robot_names() or (is_yaml and not sources.is_map(Path(source))):
+    suffix = Path(source).suffix.lower()
+    is_robot = source in robot_names() or (suffix in (".yaml", ".yml") and not sources.is_map(Path(source)))
+    is_robot |= suffix == ".urdf" and FORMATS[form].robot is not None
+    is_robot |= suffix in (".xml", ".mjcf") and FORMATS[form].world is None
+    if is_robot:
         if settings:
             raise InputError("--set is for worlds, and this is a robot")
         return Robot.load(source)

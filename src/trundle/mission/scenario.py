@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
+import numpy as np
 import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
@@ -26,8 +27,16 @@ from trundle.worlds.load import is_world_file
 from trundle.yamlfile import Config, load_config
 
 Positive = Annotated[float, Field(gt=0.0)]
+Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
 Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
+
+
+_FAR_OUT = 30.0
+"""A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
+
+_ROOM = 1.0
+"""Around a start or goal that lies outside the world's solids [m]."""
 
 
 class Choice(Config):
@@ -234,7 +243,27 @@ class Scenario(Config):
         else:
             seed = self.seed if self.world.seed is None else self.world.seed
             world = World.generate(self.world.name, seed=seed, **self.world.options)
-        return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range)
+        bounds = self._map_bounds(world, robot)
+        return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
+
+    def _map_bounds(self, world: World, robot: Robot) -> Bounds | None:
+        """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
+
+        A file's world may have no walls around it, and a robot comes from outside.
+        """
+        given = [end[:2] for end in (self.start, self.goal, *(self.goals or ())) if end is not None]
+        low, high = (np.asarray(corner)[:2] for corner in world.bounds)
+        off = [float(np.maximum(low - end, end - high).max()) for end in given]
+        ends = [end for end, distance in zip(given, off, strict=True) if 0.0 < distance <= _FAR_OUT]
+        if not ends or not world.solids or self.world is None or not self.world.is_file:
+            return None
+        reach = robot.circumscribed_radius + _ROOM
+        low, high = (
+            np.min([low, *(np.array(end) - reach for end in ends)], axis=0),
+            np.max([high, *(np.array(end) + reach for end in ends)], axis=0),
+        )
+        low, high = np.floor(low / self.resolution) * self.resolution, np.ceil(high / self.resolution) * self.resolution
+        return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
     def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
         given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)

@@ -10,17 +10,21 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from trundle.errors import InputError, RobotError, UnknownNameError
 from trundle.geometry import FloatArray, Twist2D
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
-from trundle.yamlfile import Config, load_config
+from trundle.uris import Folders, split_folders
+from trundle.yamlfile import Config, Plain, compose, plain_value, validate
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
+
+MODEL_SUFFIXES = (".urdf", ".xml", ".mjcf")
+"""Of files that `Robot.from_model` reads."""
 
 _PLUGINS = Registry("robot", "trundle.robots", {})
 
@@ -142,7 +146,11 @@ class Robot(Config):
 
     @classmethod
     def load(cls, name_or_path: str | os.PathLike[str] | Robot) -> Robot:
-        """Load a robot by catalogue name or from a YAML file.
+        """Load a robot by catalogue name, or from a YAML, URDF or MJCF file.
+
+        A YAML may have a key `model`, the path of a URDF or MJCF file from the YAML's folder: then everything else is
+        read from that, and what the YAML says goes before it. A URDF or MJCF file alone is read as `from_model` reads
+        it, with the wheels' joints found by their names.
 
         Raises:
             UnknownNameError: If it is neither a known name nor a path; the nearest name is offered.
@@ -158,6 +166,53 @@ class Robot(Config):
         if text in _PLUGINS.names():
             return _load_plugin(text)
         raise UnknownNameError("robot", text, robot_names())
+
+    @classmethod
+    def from_model(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        left_joint: str | None = None,
+        right_joint: str | None = None,
+        wheel_radius: float | None = None,
+        track_width: float | None = None,
+        limits: Limits | None = None,
+        name: str | None = None,
+        paths: Folders = (),
+    ) -> Robot:
+        """Make a robot of a URDF or MJCF file; see `robots.from_model` for what is read and how.
+
+        Args:
+            path: The file.
+            left_joint: Name of the left drive wheel's joint; none means the one that is named so, where it is plain.
+            right_joint: As `left_joint`.
+            wheel_radius: [m]; none means that of the wheels' geometry.
+            track_width: Distance between the wheels' middles [m]; none means that of their geometry.
+            limits: Largest speeds and accelerations; none means those of the joints, or assumed ones with a warning.
+            name: Of the robot; none means the model's.
+            paths: Folders in which package:// names are looked for, after those above the file.
+
+        Raises:
+            RobotError: If the file cannot be read, or a robot with two drive wheels cannot be made of it.
+            UnknownNameError: If it has no such joint; the nearest name is offered.
+
+        Warns:
+            RobotWarning: Where limits or supports had to be assumed.
+        """
+        from trundle.robots.from_model import read_robot
+
+        drive = {
+            "left_joint": left_joint,
+            "right_joint": right_joint,
+            "wheel_radius": wheel_radius,
+            "track_width": track_width,
+        }
+        given: dict[str, Plain] = {"drive": {key: value for key, value in drive.items() if value is not None}}
+        if limits is not None:
+            given["limits"] = limits.model_dump()
+        if name is not None:
+            given["name"] = name
+        return _make(read_robot(Path(path), given, split_folders(paths)), str(path))
 
     @field_validator("footprint")
     @classmethod
@@ -236,7 +291,7 @@ def robot_names() -> list[str]:
 
 def is_robot_file(text: str) -> bool:
     """Whether a text names a robot's file, and not a robot of the catalogue; whether it is there is not asked."""
-    return Path(text).suffix.lower() in (".yaml", ".yml") or os.sep in text
+    return Path(text).suffix.lower() in (".yaml", ".yml", *MODEL_SUFFIXES) or os.sep in text
 
 
 def _catalogue() -> dict[str, Path]:
@@ -245,10 +300,32 @@ def _catalogue() -> dict[str, Path]:
 
 
 def _load_file(path: Path) -> Robot:
+    if path.suffix.lower() in MODEL_SUFFIXES:
+        return Robot.from_model(path)
     try:
-        return load_config(path, Robot)
+        node = compose(path)
+        settings = plain_value(node, str(path))
+        if not isinstance(settings, dict) or "model" not in settings:
+            return validate(node, Robot, str(path))
     except InputError as error:
         raise RobotError(str(error)) from error
+    from trundle.robots.from_model import read_robot
+
+    model, folders = settings.pop("model"), settings.pop("paths", [])
+    if not isinstance(model, str) or Path(model).suffix.lower() not in MODEL_SUFFIXES:
+        raise RobotError(f"{path}: model must be the path of a {', '.join(MODEL_SUFFIXES)} file, got {model!r}")
+    if not isinstance(folders, list):
+        raise RobotError(f"{path}: paths must be a list of folders, got {folders!r}")
+    found = tuple(path.parent / str(folder) for folder in folders)
+    return _make(read_robot(path.parent / model, settings, found), str(path))
+
+
+def _make(settings: dict[str, Plain], where: str) -> Robot:
+    try:
+        return Robot.model_validate(settings)
+    except ValidationError as error:
+        problems = [f"{'.'.join(map(str, problem['loc']))}: {problem['msg']}" for problem in error.errors()]
+        raise RobotError("\n".join(f"{where}: {problem}" for problem in problems)) from error
 
 
 def _load_plugin(name: str) -> Robot:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import WorldError
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, convex_hull
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 _SIDES = 128
@@ -74,27 +74,6 @@ def outline_segments(solid: Solid, height: float) -> FloatArray:
     if not isinstance(section, Polygon):
         return np.empty((0, 4))
     return np.hstack([section.corners, np.roll(section.corners, -1, axis=0)])
-
-
-def convex_hull(points: FloatArray) -> FloatArray:
-    """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
-    ordered = sorted({(float(x), float(y)) for x, y in points})
-    if len(ordered) < 3:
-        return np.array(ordered).reshape(-1, 2)
-
-    def half(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        chain: list[tuple[float, float]] = []
-        for point in sequence:
-            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0.0:
-                chain.pop()
-            chain.append(point)
-        return chain[:-1]
-
-    return np.array(half(ordered) + half(ordered[::-1]))
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def _polyhedron(shape: Box | Cylinder | Mesh) -> tuple[FloatArray, IndexArray]:

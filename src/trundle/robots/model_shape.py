@@ -1,0 +1,91 @@
+"""A compiled model's geometry as points, and outlines with few corners."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from trundle.geometry import FloatArray, convex_hull
+
+MOST_CORNERS = 24
+"""Of a footprint."""
+
+_AROUND = 64
+
+
+def simplify_outline(hull: FloatArray) -> FloatArray:
+    """Drop the corners of a convex outline that hardly turn it, and enclose one of many corners in one of fewer.
+
+    Args:
+        hull: Corners [m], counter-clockwise, shape (N, 2).
+
+    Returns:
+        Corners that enclose all of the hull's but for 0.1 mm, shape (at most `MOST_CORNERS`, 2).
+    """
+    outline = _without_flat_corners(hull)
+    if len(outline) <= MOST_CORNERS:
+        return outline
+    angles = np.arange(MOST_CORNERS) * (2.0 * math.pi / MOST_CORNERS)
+    normals = np.c_[np.cos(angles), np.sin(angles)]
+    reach = (hull @ normals.T).max(axis=0)
+    following = np.roll(np.arange(MOST_CORNERS), -1)
+    pairs = np.stack([normals, normals[following]], axis=1)
+    corners = np.linalg.solve(pairs, np.stack([reach, reach[following]], axis=1)[..., None])[..., 0]
+    return _without_flat_corners(convex_hull(np.round(corners, 9)))
+
+
+def _without_flat_corners(outline: FloatArray, tolerance: float = 1e-4) -> FloatArray:
+    points = outline
+    while len(points) > 3:
+        before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
+        along = after - before
+        off = np.abs(along[:, 0] * (points - before)[:, 1] - along[:, 1] * (points - before)[:, 0])
+        off /= np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)
+        flattest = int(np.argmin(off))
+        if off[flattest] > tolerance:
+            break
+        points = np.delete(points, flattest, axis=0)
+    return points
+
+
+def body_points(model: Any, data: Any, body: int) -> list[FloatArray]:
+    """Points [m] whose hull is a body's colliding geometry, one array of shape (N, 3) for each geom, world frame."""
+    found: list[FloatArray] = []
+    first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
+    for geom in range(first, first + count):
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            continue
+        points = _geom_points(model, geom)
+        if len(points):
+            found.append(points @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
+    return found
+
+
+def _geom_points(model: Any, geom: int) -> FloatArray:
+    import mujoco
+
+    x, y, z = model.geom_size[geom].tolist()
+    angles = np.arange(_AROUND) * (2.0 * math.pi / _AROUND)
+    ring = np.c_[np.cos(angles), np.sin(angles), np.zeros(_AROUND)]
+    tilts = np.linspace(-math.pi / 2.0, math.pi / 2.0, _AROUND // 2 + 1)
+    ball = np.vstack([np.c_[ring[:, :2] * math.cos(tilt), np.full(_AROUND, math.sin(tilt))] for tilt in tilts])
+    match mujoco.mjtGeom(int(model.geom_type[geom])):
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            signs = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)]) * 2.0 - 1.0
+            return signs * (x, y, z)
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return ball * x
+        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            return ball * (x, y, z)
+        case mujoco.mjtGeom.mjGEOM_CYLINDER:
+            return np.vstack([ring * x + (0.0, 0.0, end) for end in (-y, y)])
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return np.vstack([ball * x + (0.0, 0.0, end) for end in (-y, y)])
+        case mujoco.mjtGeom.mjGEOM_MESH:
+            mesh = int(model.geom_dataid[geom])
+            first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+            return np.asarray(model.mesh_vert[first : first + count], dtype=np.float64)
+        case _:
+            return np.zeros((0, 3))

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from trundle.errors import RobotWarning, WorldWarning
+from trundle.maps import OccupancyGrid
+
+POST = """
+<model name='post{i}'><static>1</static><pose>{x} {y} 0.5 0 0 0</pose><link name='l'><collision name='c'>
+<geometry><cylinder><radius>0.1</radius><length>1</length></cylinder></geometry></collision></link></model>
+"""
+URDF = """
+<robot name="box_bot">
+  <link name="base"><collision><origin xyz="0 0 0.15"/><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+    <inertial><origin xyz="0 0 0.12"/><mass value="10"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.2" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  {wheels}
+</robot>
+"""
+WHEEL = """
+  <link name="{side}"><collision><geometry><sphere radius="0.08"/></geometry></collision>
+    <inertial><mass value="0.5"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="{side}_wheel" type="continuous"><parent link="base"/><child link="{side}"/>
+    <origin xyz="0 {y} 0.08"/><axis xyz="0 1 0"/></joint>
+"""
+
+
+@pytest.fixture
+def field(tmp_path: Path) -> Path:
+    """An SDF world of four posts around (1, 1)."""
+    body = "".join(POST.format(i=i, x=2 * (i % 2), y=2 * (i // 2)) for i in range(4))
+    file = tmp_path / "scenes" / "field.sdf"
+    file.parent.mkdir()
+    file.write_text(f"<sdf version='1.7'><world name='field'>{body}</world></sdf>")
+    return file
+
+
+@pytest.fixture
+def box_bot(tmp_path: Path) -> Path:
+    wheels = "".join(WHEEL.format(side=side, y=y) for side, y in (("left", 0.2), ("right", -0.2)))
+    file = tmp_path / "box_bot.urdf"
+    file.write_text(URDF.format(wheels=wheels))
+    return file
+
+
+def test_a_map_is_built_of_an_sdf_world(trundle, field):
+    done = trundle("map", "build", field, "--robot", "jackal", "--json")
+    assert done.code == 0
+    assert done.json["world"] == "field"
+    grid = OccupancyGrid.load("map.yaml")
+    for x, y in ((0, 0), (2, 0), (0, 2), (2, 2)):
+        row, col = grid.world_to_cell(x + 0.01, y + 0.01)
+        assert grid.data[row, col] == 100
+    assert (grid.data == 0).any()
+
+
+def test_options_of_a_world_file_are_set(trundle, field):
+    field.write_text(field.read_text().replace("<static>1</static>", ""))
+    done = trundle("map", "build", field, "--robot", "jackal", "--set", "movable=true", "--json")
+    assert done.json["occupied_cells"] > 0
+    done = trundle("map", "build", field, "--set", "height=1")
+    assert done.code == 2
+    assert "'height' is no option for a .sdf file; there are: geometry, movable, missing, paths, world" in done.err
+
+
+def test_a_robot_runs_in_a_world_file_and_the_scenario_repeats_it(trundle, field):
+    # Start and goal lie outside the posts, where the world's bounds end.
+    ends = ("--start", "-1,1,0", "--goal", "3,1")
+    done = trundle(
+        "run", field, "--robot", "jackal", "--backend", "kinematic", *ends, "--no-video", "-o", "out", "--json"
+    )
+    assert done.code == 0
+    assert done.json["outcome"] == "arrived"
+    text = yaml.safe_load(Path("out/scenario.yaml").read_text())
+    assert text["world"] == "../scenes/field.sdf"
+    again = trundle("run", "out/scenario.yaml", "--no-video", "-o", "again", "--json")
+    assert again.json["distance_m"] == done.json["distance_m"]
+
+
+def test_a_robot_of_a_urdf_works_in_the_verbs(trundle, field, box_bot):
+    with pytest.warns(RobotWarning):
+        done = trundle("view", box_bot, "--world", field, "--size", "160x90", "-o", "v.png", "--json")
+    assert done.code == 0
+    with pytest.warns(RobotWarning):
+        done = trundle("drive", box_bot, "--command", "0.4,0,2", "--json")
+    assert done.json[0]["x"] == pytest.approx(0.8 - 0.08, abs=0.03)
+    with pytest.warns(RobotWarning):
+        done = trundle("run", field, "--robot", box_bot, "--start", "-1,1,0", "--goal", "3,1", "--no-video", "--json")
+    assert done.json["outcome"] == "arrived"
+    assert [joint["name"] for joint in trundle("joints", box_bot, "--json").json] == ["left_wheel", "right_wheel"]
+
+
+def test_a_world_with_nothing_in_it_is_said(trundle, field):
+    field.write_text("<sdf version='1.7'><world name='w'/></sdf>")
+    with pytest.warns(WorldWarning, match="nothing solid was found"):
+        done = trundle("map", "build", field)
+    assert done.code == 2
+    assert "no solids" in done.err
+
+
+def test_a_broken_world_is_bad_input(trundle, field):
+    field.write_text("<sdf version='9.9'/>")
+    done = trundle("run", field)
+    assert done.code == 2
+    assert "SDF version '9.9' is not known" in done.err
+    np.testing.assert_equal(len(done.err.strip().splitlines()), 1)
