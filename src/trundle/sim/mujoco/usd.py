@@ -79,7 +79,7 @@ def _freedom(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | No
 
 def _generic(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | None]:
     """A joint that is free but for what its limits lock; a limit from high to low locks."""
-    limits = {}
+    limits: dict[str, tuple[float, float]] = {}
     for name in (*_TURNS, *_SLIDES):
         low, high = -math.inf, math.inf
         if prim.HasAPI(UsdPhysics.LimitAPI, name):
@@ -92,9 +92,9 @@ def _generic(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | No
         case 0, 0:
             return "fixed", None, None
         case 1, 0:
-            return _revolute(turns[0][-1], _finite(*limits[turns[0]], math.pi / 180.0))
+            return _revolute(turns[0][-1], _finite(limits[turns[0]], math.pi / 180.0))
         case 0, 1:
-            return "prismatic", _axis(slides[0][-1]), _finite(*limits[slides[0]], unit)
+            return "prismatic", _axis(slides[0][-1]), _finite(limits[slides[0]], unit)
         case 3, 0:
             return "ball", None, None
         case 1, 2 if turns[0][-1] not in "".join(name[-1] for name in slides):
@@ -112,13 +112,14 @@ def _axis(name: str) -> Any:
 
 
 def _limits(joint: Any, unit: float) -> tuple[float, float] | None:
-    return _finite(joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get(), unit)
+    return _finite((float(joint.GetLowerLimitAttr().Get()), float(joint.GetUpperLimitAttr().Get())), unit)
 
 
-def _finite(low: float, high: float, unit: float) -> tuple[float, float] | None:
+def _finite(limits: tuple[float, float], unit: float) -> tuple[float, float] | None:
+    low, high = limits
     if math.isinf(low) and math.isinf(high):
         return None
-    return float(low) * unit, float(high) * unit
+    return low * unit, high * unit
 
 
 def _body(relationship: Any) -> str:

@@ -17,13 +17,10 @@ from trundle.worlds.usd.colors import Colors
 from trundle.worlds.usd.shapes import Shapes, is_floor
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
 from trundle.worlds.usd.walk import SHAPES, Filter, Place, walk
-from trundle.worlds.usd.words import Geometry, Missing, Purpose, UpAxis
+from trundle.worlds.usd.words import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
 from trundle.worlds.world import World
 
 MAX_SOLIDS = 1_000_000
-
-NAME = "trundle:name"
-"""Key of a prim's customData under which our exporter keeps a solid's name."""
 
 _FLOOR_TOP = 0.01
 _CEILING_BOTTOM = 2.0
@@ -92,7 +89,7 @@ def load(path: str, options: Options) -> World:
         chosen = _choose(path, places, options, colliders)
         _warn_of_robots(path, stage, leave_out)
         solids = tuple(_solids(path, chosen, leave_out, colliders))
-    world = World(Path(path).stem, solids)
+        world = World(Path(path).stem, solids, _seeds(stage))
     _warn_of_emptiness(path, places, chosen, options)
     if leave_out.unmet:
         warn(f"{path}: nothing was left out by: {', '.join(leave_out.unmet)}")
@@ -147,6 +144,13 @@ def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bo
         solid = Solid(name, shape, pose, color=colors.of(place.prim), kind=place.label)
         if not _is_left_out(solid, leave_out):
             yield solid
+
+
+def _seeds(stage: Any) -> tuple[tuple[float, float], ...]:
+    """The seeds that our exporter keeps, in metres as it writes them."""
+    prim = stage.GetDefaultPrim()
+    values = prim.GetAttribute(SEEDS).Get() if prim else None
+    return tuple((float(x), float(y)) for x, y in values or ())
 
 
 def _is_left_out(solid: Solid, leave_out: Filter) -> bool:
