@@ -46,7 +46,7 @@ def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_pa
     ("arguments", "words"),
     [
         (("maze",), "give --to FORMAT"),
-        (("maze", "--to", "sfd"), "Did you mean 'sdf'?"),
+        (("maze", "--to", "sdff"), "Did you mean 'sdf'?"),
         (("maz", "--to", "sdf"), "Did you mean 'maze'?"),
         (("maze", "--to", "sdf", "-o", "maze.xml"), ".sdf or .world"),
         (("maze", "-o", "maze.doc"), "ends in one of"),

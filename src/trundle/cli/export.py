@@ -21,7 +21,8 @@ app = App(
         "Examples:\n"
         "  trundle export office --seed 3 --to sdf -o office.sdf\n"
         "  trundle export warehouse --robot nova_carter --to mjcf -o scene.xml\n"
-        "  trundle export nova_carter --to urdf -o nova_carter.urdf"
+        "  trundle export nova_carter --to urdf -o nova_carter.urdf\n"
+        "  trundle export nova_carter --to usd -o nova_carter.usd"
     ),
 )
 
@@ -46,7 +47,8 @@ def export(
 
     Args:
         source: A world by name or its file, or a robot by name or its YAML or URDF.
-        to: The format by name: mjcf, sdf, glb or map for a world, mjcf or urdf for a robot; left out: as --out ends.
+        to: The format by name: mjcf, sdf, usd, glb or map for a world, mjcf, urdf or usd for a robot; left out:
+            as --out ends.
         out: The file; left out: the source's name, here.
         robot: For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count.
         resolution: Edge of a map's cell [m]; left out: 0.05.

@@ -202,7 +202,7 @@ def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
     """A frame for each lidar, for a sensor to be put on."""
     names = PrimNames()
     for name, lidar in robot.lidars.items():
-        frame = UsdGeom.Xform.Define(stage, f"{base}/{names.take(f'lidar_{name}')}")
+        frame = UsdGeom.Xform.Define(stage, f"{base}/{names.take(name if 'lidar' in name else f'lidar_{name}')}")
         set_pose(frame, Pose3D.planar(lidar.x, lidar.y, lidar.z, lidar.yaw))
 
 
