@@ -7,7 +7,7 @@ from trundle.maps import OccupancyGrid
 from trundle.worlds import World
 
 
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".glb"])
+@pytest.mark.parametrize("suffix", [".xml", ".usda", ".sdf", ".glb"])
 def test_a_world_is_written_and_loads_back(trundle: Trundle, tmp_path: Path, suffix: str) -> None:
     done = trundle("export", "maze", "--seed", 3, "--set", "rows=3", "-o", f"maze{suffix}", "--json")
     assert done.code == 0, done.err
@@ -46,7 +46,7 @@ def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_pa
     ("arguments", "words"),
     [
         (("maze",), "give --to FORMAT"),
-        (("maze", "--to", "sfd"), "Did you mean 'sdf'?"),
+        (("maze", "--to", "sdff"), "Did you mean 'sdf'?"),
         (("maz", "--to", "sdf"), "Did you mean 'maze'?"),
         (("maze", "--to", "sdf", "-o", "maze.xml"), ".sdf or .world"),
         (("maze", "-o", "maze.doc"), "ends in one of"),

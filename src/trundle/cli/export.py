@@ -46,7 +46,7 @@ def export(
 
     Args:
         source: A world by name or its file, or a robot by name or its YAML or URDF.
-        to: The format by name: mjcf, sdf, glb or map for a world, mjcf or urdf for a robot; left out: as --out ends.
+        to: The format: mjcf, usd, sdf, glb or map for a world, mjcf, usd or urdf for a robot; left out: as --out ends.
         out: The file; left out: the source's name, here.
         robot: For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count.
         resolution: Edge of a map's cell [m]; left out: 0.05.

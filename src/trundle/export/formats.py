@@ -34,6 +34,7 @@ FORMATS = {
     "mjcf": Format((".xml", ".mjcf"), "trundle.export.mjcf:export_world", "trundle.export.mjcf:export_robot"),
     "sdf": Format((".sdf", ".world"), world="trundle.export.sdf:export_world"),
     "urdf": Format((".urdf",), robot="trundle.export.urdf:export_robot"),
+    "usd": Format((".usd", ".usda", ".usdc"), "trundle.export.usd:export_world", "trundle.export.usd:export_robot"),
 }
 """By name."""
 
@@ -57,7 +58,7 @@ def export_world(world: World, path: str | os.PathLike[str], *, to: str | None =
 
     What is written loads back to the same solids: their names, shapes, poses and colours. A GLB holds meshes alone, and
     round shapes in it are drawn round their circles by at most 0.5 %. A map holds what its height band shows. Blocked
-    cells of a large map are written as boxes.
+    cells of a large map are written as boxes, or in USD as one mesh.
 
     Args:
         world: The world.
