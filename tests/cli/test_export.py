@@ -7,7 +7,7 @@ from trundle.maps import OccupancyGrid
 from trundle.worlds import World
 
 
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".glb"])
+@pytest.mark.parametrize("suffix", [".xml", ".usda", ".sdf", ".glb"])
 def test_a_world_is_written_and_loads_back(trundle: Trundle, tmp_path: Path, suffix: str) -> None:
     done = trundle("export", "maze", "--seed", 3, "--set", "rows=3", "-o", f"maze{suffix}", "--json")
     assert done.code == 0, done.err

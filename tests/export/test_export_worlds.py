@@ -57,7 +57,7 @@ def assert_same(found: World, expected: World, tolerance: float) -> None:
                 assert getattr(one.shape, field) == pytest.approx(getattr(other.shape, field), abs=tolerance)
 
 
-@pytest.mark.parametrize("to", ["mjcf", "sdf"])
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd"])
 def test_what_is_written_loads_back_to_the_same_solids(to, zoo, tmp_path):
     path = export_world(zoo, tmp_path / f"zoo{FORMATS[to].suffixes[0]}", to=to)
     back = World.load(path)
@@ -65,7 +65,7 @@ def test_what_is_written_loads_back_to_the_same_solids(to, zoo, tmp_path):
     assert_same(back, zoo, 1e-6)
 
 
-@pytest.mark.parametrize("to", ["mjcf", "sdf"])
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd"])
 @pytest.mark.parametrize("name", ["office", "lot", "cylinders"])
 def test_generated_worlds_load_back_from(to, name, tmp_path):
     world = World.generate(name, seed=2)
@@ -133,7 +133,7 @@ def test_unknown_formats_and_wrong_suffixes_are_refused(zoo, tmp_path):
         export_world(zoo, tmp_path / "a.xml", to="sdf")
     with pytest.raises(InputError, match=r"\.glb \(glb\)"):
         export_world(zoo, tmp_path / "a.txt")
-    with pytest.raises(InputError, match="hold no worlds; a world can be written as glb, map, mjcf, sdf"):
+    with pytest.raises(InputError, match="hold no worlds; a world can be written as glb, map, mjcf, sdf, usd"):
         export_world(zoo, tmp_path / "a.urdf")
     with pytest.raises(InputError, match="hold no robots"):
         export_robot(Robot.load("jackal"), tmp_path / "a.glb")
@@ -142,7 +142,7 @@ def test_unknown_formats_and_wrong_suffixes_are_refused(zoo, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("to", ["mjcf", "sdf", "glb", "map"])
+@pytest.mark.parametrize("to", ["mjcf", "usd", "sdf", "glb", "map"])
 def test_paths_that_cannot_be_written_are_errors(to, zoo, tmp_path):
     suffix = FORMATS[to].suffixes[0]
     with pytest.raises(OutputError, match="cannot write"):
