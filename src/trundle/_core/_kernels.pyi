@@ -119,3 +119,14 @@ def cast_outline_rays(
     reach: float,
 ) -> npt.NDArray[np.float64]:
     """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""
+
+def label_components(
+    mask: npt.NDArray[np.uint8], diagonal: bool
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64]]:
+    """Labels of the components of set cells, from 1 in the order of their first cells, 0 elsewhere; and their table.
+
+    The table has a row a component: cells, first row, end row, first column, end column.
+    """
+
+def mark_gaps(blocked: npt.NDArray[np.uint8], limit: float) -> npt.NDArray[np.uint8]:
+    """1 in runs of open cells, in rows, columns and diagonals, shorter than `limit` cells and blocked at both ends."""

@@ -4,5 +4,12 @@ from __future__ import annotations
 
 from cyclopts import App
 
-app = App(name="map", help_epilogue="Example:\n  trundle map build warehouse -o map.yaml", version_flags=[])
+app = App(
+    name="map",
+    help_epilogue=(
+        "Examples:\n  trundle map build warehouse -o map.yaml\n  trundle map check map.yaml --world warehouse"
+    ),
+    version_flags=[],
+)
 app.command("trundle.cli.map_build:app", name="build", help="Make the occupancy map of a world.")
+app.command("trundle.cli.map_check:app", name="check", help="Look for what is wrong with a map, and put it right.")

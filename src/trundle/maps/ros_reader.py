@@ -37,13 +37,18 @@ def load_map(
     if suffix in _IMAGE_SUFFIXES:
         raise MapError(f"{source} is an image; give the map's YAML file, which names it and says its resolution")
     description = load_description(source)
-    pixels = read_image(_find_image(source, description, allow_outside=allow_outside))
+    pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     _warn_of_unknown_as_free(pixels, description)
     cells = compute_cells(pixels, description.rule, compat)
     return OccupancyGrid(cells, description.resolution, description.origin)
 
 
-def _find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:
+def find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:
+    """The image that a map's YAML file names.
+
+    Raises:
+        MapError: If there is none, or it lies outside the file's folder and may not.
+    """
     where, image = description.image_place, description.image
     try:
         folder = source.parent.resolve()

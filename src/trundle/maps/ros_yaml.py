@@ -52,16 +52,11 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
     Raises:
         MapError: If it cannot be read, or says something that a map cannot mean.
     """
-    name = str(Path(path))
-    try:
-        root = compose(path, max_bytes=MAX_YAML_BYTES, allow_duplicate_keys=True)
-    except InputError as error:
-        raise MapError(str(error)) from error
-    fields = _Fields(root, name)
+    fields = read_fields(path)
     image, image_place = fields.text("image")
     rule = PixelRule(
-        mode=_parse_mode(fields),
-        negate=_parse_negate(fields),
+        mode=parse_mode(fields),
+        negate=parse_negate(fields),
         occupied_thresh=fields.number("occupied_thresh", low=0.0, high=1.0),
         free_thresh=fields.number("free_thresh", low=0.0, high=1.0),
     )
@@ -74,14 +69,33 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
         image=image,
         image_place=image_place,
         resolution=fields.number("resolution", low=MIN_RESOLUTION, high=MAX_RESOLUTION),
-        origin=_parse_origin(fields),
+        origin=parse_origin(fields),
         rule=rule,
         free_thresh_place=fields.place("free_thresh"),
     )
 
 
-class _Fields:
-    """The known keys of the document; the first of a repeated key counts, unknown ones are ignored, as in Nav2."""
+def read_fields(path: str | os.PathLike[str]) -> Fields:
+    """Read the YAML file of a ROS map as its keys, whose values are not looked at yet.
+
+    Raises:
+        MapError: If it cannot be read, or is no mapping.
+    """
+    try:
+        root = compose(path, max_bytes=MAX_YAML_BYTES, allow_duplicate_keys=True)
+    except InputError as error:
+        raise MapError(str(error)) from error
+    return Fields(root, str(Path(path)))
+
+
+class Fields:
+    """The keys of the document; the first of a repeated key counts, as in Nav2.
+
+    Attributes:
+        name: The file, for messages.
+        nodes: The value of each key.
+        keys: All keys in their order, repeated ones too.
+    """
 
     def __init__(self, root: yaml.Node, name: str) -> None:
         self.name = name
@@ -90,11 +104,14 @@ class _Fields:
                 f"{place(root, name)}: not a map's YAML file: it must hold `image: …`, `resolution: …` and so on"
             )
         self.nodes: dict[str, yaml.Node] = {}
+        self.keys: list[yaml.ScalarNode] = []
         for key, value in root.value:
             if isinstance(key, yaml.ScalarNode):
+                self.keys.append(key)
                 self.nodes.setdefault(key.value, value)
 
     def node(self, key: str) -> yaml.Node:
+        """The value of a key; a missing one raises `MapError`."""
         if key not in self.nodes:
             near = next((other for other in self.nodes if other.lower() == key), None)
             hint = f" ({near!r} is written differently: keys are case-sensitive)" if near else ""
@@ -105,6 +122,7 @@ class _Fields:
         return self.nodes[key]
 
     def place(self, key: str) -> str:
+        """`file:line:column` of a key's value."""
         return place(self.node(key), self.name)
 
     def text(self, key: str) -> tuple[str, str]:
@@ -117,6 +135,7 @@ class _Fields:
         return node.value, place(node, self.name)
 
     def number(self, key: str, *, low: float, high: float) -> float:
+        """A key's number between two others, these included."""
         value = parse_number(self.node(key), key, self.name)
         if not low <= value <= high:
             raise MapError(
@@ -148,7 +167,8 @@ def _shorten(text: str) -> str:
     return repr(text if len(text) <= 40 else text[:40] + "…") if text else "blank"
 
 
-def _parse_origin(fields: _Fields) -> Pose2D:
+def parse_origin(fields: Fields) -> Pose2D:
+    """Read `origin`: x [m], y [m], yaw [rad]."""
     node = fields.node("origin")
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
         got = f"{len(node.value)} values" if isinstance(node, yaml.SequenceNode) else _kind(node)
@@ -160,7 +180,8 @@ def _parse_origin(fields: _Fields) -> Pose2D:
     return Pose2D(x, y, yaw)
 
 
-def _parse_mode(fields: _Fields) -> Mode:
+def parse_mode(fields: Fields) -> Mode:
+    """Read `mode`; trinary where there is none."""
     if "mode" not in fields.nodes:
         return "trinary"
     text, where = fields.text("mode")
@@ -170,7 +191,8 @@ def _parse_mode(fields: _Fields) -> Mode:
     raise MapError(f"{where}: mode is {_shorten(text)}, it must be one of {', '.join(MODES)}; correct it")
 
 
-def _parse_negate(fields: _Fields) -> bool:
+def parse_negate(fields: Fields) -> bool:
+    """Read `negate`: a whole number or a YAML boolean."""
     text, where = fields.text("negate")
     if _INTEGER.fullmatch(text):
         return int(text, 16 if "x" in text.lower() else 10) != 0

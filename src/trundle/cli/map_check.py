@@ -1,0 +1,137 @@
+"""`trundle map check`: what is wrong with a map, where, and how to put it right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import options, output, sources
+
+if TYPE_CHECKING:
+    from trundle.maps import OccupancyGrid
+    from trundle.maps.check import MapReport
+
+app = App(
+    name="check",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle map check map.yaml\n"
+        "  trundle map check map.yaml --world warehouse --seed 7 --robot nova_carter -o report.png\n"
+        "  trundle map check map.yaml --world warehouse --fix right.yaml --json"
+    ),
+)
+
+
+@app.default
+def check(
+    map_file: Path,
+    /,
+    *,
+    world: Annotated[str | None, Parameter(name="--world")] = None,
+    robot: Annotated[str | None, Parameter(name="--robot")] = None,
+    start: Annotated[str | None, Parameter(name="--start", allow_leading_hyphen=True, metavar="X,Y[,YAW]")] = None,
+    goal: Annotated[
+        list[str] | None, Parameter(name="--goal", allow_leading_hyphen=True, negative="", metavar="X,Y[,YAW]")
+    ] = None,
+    fix: Annotated[Path | None, Parameter(name="--fix")] = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    seed: options.Seed = 0,
+    settings: options.Settings = None,
+    compat: options.Compat = None,
+    json: options.Json = False,
+) -> int:
+    """Look for what is wrong with a map: its file, its place, its space, and a robot's way through it.
+
+    Exits with 1 where there is an error among the findings. A map that is flipped, rotated, shifted or half a cell off
+    shows only against a world.
+
+    Args:
+        map_file: The YAML of a ROS map.
+        world: The world that the map shows, by name or file.
+        robot: A robot, by name or YAML, that shall fit through the doors.
+        start: Where the robot starts [m, m, rad], map frame.
+        goal: Where it shall go; repeat it for several.
+        fix: Where to write the map with everything put right that is certain: a YAML, or a folder for map.yaml.
+        out: A picture of the map with its findings, or a folder for check.png.
+        z_min: Lower end of the heights of the world that the map shows [m]; left out: the robot's, or 0.1.
+        z_max: Upper end of them [m]; left out: the robot's, or 0.62.
+    """
+    from trundle.maps.check import check_map
+    from trundle.maps.check.check import DEFAULT_Z_RANGE
+    from trundle.robots import Robot
+
+    first = options.parse_pose("--start", start) if start else None
+    goals = [options.parse_pose("--goal", text) for text in goal or []]
+    machine = Robot.load(robot) if robot is not None else None
+    given = options.parse_settings(settings)
+    place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
+    target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
+    picture = options.output_file(out, "check.png", (".png",)) if out is not None else None
+    low, high = machine.z_range if machine is not None else DEFAULT_Z_RANGE
+    heights = (low if z_min is None else z_min, high if z_max is None else z_max)
+    report = check_map(map_file, world=place, robot=machine, start=first, goals=goals, z_range=heights, compat=compat)
+    if target is not None and report.corrected is not None:
+        _save(report.corrected, target)
+    if picture is not None and report.grid is not None:
+        _draw(report.grid, report, picture, map_file.name)
+    fixed = target if report.corrected is not None else None
+    drawn = picture if report.grid is not None else None
+    if json:
+        output.print_json(
+            {
+                "map": map_file,
+                "findings": report.findings,
+                "unverified": report.unverified,
+                "ambiguous": report.ambiguous,
+                "remarks": report.remarks,
+                "can_fix": report.corrected_kinds,
+                "fixed": fixed,
+                "picture": drawn,
+            }
+        )
+    else:
+        _print_report(map_file, report)
+        for asked, written, what in ((target, fixed, "fixed"), (picture, drawn, "picture")):
+            if written is not None:
+                done = f" ({', '.join(report.corrected_kinds)})" if what == "fixed" else ""
+                print(f"{what}: {written}{done}")
+            elif asked is not None:
+                why = "nothing can be put right for certain" if what == "fixed" else "the map cannot be read"
+                print(f"{what}: not written: {why}")
+    return 1 if report.has_errors else 0
+
+
+def _save(grid: OccupancyGrid, target: Path) -> None:
+    import numpy as np
+
+    whole = np.isin(grid.data, (-1, 0, 100)).all()
+    grid.save(target, mode="trinary" if whole else "raw")
+
+
+def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str) -> None:
+    from trundle.files import atomic_path
+    from trundle.record.map_report import draw_report
+
+    image = draw_report(grid, report, title=title)
+    with atomic_path(target) as temporary:
+        image.save(temporary)
+
+
+def _print_report(map_file: Path, report: MapReport) -> None:
+    from trundle.record.map_report import count_by_severity
+
+    print(f"{map_file}: {count_by_severity(report)}")
+    for finding in report.findings:
+        where = f" at ({finding.where[0]:.2f}, {finding.where[1]:.2f})" if finding.where else ""
+        print(f"{finding.severity}: {finding.kind}{where}: {finding.message}")
+        print(f"    fix: {finding.fix}")
+    for name, kinds in (("unverified", report.unverified), ("ambiguous", report.ambiguous)):
+        if kinds:
+            print(f"{name}: {', '.join(kinds)}")
+    for remark in report.remarks:
+        print(f"    {remark}")

@@ -1,0 +1,161 @@
+"""Checking a map: its file, its image, its place in the world, its space, and a robot's way through it."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from trundle.errors import MapError
+from trundle.geometry import Pose2D
+from trundle.maps.check.areas import Chart
+from trundle.maps.check.description import check_description
+from trundle.maps.check.doors import check_doors
+from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind, MapReport, by_severity
+from trundle.maps.check.openings import check_openings
+from trundle.maps.check.placement import PlacementCheck, apply_match, check_placement
+from trundle.maps.check.reach import check_reach
+from trundle.maps.check.reading import read_map
+from trundle.maps.check.specks import check_islands, check_speckles
+from trundle.maps.check.unknown import check_unknown
+from trundle.maps.from_world import SolidWorld
+from trundle.maps.grid import OccupancyGrid
+from trundle.maps.occupancy import Compat
+from trundle.maps.resample import resample_axis_aligned
+from trundle.robots import Robot
+
+DEFAULT_Z_RANGE = (0.10, 0.62)
+
+
+def check_map(
+    path: str | os.PathLike[str],
+    *,
+    world: SolidWorld | None = None,
+    robot: Robot | None = None,
+    start: Pose2D | Sequence[float] | None = None,
+    goals: Sequence[Pose2D | Sequence[float]] = (),
+    z_range: tuple[float, float] | None = None,
+    compat: Compat | None = None,
+    allow_outside: bool = False,
+) -> MapReport:
+    """Look for everything that is wrong with a map.
+
+    Args:
+        path: The map's YAML file, or a MovingAI map.
+        world: The world that it shows; without one, a map that is flipped, rotated, shifted or half a cell off looks
+            like any other.
+        robot: Whose way through doors, and from start to goals, is checked.
+        start: Where a robot starts [m, m, rad], map frame.
+        goals: Where it shall go.
+        z_range: The heights of the world that the map shows [m]; by default the robot's.
+        compat: As for `OccupancyGrid.load`.
+        allow_outside: As for `OccupancyGrid.load`.
+
+    Returns:
+        The report. Mistakes that keep the map from loading are findings in it and no exceptions.
+
+    Raises:
+        MapError: If there is no such file.
+    """
+    source = Path(path)
+    if not source.is_file():
+        raise MapError(f"{source}: there is no such map file; give the YAML file of a map")
+    findings: list[Finding] = []
+    corrected: set[Kind] = set()
+    if source.suffix.lower() == ".map":
+        try:
+            grid = OccupancyGrid.load(source)
+        except MapError as error:
+            return _unreadable([Finding("yaml", "error", str(error), None, "correct the file")])
+    else:
+        described = check_description(source)
+        findings += described.findings
+        if described.description is None:
+            return _unreadable(findings)
+        grid, found, put_right = read_map(source, described.description, compat=compat, allow_outside=allow_outside)
+        findings += found
+        if grid is None:
+            return _unreadable(findings)
+        corrected |= {*described.corrected, *put_right}
+    report = check_grid(grid, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
+    kinds = tuple(sorted(corrected | set(report.corrected_kinds)))
+    return MapReport(
+        findings=by_severity([*findings, *report.findings]),
+        unverified=report.unverified,
+        ambiguous=report.ambiguous,
+        remarks=report.remarks,
+        grid=grid,
+        corrected=report.corrected if report.corrected is not None else (grid if corrected else None),
+        corrected_kinds=kinds,
+    )
+
+
+def check_grid(
+    grid: OccupancyGrid,
+    *,
+    world: SolidWorld | None = None,
+    robot: Robot | None = None,
+    start: Pose2D | Sequence[float] | None = None,
+    goals: Sequence[Pose2D | Sequence[float]] = (),
+    z_range: tuple[float, float] | None = None,
+) -> MapReport:
+    """Look for everything that is wrong with a grid; as `check_map`, for what no file is needed for."""
+    heights = z_range or (robot.z_range if robot is not None else DEFAULT_Z_RANGE)
+    placed = check_placement(grid, world, heights)
+    chart = Chart(grid, placed.truth)
+    findings = [
+        *placed.findings,
+        *_check_yaw(grid),
+        *check_unknown(chart),
+        *check_openings(chart),
+        *check_islands(chart),
+        *check_speckles(chart),
+        *(check_doors(chart, robot) if robot is not None else ()),
+        *check_reach(chart, robot, None if start is None else Pose2D.of(start), [Pose2D.of(goal) for goal in goals]),
+    ]
+    corrected, kinds = _correct(chart, placed)
+    return MapReport(
+        findings=by_severity(findings),
+        unverified=placed.unverified,
+        ambiguous=placed.ambiguous,
+        remarks=placed.remarks,
+        grid=grid,
+        corrected=corrected,
+        corrected_kinds=kinds,
+    )
+
+
+def _unreadable(findings: list[Finding]) -> MapReport:
+    why = f"{', '.join(PLACEMENT_KINDS)}: the map cannot be read"
+    return MapReport(by_severity(findings), unverified=PLACEMENT_KINDS, remarks=(why,))
+
+
+def _check_yaw(grid: OccupancyGrid) -> list[Finding]:
+    yaw = grid.origin.yaw
+    if yaw == 0.0:
+        return []
+    quarters = yaw / (math.pi / 2.0)
+    loss = "" if abs(quarters - round(quarters)) < 1e-9 else ", each obstacle up to a cell thicker"
+    return [
+        Finding(
+            "yaw_ignored",
+            "warning",
+            f"the origin has a yaw of {math.degrees(yaw):g}°: Nav2's costmaps ignore it, and the map lies turned there",
+            (grid.origin.x, grid.origin.y),
+            f"make the map axis-aligned{loss}",
+        )
+    ]
+
+
+def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None, tuple[Kind, ...]]:
+    grid = chart.grid
+    kinds: set[Kind] = set(chart.corrected)
+    made = OccupancyGrid(chart.cells, grid.resolution, grid.origin) if kinds else grid
+    if placed.match is not None:
+        made = apply_match(grid, made.data, placed.match)
+        kinds |= {finding.kind for finding in placed.findings}
+    if made.origin.yaw != 0.0:
+        made = resample_axis_aligned(made)
+        kinds.add("yaw_ignored")
+    return (made, tuple(sorted(kinds))) if kinds else (None, ())

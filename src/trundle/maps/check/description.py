@@ -1,0 +1,165 @@
+"""A map's YAML file: all of its mistakes at once, each with its line and column."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import yaml
+
+from trundle.errors import MapError
+from trundle.maps.check.finding import Finding, Kind
+from trundle.maps.occupancy import Mode, PixelRule
+from trundle.maps.ros_writer import FREE_THRESH, OCCUPIED_THRESH
+from trundle.maps.ros_yaml import (
+    MAX_RESOLUTION,
+    MIN_RESOLUTION,
+    Fields,
+    RosMapDescription,
+    parse_mode,
+    parse_negate,
+    parse_origin,
+    read_fields,
+)
+from trundle.yamlnodes import place
+
+USUAL_RESOLUTIONS = (0.005, 0.5)
+"""Cells of an indoor map are between these [m]; finer and coarser ones are more often a slip of the point."""
+
+_KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+_FIX_YAML = "correct the line"
+
+ValueT = TypeVar("ValueT")
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptionCheck:
+    """What came of reading a YAML file.
+
+    Attributes:
+        findings: Its mistakes.
+        description: What it says, exchanged thresholds put right; None where it cannot be used.
+        corrected: The kinds that were put right in it.
+    """
+
+    findings: list[Finding]
+    description: RosMapDescription | None
+    corrected: tuple[Kind, ...] = ()
+
+
+def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
+    """Read a map's YAML file and list everything that is wrong with it."""
+    try:
+        fields = read_fields(path)
+    except MapError as error:
+        return DescriptionCheck([_yaml_error(error)], None)
+    findings = [*_check_keys(fields)]
+
+    def read(value: Callable[[], ValueT]) -> ValueT | None:
+        try:
+            return value()
+        except MapError as error:
+            findings.append(_yaml_error(error))
+            return None
+
+    image = read(lambda: fields.text("image"))
+    mode: Mode | None = read(lambda: parse_mode(fields))
+    origin = read(lambda: parse_origin(fields))
+    negate = read(lambda: parse_negate(fields))
+    occupied = read(lambda: fields.number("occupied_thresh", low=0.0, high=1.0))
+    free = read(lambda: fields.number("free_thresh", low=0.0, high=1.0))
+    resolution = _read_resolution(fields, findings)
+    corrected: tuple[Kind, ...] = ()
+    if occupied is not None and free is not None and free > occupied:
+        findings.append(_inverted(fields, free, occupied))
+        free, occupied = occupied, free
+        corrected = ("thresholds_inverted",)
+    if image and mode and origin and negate is not None and occupied is not None and free is not None and resolution:
+        rule = PixelRule(mode, negate, occupied, free)
+        where = fields.place("free_thresh")
+        return DescriptionCheck(findings, RosMapDescription(*image, resolution, origin, rule, where), corrected)
+    return DescriptionCheck(findings, None)
+
+
+def _yaml_error(error: MapError) -> Finding:
+    return Finding("yaml", "error", str(error), None, _FIX_YAML)
+
+
+def _check_keys(fields: Fields) -> list[Finding]:
+    findings: list[Finding] = []
+    seen: dict[str, yaml.ScalarNode] = {}
+    for key in fields.keys:
+        where = place(key, fields.name)
+        if key.value in seen:
+            first = seen[key.value].start_mark.line + 1
+            findings.append(
+                Finding(
+                    "yaml",
+                    "warning",
+                    f"{where}: the key {key.value!r} is given twice: Nav2 takes the first (line {first}), most other "
+                    "readers the last",
+                    None,
+                    "keep one of the two",
+                )
+            )
+            continue
+        seen[key.value] = key
+        near = difflib.get_close_matches(key.value.lower(), _KEYS, n=1, cutoff=0.8)
+        if key.value not in _KEYS and near and near[0] not in fields.nodes:
+            findings.append(
+                Finding(
+                    "yaml",
+                    "warning",
+                    f"{where}: the key {key.value!r} is not known and is ignored; {near[0]!r} is probably meant",
+                    None,
+                    f"write {near[0]}",
+                )
+            )
+    return findings
+
+
+def _read_resolution(fields: Fields, findings: list[Finding]) -> float | None:
+    try:
+        resolution = fields.number("resolution", low=MIN_RESOLUTION, high=MAX_RESOLUTION)
+    except MapError as error:
+        node = fields.nodes.get("resolution")
+        kind: Kind = "resolution" if isinstance(node, yaml.ScalarNode) and _is_number(node.value) else "yaml"
+        findings.append(Finding(kind, "error", str(error), None, "write the edge of a cell in metres, most often 0.05"))
+        return None
+    low, high = USUAL_RESOLUTIONS
+    if not low <= resolution <= high:
+        findings.append(
+            Finding(
+                "resolution",
+                "warning",
+                f"{fields.place('resolution')}: a cell of {resolution:g} m is unlikely: most maps have between {low:g} "
+                f"and {high:g} m",
+                None,
+                "check the unit: it is metres a cell, most often 0.05",
+            )
+        )
+    return resolution
+
+
+def _is_number(text: str) -> bool:
+    """Whether a text is a number of any kind, infinity and NaN included, as YAML writes them (.inf, .nan) or Python."""
+    try:
+        float(text.strip().lower().replace(".nan", "nan").replace(".inf", "inf"))
+    except ValueError:
+        return False
+    return True
+
+
+def _inverted(fields: Fields, free: float, occupied: float) -> Finding:
+    return Finding(
+        "thresholds_inverted",
+        "error",
+        f"{fields.place('free_thresh')}: free_thresh {free:g} is above occupied_thresh {occupied:g}: the two are "
+        "exchanged, and what is grey loads as free",
+        None,
+        f"exchange them: occupied_thresh {free:g}, free_thresh {occupied:g} (usual are {OCCUPIED_THRESH} and "
+        f"{FREE_THRESH})",
+    )

@@ -1,0 +1,94 @@
+"""What a map's check says: findings, each with its severity, its place and its fix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+from trundle.maps.grid import OccupancyGrid
+
+Kind: TypeAlias = Literal[
+    "yaml",
+    "unknown_loads_free",
+    "thresholds_inverted",
+    "resolution",
+    "half_cell",
+    "flipped",
+    "rotated",
+    "shifted",
+    "yaw_ignored",
+    "unknown_hole",
+    "leak",
+    "island",
+    "speckle",
+    "narrow_door",
+    "disconnected",
+    "unseen",
+]
+Severity: TypeAlias = Literal["error", "warning", "info"]
+
+KINDS: tuple[Kind, ...] = get_args(Kind)
+PLACEMENT_KINDS: tuple[Kind, ...] = ("half_cell", "flipped", "rotated", "shifted")
+"""The kinds that need a world to compare with."""
+
+MOST_A_KIND = 20
+"""So many findings of a kind are listed; the rest become one more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that is wrong with a map, or may be.
+
+    Attributes:
+        kind: What kind of thing.
+        severity: "error" where the map means something else than it should, "warning" where a robot will stumble or
+            the map is incomplete, "info" for what is worth knowing.
+        message: What is the matter, with its numbers.
+        where: Its place (x, y) [m] in the map frame, or None where it has none.
+        fix: What to do about it.
+    """
+
+    kind: Kind
+    severity: Severity
+    message: str
+    where: tuple[float, float] | None
+    fix: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapReport:
+    """What was found in a map.
+
+    Attributes:
+        findings: Errors first, then warnings, then remarks.
+        unverified: Kinds that could not be looked for, because there is no world to compare with or it does not fit.
+        ambiguous: Kinds that the world's symmetry hides: it looks the same with and without them.
+        remarks: Why something is unverified or ambiguous.
+        grid: The map as it was meant to be read, or None where it could not be read.
+        corrected: The map with everything put right that is certain, or None where nothing is.
+        corrected_kinds: What was put right.
+    """
+
+    findings: tuple[Finding, ...]
+    unverified: tuple[Kind, ...] = ()
+    ambiguous: tuple[Kind, ...] = ()
+    remarks: tuple[str, ...] = ()
+    grid: OccupancyGrid | None = None
+    corrected: OccupancyGrid | None = None
+    corrected_kinds: tuple[Kind, ...] = ()
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether an error is among the findings."""
+        return any(finding.severity == "error" for finding in self.findings)
+
+    def kinds(self) -> set[Kind]:
+        """The kinds that were found."""
+        return {finding.kind for finding in self.findings}
+
+
+def by_severity(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Sort findings: errors, warnings, remarks; in each the kinds in their order."""
+    severities: tuple[Severity, ...] = get_args(Severity)
+    return tuple(sorted(findings, key=lambda item: (severities.index(item.severity), KINDS.index(item.kind))))

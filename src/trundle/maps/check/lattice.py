@@ -1,0 +1,163 @@
+"""The world on a map's own lattice of cells, and how well a map agrees with it somewhere."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import MapError, MapWarning
+from trundle.geometry import FloatArray, Pose2D, Pose3D
+from trundle.maps.check.areas import Cells, Mask
+from trundle.maps.check.orientation import Orientation
+from trundle.maps.from_world import SolidWorld
+from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.solids import Solid
+
+MOST_CELLS = 100_000_000
+_MOST_SAMPLES = 60_000
+
+Phase = tuple[float, float]
+Samples = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldCells:
+    """The world's map on a lattice that is the map's, moved by a part of a cell.
+
+    Attributes:
+        cells: Occupied, free where it can be reached, else unknown.
+        row: Row on the map's lattice of the first row here; the map's own first row is 0.
+        col: As `row`, for columns.
+        phase: How far the lattice is moved up and to the right, in cells, 0 to 1.
+    """
+
+    cells: Cells
+    row: int
+    col: int
+    phase: Phase
+
+    @property
+    def blocked(self) -> Mask:
+        """Which cells are occupied."""
+        return self.cells == OCCUPIED
+
+    def crop(self, row: int, col: int, shape: tuple[int, int]) -> Cells:
+        """The cells from a row and column of the lattice on; unknown outside."""
+        part = np.full(shape, UNKNOWN, dtype=np.int8)
+        rows, cols = self.cells.shape
+        first_row, first_col = row - self.row, col - self.col
+        low_row, low_col = max(0, first_row), max(0, first_col)
+        high_row, high_col = min(rows, first_row + shape[0]), min(cols, first_col + shape[1])
+        if low_row < high_row and low_col < high_col:
+            there = np.s_[low_row - first_row : high_row - first_row, low_col - first_col : high_col - first_col]
+            part[there] = self.cells[low_row:high_row, low_col:high_col]
+        return part
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _TurnedWorld:
+    solids: Sequence[Solid]
+    bounds: tuple[FloatArray, FloatArray]
+    seeds: Sequence[tuple[float, float]]
+
+
+class Lattice:
+    """A map's lattice, on which a world is rasterised and compared.
+
+    Args:
+        grid: The map; it has occupied and free cells.
+        world: The world.
+        z_range: The heights that count [m].
+
+    Raises:
+        MapError: If the world cannot be rasterised there.
+    """
+
+    def __init__(self, grid: OccupancyGrid, world: SolidWorld, z_range: tuple[float, float]) -> None:
+        self.grid = grid
+        self._z_range = z_range
+        self._world = _express(world, grid.origin)
+        low, high = (corner[:2] / grid.resolution for corner in self._world.bounds)
+        if not self._world.solids:
+            raise MapError("the world has no solids")
+        # Two cells around the world, so that it can be moved by one.
+        self._first = np.floor(low).astype(int) - 2
+        self._shape = np.ceil(high).astype(int) + 2 - self._first
+        if self._shape[0] * self._shape[1] > MOST_CELLS:
+            raise MapError(
+                f"the world has {self._shape[0]} x {self._shape[1]} of the map's cells of {grid.resolution:g} m, more "
+                f"than {MOST_CELLS}"
+            )
+        random = np.random.default_rng(0)
+        occupied, known = grid.data == OCCUPIED, grid.data != UNKNOWN
+        self._occupied, self.occupied_count = _sample(occupied, random)
+        self._free, self.free_count = _sample(known & ~occupied, random)
+
+    def rasterise(self, phase: Phase = (0.0, 0.0)) -> WorldCells:
+        """The world's map on the lattice, moved by a part of a cell up and to the right."""
+        edge = self.grid.resolution
+        corner = (self._first + np.array([phase[1], phase[0]])) * edge
+        # From the middle of the last cell, so that rounding makes no other.
+        last = corner + (self._shape - 0.5) * edge
+        bounds = ((float(corner[0]), float(corner[1])), (float(last[0]), float(last[1])))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MapWarning)
+            made = OccupancyGrid.from_world(self._world, resolution=edge, z_range=self._z_range, bounds=bounds)
+        return WorldCells(made.data, int(self._first[1]), int(self._first[0]), phase)
+
+    def agreement(self, world: WorldCells, orientation: Orientation, row: int, col: int) -> float:
+        """Share of the cells that are occupied in map or world that are so in both; what is unknown is left out.
+
+        Args:
+            world: The world's cells.
+            orientation: What is done to the map first.
+            row: Where its first row is put then, on the world's lattice.
+            col: As `row`, for columns.
+        """
+        hits = self._count(world, self._occupied, orientation, row, col) * self.occupied_count
+        conflicts = self._count(world, self._free, orientation, row, col) * self.free_count
+        return hits / (self.occupied_count + conflicts)
+
+    def _count(self, world: WorldCells, samples: Samples, orientation: Orientation, row: int, col: int) -> float:
+        rows, cols = orientation.move(*samples, self.grid.shape)
+        rows, cols = rows + (row - world.row), cols + (col - world.col)
+        height, width = world.cells.shape
+        inside = (rows >= 0) & (rows < height) & (cols >= 0) & (cols < width)
+        found = world.cells[rows[inside], cols[inside]] == OCCUPIED
+        return float(np.count_nonzero(found)) / max(1, len(rows))
+
+
+def _sample(mask: Mask, random: np.random.Generator) -> tuple[Samples, int]:
+    indices = np.flatnonzero(mask)
+    count = len(indices)
+    if count > _MOST_SAMPLES:
+        indices = indices[np.sort(random.choice(count, _MOST_SAMPLES, replace=False))]
+    rows, cols = np.divmod(indices, mask.shape[1])
+    return (rows.astype(np.int64), cols.astype(np.int64)), count
+
+
+def _express(world: SolidWorld, origin: Pose2D) -> SolidWorld:
+    """A world in the frame of a map's lower-left corner."""
+    inverse = origin.inverse()
+    half = inverse.yaw / 2.0
+    cos, sin = math.cos(half), math.sin(half)
+
+    def express(pose: Pose3D) -> Pose3D:
+        (x, y), *_ = inverse.transform_points([pose.position[:2]])
+        w, i, j, k = pose.quaternion
+        turned = (cos * w - sin * k, cos * i - sin * j, cos * j + sin * i, cos * k + sin * w)
+        return Pose3D((float(x), float(y), pose.position[2]), turned)
+
+    solids = tuple(dataclasses.replace(solid, pose=express(solid.pose)) for solid in world.solids)
+    if not solids:
+        return _TurnedWorld((), (np.zeros(3), np.zeros(3)), ())
+    lows, highs = zip(*(solid.bounds() for solid in solids), strict=True)
+    seeds = inverse.transform_points(np.asarray(world.seeds, dtype=np.float64).reshape(-1, 2))
+    places = tuple((float(x), float(y)) for x, y in seeds)
+    return _TurnedWorld(solids, (np.min(lows, axis=0), np.max(highs, axis=0)), places)

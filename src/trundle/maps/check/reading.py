@@ -1,0 +1,65 @@
+"""A map's image read by its rule: what loads as something else than its maker meant."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from trundle.errors import MapError
+from trundle.maps.check.finding import Finding, Kind
+from trundle.maps.grid import FREE, OccupancyGrid
+from trundle.maps.image import read_image
+from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
+from trundle.maps.pixels import Pixels, compute_greys
+from trundle.maps.ros_reader import find_image
+from trundle.maps.ros_writer import FREE_THRESH
+from trundle.maps.ros_yaml import RosMapDescription
+
+
+class Reading(NamedTuple):
+    """A map as it was meant, or None where its image cannot be read; what was found; and the kinds put right."""
+
+    grid: OccupancyGrid | None
+    findings: list[Finding]
+    corrected: tuple[Kind, ...]
+
+
+def read_map(
+    source: Path, description: RosMapDescription, *, compat: Compat | None = None, allow_outside: bool = False
+) -> Reading:
+    """Read a map's image; unknown cells that would load as free are read as unknown."""
+    try:
+        pixels = read_image(find_image(source, description, allow_outside=allow_outside))
+    except MapError as error:
+        fix = "correct `image`, or write the image again"
+        return Reading(None, [Finding("yaml", "error", str(error), None, fix)], ())
+    rule = description.rule
+    trapped = _find_trapped(pixels, rule)
+    if trapped is None:
+        cells = compute_cells(pixels, rule, compat)
+        return Reading(OccupancyGrid(cells, description.resolution, description.origin), [], ())
+    meant = dataclasses.replace(rule, free_thresh=FREE_THRESH)
+    grid = OccupancyGrid(compute_cells(pixels, meant, compat), description.resolution, description.origin)
+    rows, cols = np.nonzero(trapped)
+    middle = len(rows) // 2
+    x, y = grid.cell_to_world(rows[middle], cols[middle])
+    finding = Finding(
+        "unknown_loads_free",
+        "error",
+        f"{description.free_thresh_place}: free_thresh {rule.free_thresh:g} is above the darkness of unknown cells "
+        f"(grey {UNKNOWN_GREY}, 0.196): {len(rows)} unknown cells load as free",
+        (float(x), float(y)),
+        f"write free_thresh: {FREE_THRESH}",
+    )
+    return Reading(grid, [finding], ("unknown_loads_free",))
+
+
+def _find_trapped(pixels: Pixels, rule: PixelRule) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]] | None:
+    """Cells, row 0 at the bottom, of the grey of unknown that load as free; None where there is none."""
+    if rule.mode == "raw" or rule.negate or compute_table(rule)[UNKNOWN_GREY] != FREE:
+        return None
+    trapped = compute_greys(pixels)[::-1] == UNKNOWN_GREY
+    return trapped if trapped.any() else None
