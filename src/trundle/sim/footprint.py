@@ -11,7 +11,8 @@ import numpy.typing as npt
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
-from trundle.sim.sections import Disc, Polygon, slab_section
+from trundle.sim.convex import take_apart
+from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
 from trundle.sim.simulator import Contact
 from trundle.solids import OccupancyCells, Solid
 from trundle.worlds import World
@@ -64,6 +65,7 @@ class FootprintChecker:
         self._outline = robot.outline
         self._reach = robot.circumscribed_radius
         low, high = robot.body.clearance, robot.body.height
+        pieces = take_apart(world.solids, ceiling=high)
         self._names: list[str] = []
         self._sections: list[Polygon | Disc] = []
         self._fields: list[CellField] = []
@@ -73,10 +75,16 @@ class FootprintChecker:
                 if base < high and base + solid.shape.height > low:
                     self._fields.append(CellField.of(solid, solid.shape))
                 continue
-            section = slab_section(solid, low, high)
-            if section is not None:
-                self._names.append(solid.name)
-                self._sections.append(section)
+            if solid.name in pieces:
+                found: list[Polygon | Disc | None] = [
+                    piece_section(piece, low, high) for piece in pieces[solid.name].hulls
+                ]
+            else:
+                found = [slab_section(solid, low, high)]
+            for section in found:
+                if section is not None:
+                    self._names.append(solid.name)
+                    self._sections.append(section)
         bounds = [_bounds(section) for section in self._sections]
         self._bounds = np.array(bounds).reshape(-1, 4)
 
@@ -89,7 +97,10 @@ class FootprintChecker:
         contacts: list[Contact] = []
         if outlines is None:
             return ()
+        touched: set[str] = set()
         for index in np.flatnonzero(near):
+            if self._names[index] in touched:  # by another piece of it
+                continue
             section = self._sections[index]
             if isinstance(section, Disc):
                 depth = _disc_depth(outlines, section)
@@ -97,6 +108,7 @@ class FootprintChecker:
                 depth = polygon_depth(outlines, section.corners[None])[:, 0]
             hits = np.flatnonzero(depth > _TOUCH)
             if len(hits):
+                touched.add(self._names[index])
                 x, y = _middle_of_overlap(outlines[hits[0]], section)
                 contacts.append(Contact("chassis", self._names[index], x, y))
         for field in self._fields:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, convex_hull
+from trundle.sim.convex import Piece
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 _SIDES = 128
@@ -40,7 +41,8 @@ Section: TypeAlias = Polygon | Disc
 def slab_section(solid: Solid, low: float, high: float) -> Section | None:
     """The extent, seen from above, of the part of a solid between two heights [m]; None where there is none.
 
-    A mesh counts as its convex hull. Blocked cells are no convex shape: see `trundle.sim.footprint.CellField`.
+    A mesh counts as its convex hull: see `trundle.sim.convex` for those that are not convex. Blocked cells are no
+    convex shape: see `trundle.sim.footprint.CellField`.
     """
     x, y, z = solid.pose.position
     match solid.shape:
@@ -61,6 +63,11 @@ def slab_section(solid: Solid, low: float, high: float) -> Section | None:
         case shape:
             corners, edges = _polyhedron(shape)
             return _cut(solid.pose.transform_points(corners), edges, low, high)
+
+
+def piece_section(piece: Piece, low: float, high: float) -> Polygon | None:
+    """The extent, seen from above, of the part of a convex piece between two heights [m]; None where there is none."""
+    return _cut(piece.corners, piece.edges, low, high)
 
 
 def outline_segments(solid: Solid, height: float) -> FloatArray:

@@ -13,8 +13,8 @@ from trundle.worlds.world import World
 def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = None) -> World:
     """Read a mesh file (GLB, glTF, OBJ, STL, PLY, COLLADA) as a world: every mesh of its scene is a solid.
 
-    In the map and for the lidar a mesh is as it is. In MuJoCo, which collides convex bodies alone, it is taken apart:
-    see `trundle.convex`.
+    In the map and for the lidar a mesh is as it is. To collide, it is taken apart into convex pieces where it is not
+    convex itself: see `trundle.sim.convex`.
 
     Args:
         path: The file.

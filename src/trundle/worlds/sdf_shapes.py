@@ -11,7 +11,8 @@ from trundle.meshfile import MeshPart, read_mesh
 from trundle.solids import Box, Color, Cylinder, Shape, Sphere
 from trundle.uris import describe_search, find_uri
 from trundle.worlds.sdf_values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
-from trundle.worlds.shapes import Part, capsule_parts, cone_mesh, ellipsoid_mesh
+from trundle.worlds.shapes import Part, capsule_parts, ellipsoid_mesh
+from trundle.worlds.tessellate import cone_mesh
 from trundle.xmlfile import XmlElement
 
 _NOT_SOLID = ("plane", "empty")

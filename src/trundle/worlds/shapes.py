@@ -1,19 +1,15 @@
-"""Shapes of other formats, made of ours: capsules exactly, ellipsoids and cones as meshes; names that stay unique."""
+"""Shapes of other formats, made of ours: capsules exactly, ellipsoids and height fields as meshes."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose3D
 from trundle.solids import Color, Cylinder, Mesh, Shape, Solid, Sphere
-
-SIDES = 48
-"""Of round things that become meshes: a circle of 1 m radius is then off by at most 2.2 mm, inwards."""
+from trundle.worlds.tessellate import sphere_mesh
 
 
 class Names:
@@ -64,22 +60,9 @@ def capsule_parts(radius: float, length: float) -> list[Part]:
 
 
 def ellipsoid_mesh(radii: tuple[float, float, float]) -> Mesh:
-    """An ellipsoid of three radii [m] along the axes, as a closed mesh whose corners lie on it."""
-    rings = SIDES // 2
-    down = np.linspace(0.0, math.pi, rings + 1)[1:-1]
-    ring = _circle()
-    middle = np.concatenate([np.c_[math.sin(a) * ring, np.full(SIDES, math.cos(a))] for a in down])
-    unit = np.vstack([[[0.0, 0.0, 1.0]], middle, [[0.0, 0.0, -1.0]]])
-    bands = [_band(1 + band * SIDES, 1 + (band + 1) * SIDES) for band in range(rings - 2)]
-    ends = [_fan(0, 1, up=True), _fan(len(unit) - 1, 1 + (rings - 2) * SIDES, up=False)]
-    return Mesh(unit * np.asarray(radii), np.vstack([*bands, *ends]))
-
-
-def cone_mesh(radius: float, length: float) -> Mesh:
-    """A cone along z with its tip up, centred, as a closed mesh; `radius` of its base and full `length` [m]."""
-    ring = np.c_[radius * _circle(), np.full(SIDES, -length / 2.0)]
-    vertices = np.vstack([[[0.0, 0.0, length / 2.0]], ring, [[0.0, 0.0, -length / 2.0]]])
-    return Mesh(vertices, np.vstack([_fan(0, 1, up=True), _fan(SIDES + 1, 1, up=False)]))
+    """An ellipsoid of three radii [m] along the axes, as a closed mesh that holds it and is at most 0.5 % larger."""
+    ball = sphere_mesh(1.0)
+    return Mesh(ball.vertices * np.asarray(radii), ball.faces)
 
 
 def height_field_mesh(heights: FloatArray, size: tuple[float, float], floor: float) -> Mesh:
@@ -120,22 +103,3 @@ def make_solids(
             else Solid(given, part.shape, placed, shade, kind)
         )
     return solids
-
-
-def _circle() -> FloatArray:
-    angles = np.arange(SIDES, dtype=np.int32) * (2.0 * math.pi / SIDES)
-    return np.c_[np.cos(angles), np.sin(angles)]
-
-
-def _fan(tip: int, first: int, *, up: bool) -> npt.NDArray[np.int32]:
-    here = first + np.arange(SIDES, dtype=np.int32)
-    following = first + (np.arange(SIDES, dtype=np.int32) + 1) % SIDES
-    ends = (here, following) if up else (following, here)
-    return np.c_[np.full(SIDES, tip, dtype=np.int32), ends[0], ends[1]]
-
-
-def _band(upper: int, lower: int) -> npt.NDArray[np.int32]:
-    here = np.arange(SIDES, dtype=np.int32)
-    following = (here + 1) % SIDES
-    a, b, c, d = upper + here, lower + here, lower + following, upper + following
-    return np.vstack([np.c_[a, b, c], np.c_[a, c, d]])

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from trundle.geometry import Pose2D
-from trundle.sim.mujoco.world_parts import FLOOR
+from trundle.sim.mujoco.world_parts import FLOOR, solid_of
 from trundle.sim.simulator import Contact
 from trundle.solids import OccupancyCells, Solid
 from trundle.worlds import World
@@ -38,7 +38,7 @@ class ContactReader:
             own, other = sorted(pair, key=lambda geom: self._model.geom_bodyid[geom] == 0)
             x, y, _ = data.contact.pos[index].tolist()
             part = self._model.geom(own).name.removeprefix("robot:")
-            name = self._model.geom(other).name
+            name = solid_of(self._model.geom(other).name)
             if name in self._cells:
                 solid, cells = self._cells[name]
                 name = f"{name}[{','.join(map(str, nearest_blocked_cell(solid, cells, x, y)))}]"

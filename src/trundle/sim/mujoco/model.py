@@ -16,6 +16,9 @@ from trundle.worlds import World
 TIMESTEP = 0.005
 """Length of a physics step [s]."""
 
+HEADROOM = 0.2
+"""Above the robot [m], from where on nothing of a mesh collides."""
+
 _ROOM_ABOVE = 0.1
 """How much higher than it stands a robot may come when it rides up on something [m]."""
 
@@ -25,7 +28,7 @@ def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks:
 
     Geoms are named after what they are: a solid's geom has the solid's name, the floor is `world:floor`, the robot's
     start with `robot:` (`robot:chassis`, `robot:wheel_left`, `robot:caster_0`, …). Geom groups: 0 world, 1 blocked
-    cells, 2 the robot's looks, 3 the robot's colliders.
+    cells, 2 the robot's looks, 3 what collides and is not shown: the robot's colliders, pieces of meshes.
 
     Args:
         world: What stands on the floor.
@@ -38,7 +41,7 @@ def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks:
     """
     spec = _empty_spec(f"{robot.name} in {world.name}", timestep)
     add_floor(spec)
-    add_solids(spec, world)
+    add_solids(spec, world, ceiling=robot.body.height + HEADROOM)
     add_robot(spec, robot, looks=looks)
     return spec
 

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.geometry import FloatArray
+from trundle.sim.convex import FLOOR_TOP, Pieces, take_apart
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds import World
 
 FLOOR = "world:floor"
 GROUP_WORLD = 0
 GROUP_CELLS = 1
 """Blocked cells lie in a group of their own, so that rays can leave out the slopes of their height field."""
+
+GROUP_PIECES = 3
+"""Pieces of meshes collide and are not shown, as the robot's colliders."""
+
+_PIECE = " / piece "
 
 # The robot's colliders are of type 1 and answer nothing; the world answers type 1 and is of no type. So the robot meets
 # the world, and neither meets itself.
@@ -46,31 +55,75 @@ def add_floor(spec: mujoco.MjSpec) -> None:
     )
 
 
-def add_solids(spec: mujoco.MjSpec, world: World) -> None:
+def solid_of(geom: str) -> str:
+    """Name of the solid that a geom belongs to: the geom's own, or the one whose piece it is."""
+    return geom.rpartition(_PIECE)[0] or geom
+
+
+def add_solids(spec: mujoco.MjSpec, world: World, *, ceiling: float = math.inf) -> None:
     """Add a world's solids to the world body, each as one geom of the solid's name.
 
-    A mesh collides as its convex hull. Blocked cells become a height field whose slopes cross the floor at the edges of
-    the cells, see `cell_heights`.
+    MuJoCo collides convex bodies alone. A mesh that is convex collides as it is; any other is only seen, and collides
+    as convex pieces, geoms of a group that is not shown: see `trundle.sim.convex`. What reaches no higher than the
+    floor collides with nothing. Blocked cells become a height field whose slopes cross the floor at the edges of the
+    cells, see `cell_heights`.
+
+    Args:
+        spec: What to add to.
+        world: What stands on the floor.
+        ceiling: Height [m] above which nothing of a mesh collides.
     """
-    for solid in world.solids:
-        match solid.shape:
-            case Box(size):
-                _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_BOX, [edge / 2.0 for edge in size])
-            case Cylinder(radius, length):
-                _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2.0, 0.0])
-            case Sphere(radius):
-                _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0.0, 0.0])
-            case Mesh(vertices, faces):
-                spec.add_mesh(
-                    name=solid.name,
-                    uservert=vertices.ravel().tolist(),
-                    userface=faces.ravel().tolist(),
-                    inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-                )
-                geom = _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_MESH, [0.0, 0.0, 0.0])
-                geom.meshname = solid.name
-            case OccupancyCells() as cells:
-                _add_cells(spec, solid, cells)
+    if not world.solids:
+        return
+    pieces = take_apart(world.solids, ceiling=ceiling)
+    tops = solids_bounds(world.solids)[1][:, 2].tolist()
+    for solid, top in zip(world.solids, tops, strict=True):
+        geom = _add_solid(spec, solid)
+        if solid.name in pieces and not pieces[solid.name].whole:
+            geom.conaffinity = 0
+            _add_pieces(spec, solid.name, pieces[solid.name])
+        elif top <= FLOOR_TOP:
+            geom.conaffinity = 0
+
+
+def _add_solid(spec: mujoco.MjSpec, solid: Solid) -> mujoco.MjsGeom:
+    match solid.shape:
+        case Box(size):
+            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_BOX, [edge / 2.0 for edge in size])
+        case Cylinder(radius, length):
+            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2.0, 0.0])
+        case Sphere(radius):
+            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0.0, 0.0])
+        case Mesh(vertices, faces):
+            _add_mesh(spec, solid.name, vertices, faces)
+            geom = _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_MESH, [0.0, 0.0, 0.0])
+            geom.meshname = solid.name
+            return geom
+        case OccupancyCells() as cells:
+            return _add_cells(spec, solid, cells)
+
+
+def _add_mesh(spec: mujoco.MjSpec, name: str, vertices: FloatArray, faces: npt.NDArray[np.int32] | None = None) -> None:
+    mesh = spec.add_mesh(
+        name=name, uservert=vertices.ravel().tolist(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    )
+    if faces is not None:
+        mesh.userface = faces.ravel().tolist()
+
+
+def _add_pieces(spec: mujoco.MjSpec, name: str, pieces: Pieces) -> None:
+    first_box = len(pieces.hulls) - pieces.boxes
+    for index, (corners, _) in enumerate(pieces.hulls):
+        piece = f"{name}{_PIECE}{index}"
+        geom = spec.worldbody.add_geom(name=piece, contype=0, conaffinity=ROBOT_TYPE, group=GROUP_PIECES)
+        if index < first_box:
+            _add_mesh(spec, piece, corners)
+            geom.type = mujoco.mjtGeom.mjGEOM_MESH
+            geom.meshname = piece
+        else:
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            geom.type = mujoco.mjtGeom.mjGEOM_BOX
+            geom.size, geom.pos = (high - low) / 2.0, (high + low) / 2.0
 
 
 def cell_heights(cells: OccupancyCells) -> npt.NDArray[np.float32]:
@@ -82,7 +135,7 @@ def cell_heights(cells: OccupancyCells) -> npt.NDArray[np.float32]:
     return np.pad(cells.blocked, 1).astype(np.float32)
 
 
-def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> None:
+def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> mujoco.MjsGeom:
     rows, cols = cells.blocked.shape
     heights = cell_heights(cells)
     half = ((cols + 1) * cells.resolution / 2.0, (rows + 1) * cells.resolution / 2.0)
@@ -98,6 +151,7 @@ def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> None
     geom.pos = solid.pose.transform_points([middle])[0]
     geom.hfieldname = solid.name
     geom.group = GROUP_CELLS
+    return geom
 
 
 def _add_geom(spec: mujoco.MjSpec, solid: Solid, kind: mujoco.mjtGeom, size: list[float]) -> mujoco.MjsGeom:
