@@ -19,6 +19,7 @@ namespace trundle {
 using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 constexpr std::int8_t kOccupied = 100;
+constexpr std::int64_t kTile = 32;  // Edge of a tile [cells].
 // What has no thickness counts where it touches: a negative depth of this many metres.
 constexpr double kTouch = -1e-9;
 
@@ -49,9 +50,22 @@ struct Reach {
   std::int64_t end(double high, std::int64_t limit) const { return whole(std::ceil(high - from_low()), limit); }
 
  private:
-  static std::int64_t whole(double value, std::int64_t limit) {
-    if (!(value > 0.0)) return 0;
-    return value > static_cast<double>(limit) ? limit : static_cast<std::int64_t>(value);
+  static std::int64_t whole(double value, std::int64_t limit) {  // Without branches: the two selections are min and max.
+    const double least = value > 0.0 ? value : 0.0, most = static_cast<double>(limit);
+    return static_cast<std::int64_t>(least < most ? least : most);
+  }
+};
+
+struct Box2 {
+  Point2 low, high;
+
+  static Box2 around(const Point2 *corners, std::size_t count) {
+    Box2 box{corners[0], corners[0]};
+    for (std::size_t i = 1; i < count; ++i) {
+      box.low = {std::min(box.low.x, corners[i].x), std::min(box.low.y, corners[i].y)};
+      box.high = {std::max(box.high.x, corners[i].x), std::max(box.high.y, corners[i].y)};
+    }
+    return box;
   }
 };
 
@@ -64,6 +78,9 @@ class Raster {
         surface_{kTouch / resolution, false} {
     if (!(resolution > 0.0 && 2.0 * depth < resolution))
       throw std::invalid_argument("a raster needs a resolution above twice the depth");
+    if (cols_ > std::numeric_limits<std::int32_t>::max()) throw std::invalid_argument("a raster has fewer than 2^31 columns");
+    tile_cols_ = (cols_ + kTile - 1) / kTile;
+    seen_.assign(static_cast<std::size_t>((rows_ + kTile - 1) / kTile * tile_cols_), 0);
   }
 
   std::int64_t rows() const { return rows_; }
@@ -73,16 +90,52 @@ class Raster {
   std::int8_t &cell(std::int64_t row, std::int64_t col) { return cells_[row * cols_ + col]; }
 
   // Whether any of the grid, or of one cell around it, lies in a box.
-  bool near(Point2 low, Point2 high) const {
-    return low.x < static_cast<double>(cols_) + 1.0 && high.x > -1.0 && low.y < static_cast<double>(rows_) + 1.0 && high.y > -1.0;
+  bool near(const Box2 &box) const {
+    return box.low.x < static_cast<double>(cols_) + 1.0 && box.high.x > -1.0 &&
+           box.low.y < static_cast<double>(rows_) + 1.0 && box.high.y > -1.0;
   }
 
   // The corners of a convex polygon in order; one point or a segment will do. Returns false where a row that it reaches
   // into, or all of it, got no cell: it lies between two cells there.
   bool add_polygon(const Point2 *corners, std::size_t count, const Reach &reach) {
-    bool whole = trace(corners, count, reach) || outside_;
-    for (std::int64_t row = first_; row < end_; ++row) whole &= mark(row, left(row), right(row), reach);
-    return whole;
+    if (count == 0) return true;
+    const Box2 box = Box2::around(corners, count);
+    if (!near(box)) return true;
+    const Point2 &low = box.low, &high = box.high;
+    const std::int64_t first = reach.first(low.y, rows_), end = reach.end(high.y, rows_);
+    if (first >= end) return false;
+    const std::int64_t first_col = reach.first(low.x, cols_), end_col = reach.end(high.x, cols_);
+    if (first_col >= end_col) return false;
+    // Inside one row or one column there is nothing to clip.
+    if (end - first == 1 && low.y >= static_cast<double>(first) + reach.strip_low() && high.y <= static_cast<double>(first) + reach.strip_high())
+      return mark(first, low.x, high.x, reach);
+    if (end_col - first_col == 1 && low.x >= static_cast<double>(first_col) + reach.strip_low() && high.x <= static_cast<double>(first_col) + reach.strip_high()) {
+      for (std::int64_t row = first; row < end; ++row) cells_[row * cols_ + first_col] = kOccupied;
+      return true;
+    }
+    if (is_full(first, end, first_col, end_col)) return true;
+    trace(corners, count, box, reach);
+    return mark_rows(reach);
+  }
+
+  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles.
+  // Cells only ever become occupied, so each tile remembers how far it was found full, and looking is soon for nothing.
+  bool is_full(std::int64_t row, std::int64_t end_row, std::int64_t col, std::int64_t end_col) {
+    if (end_col - col <= 8 && end_row - row <= 8) {
+      for (; row < end_row; ++row)
+        for (std::int64_t c = col; c < end_col; ++c)
+          if (cells_[row * cols_ + c] != kOccupied) return false;
+      return true;
+    }
+    for (std::int64_t tile_row = row / kTile; tile_row <= (end_row - 1) / kTile; ++tile_row)
+      for (std::int64_t tile_col = col / kTile; tile_col <= (end_col - 1) / kTile; ++tile_col) {
+        std::uint16_t &seen = seen_[static_cast<std::size_t>(tile_row * tile_cols_ + tile_col)];
+        for (; seen < kTile * kTile; ++seen) {
+          const std::int64_t r = tile_row * kTile + seen / kTile, c = tile_col * kTile + seen % kTile;
+          if (r < rows_ && c < cols_ && cells_[r * cols_ + c] != kOccupied) return false;
+        }
+      }
+    return true;
   }
 
   // A convex polygon that is solid. Thinner than twice the depth it has no thickness, and counts where it touches.
@@ -104,21 +157,15 @@ class Raster {
   }
 
   // Find the smallest and largest x of a convex polygon in each row that it reaches into; false where there is none.
-  bool trace(const Point2 *corners, std::size_t count, const Reach &reach) {
-    outside_ = true;
-    if (count == 0) return false;
-    Point2 low = corners[0], high = corners[0];
+  bool trace(const Point2 *corners, std::size_t count, const Box2 &box, const Reach &reach) {
     double area = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       const Point2 &a = corners[i], &b = corners[i + 1 == count ? 0 : i + 1];
-      low = {std::min(low.x, a.x), std::min(low.y, a.y)};
-      high = {std::max(high.x, a.x), std::max(high.y, a.y)};
       area += (a.x - corners[0].x) * (b.y - corners[0].y) - (b.x - corners[0].x) * (a.y - corners[0].y);
     }
-    outside_ = !near(low, high);
-    first_ = reach.first(low.y, rows_);
-    end_ = outside_ ? first_ : reach.end(high.y, rows_);
-    if (first_ >= end_) return false;
+    first_ = reach.first(box.low.y, rows_);
+    end_ = reach.end(box.high.y, rows_);
+    if (first_ >= end_ || !near(box)) return false;
     const auto spanned = static_cast<std::size_t>(end_ - first_);
     if (left_.size() < spanned) {
       left_.resize(spanned);
@@ -127,7 +174,7 @@ class Raster {
     std::fill_n(left_.begin(), spanned, std::numeric_limits<double>::infinity());
     std::fill_n(right_.begin(), spanned, -std::numeric_limits<double>::infinity());
     // Counter-clockwise, edges that rise are the right side. Seen from the edge, both sides are both.
-    const double size = (high.x - low.x) + (high.y - low.y);
+    const double size = (box.high.x - box.low.x) + (box.high.y - box.low.y);
     const bool flat = std::abs(area) < 1e-9 * size * size;
     for (std::size_t i = 0; i < count; ++i) {
       const Point2 &a = corners[i], &b = corners[i + 1 == count ? 0 : i + 1];
@@ -168,11 +215,14 @@ class Raster {
   void add_edge(const Point2 &a, const Point2 &b, const Reach &reach, bool on_left, bool on_right) {
     const double rise = b.y - a.y;
     const double strip_low = reach.strip_low(), strip_high = reach.strip_high();
-    const auto clipped = [&](double value, std::int64_t low, std::int64_t high) {
-      return value <= static_cast<double>(low) ? low : value >= static_cast<double>(high) ? high : static_cast<std::int64_t>(value);
+    const auto clipped = [](double value, std::int64_t low, std::int64_t high) {
+      const double least = static_cast<double>(low), most = static_cast<double>(high);
+      const double above = value > least ? value : least;
+      return static_cast<std::int64_t>(above < most ? above : most);
     };
-    // Rows whose strip the edge meets, one more on each side so that rounding loses none; the clipping decides.
-    const std::int64_t from = clipped(std::floor(a.y) - 1.0, first_, end_), to = clipped(std::floor(b.y) + 2.0, first_, end_);
+    // Rows whose strip the edge meets; the clipping decides where rounding would.
+    const std::int64_t from = clipped(std::ceil(a.y - strip_high), first_, end_);
+    const std::int64_t to = clipped(std::floor(b.y - strip_low) + 1.0, from, end_);
     // Of these, the rows whose strip it crosses from below to above.
     const std::int64_t inner = clipped(std::ceil(a.y - strip_low), from, to);
     const std::int64_t inner_end = std::max(inner, clipped(std::floor(b.y - strip_high) + 1.0, from, to));
@@ -222,19 +272,43 @@ class Raster {
     return true;
   }
 
-  // Most spans are a few cells: too short for a call.
-  static void fill(std::int8_t *at, std::size_t count) {
+  // Mark the rows of the polygon that was traced.
+  bool mark_rows(const Reach &reach) {
+    const auto count = static_cast<std::size_t>(end_ - first_);
+    if (columns_.size() < 2 * count) columns_.resize(2 * count);
+    // All columns first: without branches, the compiler does several rows at once.
+    std::int32_t *columns = columns_.data();
+    const double from_low = reach.from_low(), most = static_cast<double>(cols_);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double low = left_[i] + from_low, high = std::ceil(right_[i] - from_low);
+      const double first = low > 0.0 ? low : 0.0, end = high > 0.0 ? high : 0.0;
+      columns[i] = static_cast<std::int32_t>(first < most ? first : most);
+      columns[count + i] = static_cast<std::int32_t>(end < most ? end : most);
+    }
+    bool whole = true;
+    std::int8_t *row = cells_ + first_ * cols_;
+    for (std::size_t i = 0; i < count; ++i, row += cols_) {
+      const std::int32_t first = columns[i], end = columns[count + i];
+      if (first < end) fill(row + first, static_cast<std::size_t>(end - first));
+      else whole &= !(left_[i] <= right_[i]);
+    }
+    return whole;
+  }
+
+  // Most spans are a few cells: too short for a call, and for branches on their length.
+  void fill(std::int8_t *at, std::size_t count) {
     constexpr std::uint64_t kEight = 0x0101010101010101ULL * static_cast<std::uint64_t>(kOccupied);
-    if (count > 64) {
-      std::memset(at, kOccupied, count);
-    } else if (count >= 8) {
-      for (std::size_t i = 0; i + 8 < count; i += 8) std::memcpy(at + i, &kEight, 8);
-      std::memcpy(at + count - 8, &kEight, 8);
-    } else if (count >= 4) {
-      std::memcpy(at, &kEight, 4);
-      std::memcpy(at + count - 4, &kEight, 4);
+    if (count <= 16 && at + 16 <= cells_ + rows_ * cols_) {
+      // The table gives a mask whose first `count` bytes are set, in the order of the memory.
+      static constexpr std::uint8_t kOnes[32] = {255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
+      std::uint64_t words[2], mask[2];
+      std::memcpy(mask, kOnes + 16 - count, 16);
+      std::memcpy(words, at, 16);
+      words[0] = (words[0] & ~mask[0]) | (kEight & mask[0]);
+      words[1] = (words[1] & ~mask[1]) | (kEight & mask[1]);
+      std::memcpy(at, words, 16);
     } else {
-      for (std::size_t i = 0; i < count; ++i) at[i] = kOccupied;
+      std::memset(at, kOccupied, count);
     }
   }
 
@@ -242,8 +316,10 @@ class Raster {
   std::int64_t rows_, cols_;
   Reach solid_, surface_;
   std::int64_t first_ = 0, end_ = 0;
-  bool outside_ = false;  // Whether the last polygon lies off the grid.
+  std::int64_t tile_cols_ = 0;
+  std::vector<std::uint16_t> seen_;
   std::vector<double> left_, right_;
+  std::vector<std::int32_t> columns_;
 };
 
 }  // namespace trundle

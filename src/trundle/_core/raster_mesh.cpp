@@ -14,17 +14,28 @@ namespace {
 constexpr std::int8_t kPending = 99;  // Touched by a face without thickness; occupied in the end.
 constexpr std::int64_t kBandCells = std::int64_t{1} << 22;  // As many winding numbers are held at once.
 
+constexpr std::size_t kFewFaces = 50'000;  // Of so few the order does not matter.
+
+void prefetch(const void *address) {
+#if defined(__GNUC__)
+  __builtin_prefetch(address);
+#else
+  (void)address;
+#endif
+}
+
 std::uint64_t mix(std::uint64_t value) {  // The finaliser of splitmix64 (Steele, Lea and Flood 2014).
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ULL;
   value = (value ^ (value >> 27)) * 0x94d049bb133111ebULL;
   return value ^ (value >> 31);
 }
 
-std::uint64_t bits(double value) {
-  value += 0.0;  // Makes -0 and 0 one.
+// A double's bits, so folded that round numbers do not end in zeros; -0 is 0.
+std::uint64_t folded(double value) {
+  value += 0.0;
   std::uint64_t word;
   std::memcpy(&word, &value, sizeof word);
-  return word;
+  return word ^ (word >> 32);
 }
 
 using Vertices = In<double, 2>;
@@ -40,21 +51,24 @@ void check_mesh(const Vertices &vertices, const Faces &faces, const In<double, 2
   if (!inside) throw std::invalid_argument("a face names a vertex that is not there");
 }
 
-// Whether each edge runs as often one way as the other, told by a sum of signed hashes of the edges: it is zero for a
-// closed mesh, and for another one with a chance of 2^-64. Corners are one where their coordinates are, so that a mesh
-// with a vertex for each corner is closed too.
+// Whether each edge runs as often one way as the other, told by a sum over the edges of a hash that changes its sign with
+// the direction: it is zero for a closed mesh, and for another one by a chance of about 2^-63. Corners are one where their
+// coordinates are, so that a mesh with a vertex for each corner is closed too.
 bool is_closed(const Vertices &vertices, const Faces &faces) {
   std::vector<std::uint64_t> words(vertices.shape(0));
   const double *at = vertices.data();
   for (std::size_t i = 0; i < words.size(); ++i, at += 3)
-    words[i] = mix(mix(mix(bits(at[0])) + bits(at[1])) + bits(at[2]));
+    words[i] = mix(folded(at[0]) * 0x9e3779b97f4a7c15ULL + folded(at[1]) * 0xc2b2ae3d27d4eb4fULL +
+                   folded(at[2]) * 0x165667b19e3779f9ULL);
+  const auto turned = [](std::uint64_t word) { return word << 27 | word >> 37; };
   std::uint64_t sum = 0;
   const std::int32_t *face = faces.data();
-  for (std::size_t i = 0; i < faces.shape(0); ++i, face += 3)
-    for (std::size_t j = 0; j < 3; ++j) {
-      const std::uint64_t a = words[static_cast<std::size_t>(face[j])], b = words[static_cast<std::size_t>(face[j == 2 ? 0 : j + 1])];
-      sum += a < b ? mix(a + 3 * b) : a > b ? std::uint64_t{0} - mix(b + 3 * a) : 0;
-    }
+  for (std::size_t i = 0; i < faces.shape(0); ++i, face += 3) {
+    const std::uint64_t a = words[static_cast<std::size_t>(face[0])], b = words[static_cast<std::size_t>(face[1])],
+                        c = words[static_cast<std::size_t>(face[2])];
+    const std::uint64_t a_turned = turned(a), b_turned = turned(b), c_turned = turned(c);
+    sum += a * b_turned - b * a_turned + b * c_turned - c * b_turned + c * a_turned - a * c_turned;
+  }
   return sum == 0;
 }
 
@@ -82,15 +96,28 @@ class Placed {
     for (std::size_t i = 0; i < 12; ++i) matrix_[i] = transform.data()[i] / (i < 8 ? resolution : 1.0);
   }
 
-  std::array<Point3, 3> face(std::size_t index) const {
-    std::array<Point3, 3> corners;
+  // Ask for the memory of a face that will be placed soon, first for its indices, then for its corners.
+  void fetch_face(std::size_t index) const { prefetch(faces_ + 3 * index); }
+  void fetch_corners(std::size_t index) const {
+    for (std::size_t j = 0; j < 3; ++j) prefetch(vertices_ + 3 * static_cast<std::size_t>(faces_[3 * index + j]));
+  }
+
+  // Place a face that reaches into heights from low to high; false for another one.
+  bool place(std::size_t index, double low, double high, std::array<Point3, 3> &corners) const {
+    const std::int32_t *face = faces_ + 3 * index;
+    std::array<const double *, 3> v;
+    const double *m = matrix_.data();
     for (std::size_t j = 0; j < 3; ++j) {
-      const double *v = vertices_ + 3 * static_cast<std::size_t>(faces_[3 * index + j]);
-      const double *m = matrix_.data();
-      corners[j] = {m[0] * v[0] + m[1] * v[1] + m[2] * v[2] + m[3], m[4] * v[0] + m[5] * v[1] + m[6] * v[2] + m[7],
-                    m[8] * v[0] + m[9] * v[1] + m[10] * v[2] + m[11]};
+      v[j] = vertices_ + 3 * static_cast<std::size_t>(face[j]);
+      corners[j].z = m[8] * v[j][0] + m[9] * v[j][1] + m[10] * v[j][2] + m[11];
     }
-    return corners;
+    if (corners[0].z < low && corners[1].z < low && corners[2].z < low) return false;
+    if (corners[0].z > high && corners[1].z > high && corners[2].z > high) return false;
+    for (std::size_t j = 0; j < 3; ++j) {
+      corners[j].x = m[0] * v[j][0] + m[1] * v[j][1] + m[2] * v[j][2] + m[3];
+      corners[j].y = m[4] * v[j][0] + m[5] * v[j][1] + m[6] * v[j][2] + m[7];
+    }
+    return true;
   }
 
  private:
@@ -99,6 +126,30 @@ class Placed {
   std::array<double, 12> matrix_;
 };
 
+// Faces that reach into heights from low to high, those over one tile of the grid after those over another: a large mesh
+// whose faces come in no order would fetch other cells from memory for each of them.
+std::vector<std::int32_t> order_by_place(const Placed &placed, std::size_t count, double low, double high, const Raster &raster) {
+  constexpr std::int64_t kTileRows = 64, kTileCols = 1024;
+  const std::int64_t across = raster.cols() / kTileCols + 1, tiles = across * (raster.rows() / kTileRows + 1);
+  std::vector<std::int32_t> tile_of(count, -1), order;
+  std::vector<std::size_t> starts(static_cast<std::size_t>(tiles) + 1, 0);
+  std::array<Point3, 3> face;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i + 16 < count) placed.fetch_corners(i + 16);
+    if (!placed.place(i, low, high, face)) continue;
+    const Reach nearest{0.0, false};
+    const std::int64_t tile = nearest.first(face[0].y, raster.rows()) / kTileRows * across +
+                              nearest.first(face[0].x, raster.cols()) / kTileCols;
+    tile_of[i] = static_cast<std::int32_t>(tile);
+    ++starts[static_cast<std::size_t>(tile) + 1];
+  }
+  for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
+  order.resize(starts.back());
+  for (std::size_t i = 0; i < count; ++i)
+    if (tile_of[i] >= 0) order[starts[static_cast<std::size_t>(tile_of[i])]++] = static_cast<std::int32_t>(i);
+  return order;
+}
+
 // The part of a triangle between two heights, seen from above.
 struct Piece {
   std::array<Point2, 5> corners;
@@ -106,7 +157,6 @@ struct Piece {
 
   Piece(const std::array<Point3, 3> &face, double low, double high) {
     const double least = std::min({face[0].z, face[1].z, face[2].z}), most = std::max({face[0].z, face[1].z, face[2].z});
-    if (!(least <= high && most >= low)) return;
     if (least >= low && most <= high) {
       for (const Point3 &corner : face) corners[count++] = {corner.x, corner.y};
       return;
@@ -202,14 +252,24 @@ static nb::tuple raster_mesh(Cells cells, Vertices vertices, Faces faces, In<dou
     const Reach reach = !solid ? raster.surface() : centre ? Reach{kTouch / resolution, true} : raster.solid();
     std::vector<Segment> section;
     const double height = 0.5 * (low + high);
-    for (std::size_t i = 0; i < faces.shape(0); ++i) {
-      const std::array<Point3, 3> face = placed.face(i);
+    const auto add = [&](std::size_t index) {
+      std::array<Point3, 3> face;
+      if (!placed.place(index, low, high, face)) return;
       const Piece piece(face, low, high);
-      if (piece.count == 0) continue;
       const bool whole = raster.add_polygon(piece.corners.data(), piece.count, reach);
-      if (!whole && solid && !centre) between.push_back(static_cast<std::int32_t>(i));
+      if (!whole && solid && !centre) between.push_back(static_cast<std::int32_t>(index));
       if (closed) add_section(face, height, section);
       there = true;
+    };
+    if (faces.shape(0) < kFewFaces) {
+      for (std::size_t i = 0; i < faces.shape(0); ++i) add(i);
+    } else {
+      const std::vector<std::int32_t> order = order_by_place(placed, faces.shape(0), low, high, raster);
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i + 32 < order.size()) placed.fetch_face(static_cast<std::size_t>(order[i + 32]));
+        if (i + 16 < order.size()) placed.fetch_corners(static_cast<std::size_t>(order[i + 16]));
+        add(static_cast<std::size_t>(order[i]));
+      }
     }
     fill_section(raster, section);
   }
@@ -226,6 +286,7 @@ static void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<do
   nb::gil_scoped_release released;
   const Placed placed(vertices, faces, transform, resolution);
   const Reach &reach = raster.solid();
+  std::array<Point3, 3> face;
   const auto mark = [&](std::int64_t behind_row, std::int64_t behind_col, std::int64_t row, std::int64_t col) {
     if (std::min(behind_row, row) < 0 || std::max(behind_row, row) >= raster.rows()) return;
     if (std::min(behind_col, col) < 0 || std::max(behind_col, col) >= raster.cols()) return;
@@ -234,13 +295,13 @@ static void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<do
     if (raster.cell(row, col) != kOccupied) raster.cell(row, col) = kPending;
   };
   for (std::size_t i = 0; i < faces.shape(0); ++i) {
-    const std::array<Point3, 3> face = placed.face(i);
+    if (!placed.place(i, low, high, face)) continue;
     const Piece piece(face, low, high);
-    if (piece.count == 0) continue;
+    const Box2 box = Box2::around(piece.corners.data(), piece.count);
     const Point3 u{face[1].x - face[0].x, face[1].y - face[0].y, face[1].z - face[0].z};
     const Point3 v{face[2].x - face[0].x, face[2].y - face[0].y, face[2].z - face[0].z};
     const double normal_x = u.y * v.z - u.z * v.y, normal_y = u.z * v.x - u.x * v.z;
-    if (raster.trace(piece.corners.data(), piece.count, reach)) {
+    if (raster.trace(piece.corners.data(), piece.count, box, reach)) {
       for (std::int64_t row = raster.first_row(); row < raster.end_row(); ++row) {
         const double left = raster.left(row), right = raster.right(row);
         if (!(left <= right) || std::ceil(right - reach.depth) > std::floor(left + reach.depth)) continue;
@@ -250,12 +311,7 @@ static void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<do
       }
       continue;
     }
-    double left = piece.corners[0].x, right = left;
-    const double y = piece.corners[0].y;
-    for (std::size_t j = 1; j < piece.count; ++j) {
-      left = std::min(left, piece.corners[j].x);
-      right = std::max(right, piece.corners[j].x);
-    }
+    const double left = box.low.x, right = box.high.x, y = box.low.y;
     if (!(std::abs(y) < 4e9)) continue;
     const auto line = static_cast<std::int64_t>(std::llround(y));
     const bool needle = reach.first(left, raster.cols()) >= reach.end(right, raster.cols());
