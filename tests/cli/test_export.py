@@ -52,7 +52,7 @@ def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_pa
         (("maze", "-o", "maze.doc"), "ends in one of"),
         (("maze", "--to", "urdf"), "hold no worlds"),
         (("nova_carter", "--to", "sdf"), "hold no robots"),
-        (("nova_carter", "--to", "mjcf", "--set", "a=1"), "--set is for worlds"),
+        (("nova_carter", "--to", "mjcf", "--set", "a=1"), "are for worlds"),
         (("nova_carter", "--to", "mjcf", "--robot", "jackal"), "this is a robot"),
         (("maze", "--to", "sdf", "--resolution", "0.1"), "--to map"),
         (("maze", "--to", "sdf", "--robot", "jackal"), "--to mjcf"),

@@ -68,3 +68,33 @@ def test_generator_options_are_not_for_maps(trundle: Trundle, room_map: Path) ->
     done = trundle("map", "build", room_map, "--set", "aisle_width=2")
     assert done.code == 2
     assert "no option for a .yaml file" in done.err
+
+
+USD = """#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Z"
+)
+def Cube "Pillar" { double size = 1; }
+def Cube "Robot" { double size = 1
+    double3 xformOp:translate = (5, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def "Rack" (references = @gone.usd@) {}
+"""
+
+
+def test_a_usd_scene_becomes_a_map_without_what_is_left_out(trundle: Trundle, tmp_path: Path) -> None:
+    (tmp_path / "scene.usda").write_text(USD)
+    done = trundle("map", "build", "scene.usda", "--exclude", "/Robot", "--exclude", "/Rack", "--json")
+    assert done.code == 0, done.err
+    assert done.json["occupied_cells"] == 20 * 20
+    assert done.err == ""
+
+
+def test_what_a_usd_scene_lacks_is_said(trundle: Trundle, tmp_path: Path) -> None:
+    (tmp_path / "scene.usda").write_text(USD)
+    done = trundle("map", "build", "scene.usda", "--set", "missing=error")
+    assert done.code == 2
+    assert "/Rack" in done.err
+    assert "gone.usd" in done.err

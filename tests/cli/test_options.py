@@ -51,3 +51,12 @@ def test_an_output_of_another_kind_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"\.yaml or \.yml, or a folder"):
         options.output_file(tmp_path / "map.png", "map.yaml", (".yaml", ".yml"))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_exclude_is_an_option_of_the_world() -> None:
+    assert options.parse_settings(["missing=error"], ["/World/Robot", "floor"]) == {
+        "missing": "error",
+        "exclude": "/World/Robot,floor",
+    }
+    with pytest.raises(InputError, match="not both"):
+        options.parse_settings(["exclude=floor"], ["ceiling"])

@@ -49,6 +49,7 @@ def drive(
     backend: options.Backend = "mujoco",
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -77,7 +78,7 @@ def drive(
         raise InputError("give either --command V,W,SECONDS (as often as you like) or --teleop")
     commands = [parse_command(text) for text in command or []]
     machine = Robot.load(robot)
-    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings))
+    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings, exclude))
     pose = sources.start_pose(place, start)
     if teleop and not view:
         check_terminal()

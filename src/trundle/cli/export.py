@@ -40,6 +40,7 @@ def export(
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -59,7 +60,7 @@ def export(
     from trundle.robots import Robot
 
     target, form = choose_file(source, to, out)
-    thing = load_source(source, form, seed=seed, settings=settings)
+    thing = load_source(source, form, seed=seed, settings=options.parse_settings(settings, exclude))
     if isinstance(thing, Robot):
         if robot is not None or resolution is not None or z_min is not None or z_max is not None:
             raise InputError("--robot, --resolution, --z-min and --z-max are for worlds, and this is a robot")
@@ -98,7 +99,7 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
     return options.output_file(Path(name) if out is None else out, name, suffixes), to
 
 
-def load_source(source: str, form: str, *, seed: int, settings: list[str] | None) -> World | Robot:
+def load_source(source: str, form: str, *, seed: int, settings: dict[str, bool | int | float | str]) -> World | Robot:
     """Load what is to be written: a robot by name, YAML or URDF, else a world.
 
     An MJCF file is a world, and a URDF file a robot, unless the format holds only the other.
@@ -117,11 +118,11 @@ def load_source(source: str, form: str, *, seed: int, settings: list[str] | None
     is_robot |= suffix in (".xml", ".mjcf") and FORMATS[form].world is None
     if is_robot:
         if settings:
-            raise InputError("--set is for worlds, and this is a robot")
+            raise InputError("--set and --exclude are for worlds, and this is a robot")
         return Robot.load(source)
     if source not in world_names() and not sources.looks_like_file(source):
         raise UnknownNameError("world or robot", source, [*world_names(), *robot_names()])
-    return sources.load_world(source, seed=seed, settings=options.parse_settings(settings))
+    return sources.load_world(source, seed=seed, settings=settings)
 
 
 def _world_options(

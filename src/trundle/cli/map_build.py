@@ -15,7 +15,8 @@ app = App(
     help_epilogue=(
         "Examples:\n"
         "  trundle map build warehouse -o map.yaml\n"
-        "  trundle map build warehouse --seed 7 --set aisle_width=1.6 --resolution 0.025 --out maps"
+        "  trundle map build warehouse --seed 7 --set aisle_width=1.6 --resolution 0.025 --out maps\n"
+        "  trundle map build scene.usd --exclude /World/Robot --exclude ceiling"
     ),
 )
 
@@ -32,6 +33,7 @@ def build(
     robot: options.RobotName = "nova_carter",
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -40,7 +42,7 @@ def build(
     Cells are free, occupied or unknown: unknown is what cannot be reached from the world's free seeds.
 
     Args:
-        world: A world by name, or its file: SDF, MJCF, URDF, a mesh, or the YAML of a map to build again.
+        world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to build again.
         out: The map's YAML, with its image beside it; or a folder for map.yaml.
         resolution: Edge of a cell [m].
         z_min: Lower end of the band of heights that counts [m]; left out: the robot's.
@@ -51,7 +53,7 @@ def build(
 
     low, high = Robot.load(robot).z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
-    place = sources.load_world(world, seed=seed, settings=options.parse_settings(settings))
+    place = sources.load_world(world, seed=seed, settings=options.parse_settings(settings, exclude))
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     grid = OccupancyGrid.from_world(place, resolution=resolution, z_range=band)
     grid.save(target)

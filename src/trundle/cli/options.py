@@ -72,6 +72,16 @@ Settings = Annotated[
         help="An option of the world's generator or file; repeat it for several.",
     ),
 ]
+Exclude = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--exclude",
+        negative="",
+        metavar="WHAT",
+        help="Leave this out of a USD world: a prim's path (/World/Robot, also with *), a semantic label, floor or "
+        "ceiling; repeat it for several.",
+    ),
+]
 
 
 def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: int) -> list[float]:
@@ -98,8 +108,8 @@ def parse_goal(option: str, text: str) -> Target:
     return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])
 
 
-def parse_settings(texts: list[str] | None) -> dict[str, bool | int | float | str]:
-    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text."""
+def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) -> dict[str, bool | int | float | str]:
+    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text. `--exclude` becomes one of them."""
     settings: dict[str, bool | int | float | str] = {}
     for text in texts or []:
         key, equals, value = text.partition("=")
@@ -109,6 +119,10 @@ def parse_settings(texts: list[str] | None) -> dict[str, bool | int | float | st
         if key in settings:
             raise InputError(f"--set {key} is given twice")
         settings[key] = _plain(value.strip())
+    if exclude:
+        if "exclude" in settings:
+            raise InputError("give --exclude or --set exclude=, not both")
+        settings["exclude"] = ",".join(exclude)
     return settings
 
 

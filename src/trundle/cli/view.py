@@ -32,6 +32,7 @@ def view(
     size: Annotated[str, Parameter(metavar="WIDTHxHEIGHT")] = "1280x720",
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -52,7 +53,7 @@ def view(
     from trundle.viewer.offscreen import render
 
     machine = Robot.load(robot)
-    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings))
+    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings, exclude))
     pose = sources.start_pose(place, start)
     width, height = parse_size(size)
     if out is None and not json:
