@@ -21,6 +21,12 @@ def missing_tools() -> list[str]:
         )
     elif shutil.which("uv") is None and any(importlib.util.find_spec(name) is None for name in ("venv", "ensurepip")):
         problems.append("Python's venv module is missing: install python3-venv (Debian, Ubuntu).")
+    return problems + missing_build_tools()
+
+
+def missing_build_tools() -> list[str]:
+    """One line for each thing that is missing to compile the kernels."""
+    problems = []
     include = sysconfig.get_path("include")
     if not os.path.exists(os.path.join(include, "Python.h")):
         problems.append(
