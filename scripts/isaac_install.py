@@ -68,7 +68,9 @@ def find_wheel(source: Path, folder: Path) -> Path:
             "and give it: ./isaac.sh install WHEEL"
         )
     print("building trundle's kernels for this Python (about a minute)", flush=True)
-    run_pip("wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(source), what="build trundle")
+    # In a folder of its own, so that nothing of this build stays among the sources.
+    settings = f"--config-settings=build-dir={folder / 'build'}"
+    run_pip("wheel", "--quiet", "--no-deps", settings, "--wheel-dir", str(folder), str(source), what="build trundle")
     return next(folder.glob("trundle-*.whl"))
 
 
