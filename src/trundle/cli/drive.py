@@ -15,6 +15,7 @@ from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.cli.drive_log import DriveLog
+    from trundle.geometry import Pose2D
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
 
@@ -42,6 +43,7 @@ def drive(
         list[str] | None,
         Parameter(name="--command", allow_leading_hyphen=True, negative="", metavar="V,W,SECONDS"),
     ] = None,
+    like: Annotated[Path | None, Parameter(metavar="RUN")] = None,
     teleop: Annotated[bool, Parameter(negative="")] = False,
     view: Annotated[bool, Parameter(negative="")] = False,
     world: str | None = None,
@@ -61,6 +63,7 @@ def drive(
     Args:
         robot: A robot by name, or the path of its YAML.
         command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
+        like: Repeat the commands of a run or of a drive (its folder), from its start, e.g. with another simulator.
         teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends. With --view by
             the arrow keys in the window; close it to end.
         view: Watch it in a window, in real time.
@@ -74,12 +77,15 @@ def drive(
     from trundle.robots import Robot
     from trundle.sim import simulate
 
-    if teleop == bool(command):
-        raise InputError("give either --command V,W,SECONDS (as often as you like) or --teleop")
+    if sum((teleop, bool(command), like is not None)) != 1:
+        raise InputError("give either --command V,W,SECONDS (as often as you like), or --like RUN, or --teleop")
     commands = [parse_command(text) for text in command or []]
     machine = Robot.load(robot)
     place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings, exclude))
     pose = sources.start_pose(place, start)
+    if like is not None:
+        commands, begin = commands_of(like)
+        pose = begin if start is None else pose
     if teleop and not view:
         check_terminal()
     if backend == "mujoco":
@@ -112,6 +118,23 @@ def parse_command(text: str) -> tuple[float, float, float]:
     if abs(seconds / STEP_S - round(seconds / STEP_S)) > 1e-6:
         raise InputError(f"--command {text!r}: SECONDS must be a multiple of {STEP_S:g}, the step of the physics")
     return v, w, seconds
+
+
+def commands_of(run: Path) -> tuple[list[tuple[float, float, float]], Pose2D]:
+    """The commands (v, w, seconds) of a run or a drive, equal ones in a row as one, and the pose that it started at."""
+    from trundle.geometry import Pose2D
+    from trundle.record.motion import Motion
+
+    motion = Motion.load(run)
+    # To the step of the physics: a record has six decimals.
+    steps = [round(seconds / STEP_S) for seconds in (motion.time[1:] - motion.time[:-1]).tolist()]
+    commands: list[tuple[float, float, float]] = []
+    for v, w, count in zip(motion.commanded_v[1:].tolist(), motion.commanded_w[1:].tolist(), steps, strict=True):
+        if commands and commands[-1][:2] == (v, w):
+            commands[-1] = (v, w, round(commands[-1][2] + count * STEP_S, 9))
+        else:
+            commands.append((v, w, round(count * STEP_S, 9)))
+    return commands, Pose2D(float(motion.x[0]), float(motion.y[0]), float(motion.yaw[0]))
 
 
 def _drive_for(

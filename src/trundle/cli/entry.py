@@ -28,6 +28,8 @@ VERBS = {
     "export": ("trundle.cli.export:app", "Write a world or a robot as MJCF, USD, SDF, GLB, URDF or a map."),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
+    "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),
+    "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
 
 

@@ -1,0 +1,88 @@
+"""`trundle compare`: how far apart two runs of the same commands went."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import options, output
+
+app = App(
+    name="compare",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle drive nova_carter --command 0.4,0.3,5 --backend mujoco -o one\n"
+        "  trundle drive nova_carter --like one --backend kinematic -o other\n"
+        "  trundle compare one other -o compare.png"
+    ),
+)
+
+
+@app.default
+def compare(
+    first: Path,
+    second: Path,
+    /,
+    *,
+    align: Annotated[bool, Parameter(negative="")] = False,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("compare.png"),
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Compare two runs, or two drives, over time, and draw both.
+
+    Args:
+        first: The folder that a run or a drive wrote: the reference.
+        second: The folder of the other.
+        align: Compare them from their own starts.
+        out: The picture, or a folder for compare.png.
+    """
+    from trundle.record.compare import compare_motions, draw_comparison
+    from trundle.record.motion import Motion
+    from trundle.record.run_folder import save_png
+
+    target = options.output_file(out, "compare.png", (".png",))
+    comparison = compare_motions(Motion.load(first), Motion.load(second), align=align)
+    names = (first.name, second.name) if first.name != second.name else (str(first), str(second))
+    save_png(draw_comparison(comparison, names), target)
+    if comparison.max_command_difference > 1e-6:
+        output.remark(
+            f"trundle: the runs were not driven by the same commands: they differ by up to "
+            f"{comparison.max_command_difference:.3f} (see trundle drive --like RUN)",
+            quiet=quiet,
+        )
+    facts = {
+        "max_position_error_m": comparison.max_position_error_m,
+        "max_yaw_error_rad": comparison.max_yaw_error_rad,
+        "final_position_error_m": comparison.final_position_error_m,
+        "final_yaw_error_rad": comparison.final_yaw_error_rad,
+        "rms_position_error_m": comparison.rms_position_error_m,
+        "max_command_difference": comparison.max_command_difference,
+        "duration_s": float(comparison.time[-1] - comparison.time[0]),
+        "picture": target,
+    }
+    if json:
+        output.print_json(
+            {
+                **facts,
+                "time": comparison.time,
+                "position_error": comparison.position_error,
+                "yaw_error": comparison.yaw_error,
+            }
+        )
+        return 0
+    output.print_facts(
+        {
+            "largest distance": f"{1000.0 * comparison.max_position_error_m:.1f} mm",
+            "largest yaw difference": f"{comparison.max_yaw_error_rad:.4f} rad",
+            "distance at the end": f"{1000.0 * comparison.final_position_error_m:.1f} mm",
+            "yaw difference at the end": f"{comparison.final_yaw_error_rad:.4f} rad",
+            "mean (r.m.s.) distance": f"{1000.0 * comparison.rms_position_error_m:.1f} mm",
+            "time": f"{facts['duration_s']:.2f} s",
+            "picture": target,
+        }
+    )
+    return 0

@@ -1,0 +1,120 @@
+"""`trundle doctor`: what works on this machine, and whether a robot drives as it is configured."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli import options, output
+from trundle.cli.engine import import_engine
+from trundle.errors import InputError
+
+if TYPE_CHECKING:
+    from trundle.doctor import DriveCheck
+    from trundle.robots import DifferentialDrive
+
+app = App(
+    name="doctor",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle doctor\n"
+        "  trundle doctor --backend mujoco\n"
+        "  trundle doctor robot nova_carter --track-width 0.54"
+    ),
+)
+
+
+@app.default
+def doctor(
+    *,
+    backend: Annotated[str | None, Parameter(help="Check this simulator too, from start to end.")] = None,
+    json: options.Json = False,
+    quiet: Annotated[bool, Parameter(name="--quiet", negative="", help="Print only what does not pass.")] = False,
+) -> int:
+    """Check what this machine has, and a simulator if one is named. Exit code 1 where a point fails."""
+    from trundle.doctor.machine import check_backend, check_machine
+
+    if backend in (None, "mujoco"):
+        import_engine()
+    found = []
+    for check in itertools.chain(check_machine(), check_backend(backend) if backend else ()):
+        found.append(check)
+        if not json and not (quiet and check.status == "pass"):
+            print(f"{check.status:<7}  {check.name:<9}  {check.detail}", flush=True)
+    passed = all(check.status != "fail" for check in found)
+    if json:
+        output.print_json({"passed": passed, "checks": found})
+    return 0 if passed else 1
+
+
+@app.command
+def robot(
+    name: str,
+    /,
+    *,
+    backend: options.Backend = "mujoco",
+    wheel_radius: float | None = None,
+    track_width: float | None = None,
+    json: options.Json = False,
+) -> int:
+    """Drive a straight, a spin and a circle, and say what the robot's motion tells of its wheels.
+
+    Exit code 1 says that something is not as configured.
+
+    Args:
+        name: A robot by name, or the path of its YAML, URDF or MJCF.
+        wheel_radius: Check a controller that is configured with this one [m], and not with the robot's own.
+        track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
+    """
+    if backend == "mujoco":
+        import_engine()
+    from trundle.doctor.drive_check import check_drive
+    from trundle.robots import Robot
+    from trundle.sim import simulate
+    from trundle.worlds import World
+
+    machine = Robot.load(name)
+    given = {"wheel_radius": wheel_radius, "track_width": track_width}
+    changes = {key: value for key, value in given.items() if value is not None}
+    for key, value in changes.items():
+        if not 0.0 < value < math.inf:
+            raise InputError(f"--{key.replace('_', '-')} {value:g}: give a positive number of metres")
+    configured = machine.drive.model_copy(update=changes)
+    with simulate(World("empty", ()), machine, backend=backend) as simulator:
+        check = check_drive(simulator, configured=configured)
+    if json:
+        output.print_json(
+            {"robot": machine.name, "backend": backend, "configured": configured.model_dump(), **_plain(check)}
+        )
+    else:
+        _print(check, configured)
+    return 1 if check.findings else 0
+
+
+def _plain(check: DriveCheck) -> dict[str, object]:
+    plain = output.plain(check)
+    return plain if isinstance(plain, dict) else {}
+
+
+def _print(check: DriveCheck, configured: DifferentialDrive) -> None:
+    output.print_table(
+        ("", "configured", "measured"),
+        [
+            ("wheel radius [m]", f"{configured.wheel_radius:.4f}", _rounded(check.wheel_radius)),
+            ("track width [m]", f"{configured.track_width:.4f}", _rounded(check.track_width)),
+            ("slip, largest acceleration", None, _rounded(check.slip)),
+            ("slip, small acceleration", None, _rounded(check.slip_gentle)),
+        ],
+    )
+    for finding in check.findings:
+        print(f"{finding.kind}: {finding.message}")
+    if not check.findings:
+        print("drives as configured")
+
+
+def _rounded(value: float | None) -> str | None:
+    return None if value is None else f"{value:.4f}"

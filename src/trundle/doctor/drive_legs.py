@@ -1,0 +1,120 @@
+"""The legs that a drive check drives: a straight, a spin and a circle from rest, and what was seen on each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from trundle.doctor.wheel_fit import Travel, Wheel
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.robots import DifferentialDrive, Limits
+from trundle.sim import RobotState, Simulator
+
+PERIOD = 0.05
+"""Control period [s]."""
+
+_STANDSTILL_S = 0.5
+_GENTLE_RAMP_S = 3.0
+_SETTLE_S = 1.0
+_CRUISE_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One leg from rest to a steady motion.
+
+    Attributes:
+        hard: Whether it started at the robot's largest acceleration.
+        start: Travel from rest until the command stopped growing, and one second on.
+        cruise: Travel while nothing changes.
+        tracking: Speed of the wheels on the cruise as a share of what they were told.
+        touched: Names of what the robot touched.
+    """
+
+    hard: bool
+    start: Travel
+    cruise: Travel
+    tracking: float
+    touched: frozenset[str] = field(default_factory=frozenset)
+
+    def lost(self, left: Wheel, right: Wheel) -> float:
+        """Share of the wheels' travel that was lost at the start; 0 where none was."""
+        forward = left.forward * self.start.left + right.forward * self.start.right
+        turned = left.turn * self.start.left + right.turn * self.start.right
+        radius, track = (left.radius + right.radius) / 2.0, (left.track + right.track) / 2.0
+        expected = abs(forward) + abs(turned) * track / 2.0
+        seen = abs(self.start.forward) + abs(self.start.turn) * track / 2.0
+        return max(0.0, 1.0 - seen / expected) if expected > 1e-3 * radius else 0.0
+
+
+def drive_legs(simulator: Simulator, drive: DifferentialDrive, start: Pose2D) -> list[Leg]:
+    """Drive straight, spin and circle gently, then straight and spin at the largest accelerations."""
+    limits, half = simulator.robot.limits, drive.track_width / 2.0
+    fast, spin = min(0.4, 0.5 * limits.linear_speed), min(0.8, 0.7 * limits.angular_speed)
+    # With a wheel reversed a straight becomes a spin, and a spin a straight: neither may meet the robot's limits then.
+    v, w = min(fast, 0.9 * limits.angular_speed * half), min(spin, 0.9 * limits.linear_speed / half)
+    plan = [
+        (Twist2D(v, 0.0), False),
+        (Twist2D(0.0, w), False),
+        (Twist2D(0.5 * v, 0.5 * w), False),
+        (Twist2D(fast, 0.0), True),
+        (Twist2D(0.0, spin), True),
+    ]
+    return [_drive_leg(simulator, drive, start, target, hard=hard) for target, hard in plan]
+
+
+def _ramp_time(limits: Limits, target: Twist2D, *, hard: bool) -> float:
+    """How long the command grows [s]: at the largest acceleration, or four times as long and 3 s at least."""
+    shortest = max(abs(target.v) / limits.linear_acceleration, abs(target.w) / limits.angular_acceleration)
+    return shortest if hard else max(_GENTLE_RAMP_S, 4.0 * shortest)
+
+
+def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, target: Twist2D, *, hard: bool) -> Leg:
+    ramp = _ramp_time(simulator.robot.limits, target, hard=hard)
+    simulator.reset(pose)
+    states: list[RobotState] = []
+    touched: set[str] = set()
+
+    def drive_on(seconds: float, *, share: float | None) -> int:
+        """Drive for some seconds, with a share of the target that grows where none is given; return the last index."""
+        steps = math.ceil(seconds / PERIOD - 1e-9)
+        for step in range(1, steps + 1):
+            part = min(1.0, step * PERIOD / ramp) if share is None else share
+            told = drive.wheel_speeds(Twist2D(part * target.v, part * target.w))
+            states.append(simulator.step(simulator.robot.drive.twist(told), PERIOD))
+            touched.update(contact.other for contact in states[-1].contacts)
+        return len(states) - 1
+
+    rest = drive_on(_STANDSTILL_S, share=0.0)
+    drive_on(ramp, share=None)
+    # One second after the command stopped growing belongs to the start: wheels that span lose their travel there too.
+    settled = drive_on(_SETTLE_S, share=1.0)
+    end = drive_on(_CRUISE_S, share=1.0)
+    cruise = _travel(states[settled : end + 1])
+    told = drive.wheel_speeds(target)
+    seconds = states[end].time - states[settled].time
+    expected = (abs(told.left) + abs(told.right)) * seconds
+    return Leg(
+        hard,
+        _travel(states[rest : settled + 1]),
+        cruise,
+        (abs(cruise.left) + abs(cruise.right)) / expected,
+        frozenset(touched),
+    )
+
+
+def _travel(states: list[RobotState]) -> Travel:
+    """How far the wheels turned and the base went, the latter along its own heading."""
+    poses = np.array([state.pose.as_tuple() for state in states])
+    turns = np.array([wrap_angle(turn) for turn in np.diff(poses[:, 2])])
+    headings = poses[:-1, 2] + turns / 2.0
+    steps = np.diff(poses[:, :2], axis=0)
+    first, last = states[0].wheel_positions, states[-1].wheel_positions
+    return Travel(
+        left=last.left - first.left,
+        right=last.right - first.right,
+        forward=float((steps[:, 0] * np.cos(headings) + steps[:, 1] * np.sin(headings)).sum()),
+        turn=float(turns.sum()),
+    )

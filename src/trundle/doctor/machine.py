@@ -1,0 +1,163 @@
+"""What this machine has of what trundle uses, and whether a backend works from start to end."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import platform
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from trundle.errors import TrundleError
+from trundle.geometry import Pose2D, Twist2D
+
+Status = Literal["pass", "fail", "missing"]
+
+
+@dataclass(frozen=True, slots=True)
+class MachineCheck:
+    """One point of a checklist.
+
+    Attributes:
+        name: What was looked at.
+        status: "pass", "fail", or "missing" for something that can be done without.
+        detail: What was found, and what to do where it did not pass.
+    """
+
+    name: str
+    status: Status
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Library:
+    """A library that is imported where it is used."""
+
+    name: str
+    module: str
+    purpose: str
+    install: str
+    needed: bool = False
+
+
+_LIBRARIES = (
+    _Library("mujoco", "mujoco", "the built-in physics", "pip install trundle", needed=True),
+    _Library("av", "av", "videos of runs", "pip install av"),
+    _Library("usd-core", "pxr.Usd", "USD worlds and robots", 'pip install "trundle[usd]"'),
+    _Library("trimesh", "trimesh", "mesh files", 'pip install "trundle[mesh]"'),
+)
+
+
+def check_machine() -> Iterator[MachineCheck]:
+    """Check Python, the kernels, the libraries and the graphics, one after the other."""
+    found = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
+    yield MachineCheck("python", "pass" if sys.version_info >= (3, 11) else "fail", found)
+    yield _attempt("kernels", _check_kernels)
+    for library in _LIBRARIES:
+        yield _check_library(library)
+    yield _check_graphics()
+
+
+def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -> Iterator[MachineCheck]:
+    """Check that a backend starts, steps, drives as configured, carries a mission to its goal, and ends.
+
+    Args:
+        backend: Its name.
+        robot: What to drive, on an empty floor.
+        options: Of the backend.
+
+    Yields:
+        One point after the other; the first that makes the others useless is the last.
+    """
+    from trundle.doctor.drive_check import check_drive
+    from trundle.robots import Robot
+    from trundle.sim import simulate
+    from trundle.worlds import World
+
+    machine = Robot.load(robot)
+    try:
+        simulator = simulate(World("empty", ()), machine, backend=backend, **options)
+    except (TrundleError, ImportError, OSError) as error:
+        yield MachineCheck("start", "fail", str(error))
+        return
+    with simulator:
+        yield MachineCheck("start", "pass", f"{backend} with {machine.name} on an empty floor")
+        yield _attempt("step", lambda: _check_step(simulator))
+        drive: list[str] = []
+        try:
+            drive = [finding.message for finding in check_drive(simulator).findings]
+        except TrundleError as error:
+            drive = [str(error)]
+        yield MachineCheck("drive", "fail" if drive else "pass", "; ".join(drive) or "drives as configured")
+        yield _attempt("mission", lambda: _check_mission(simulator))
+    yield _attempt("close", lambda: _check_close(simulator))
+
+
+def _attempt(name: str, check: Callable[[], str]) -> MachineCheck:
+    try:
+        return MachineCheck(name, "pass", check())
+    except (TrundleError, ImportError, OSError) as error:
+        return MachineCheck(name, "fail", str(error))
+
+
+def _check_kernels() -> str:
+    from trundle import _core
+
+    mask = np.zeros((3, 3), dtype=np.int8)
+    mask[1, 1] = 100
+    costs = _core.inflate(mask, np.array([254, 253], dtype=np.uint8))
+    if costs[1, 1] != 254 or costs[0, 1] != 253:
+        raise TrundleError("the compiled kernels give wrong answers: build them again")
+    return "the compiled kernels load and answer"
+
+
+def _check_library(library: _Library) -> MachineCheck:
+    absent: Status = "fail" if library.needed else "missing"
+    try:
+        importlib.import_module(library.module)
+    except ImportError as error:
+        return MachineCheck(library.name, absent, f"for {library.purpose}: {error}. Install it with: {library.install}")
+    return MachineCheck(library.name, "pass", f"{importlib.metadata.version(library.name)}, for {library.purpose}")
+
+
+def _check_graphics() -> MachineCheck:
+    from trundle.viewer.gl import describe_missing_gl, find_gl
+
+    kind = find_gl()
+    if kind is None:
+        return MachineCheck("graphics", "missing", describe_missing_gl())
+    return MachineCheck("graphics", "pass", f"pictures without a screen by {kind.upper()}")
+
+
+def _check_step(simulator: Any) -> str:
+    simulator.reset(Pose2D(1.0, -0.5, 0.7))
+    state = simulator.step(Twist2D(0.2, 0.0), 0.05)
+    if abs(state.time - 0.05) > 1e-6 or state.pose.distance_to(Pose2D(1.0, -0.5)) > 0.05:
+        raise TrundleError(f"a step of 0.05 s from (1, -0.5) ended at {state.time} s, {state.pose}")
+    return "resets to a pose and steps one control period"
+
+
+def _check_mission(simulator: Any) -> str:
+    from trundle.maps import OccupancyGrid
+    from trundle.mission import run
+    from trundle.navigation import Navigator
+
+    grid = OccupancyGrid(np.zeros((120, 160), dtype=np.int8), 0.05, Pose2D(-3.0, -3.0))
+    episode = run(simulator, Navigator(grid, simulator.robot), Pose2D(0.0, 0.0), (2.0, 1.0))
+    if not episode.arrived:
+        raise TrundleError(f"a mission over 2.2 m of free floor ended as {episode.outcome.value}: {episode.message}")
+    return f"2.2 m of free floor in {episode.metrics.time_s:.1f} s"
+
+
+def _check_close(simulator: Any) -> str:
+    from trundle.errors import SimulationError
+
+    try:
+        simulator.step(Twist2D(), 0.05)
+    except SimulationError:
+        return "ends, and takes no step afterwards"
+    raise TrundleError("a step after the end is taken")

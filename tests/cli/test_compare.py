@@ -1,0 +1,60 @@
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from support.command_line import Trundle
+
+
+@pytest.fixture
+def two_drives(trundle: Trundle, tmp_path: Path) -> tuple[Path, Path]:
+    one, other = tmp_path / "one", tmp_path / "other"
+    options = ["--start", "1,2,0.5", "--command", "0.4,0.3,3", "--command", "0,-0.5,1.5"]
+    assert trundle("drive", "nova_carter", *options, "-o", one).code == 0
+    assert trundle("drive", "nova_carter", "--like", one, "--backend", "kinematic", "-o", other).code == 0
+    return one, other
+
+
+def test_one_log_by_two_simulators_stays_close(trundle: Trundle, two_drives: tuple[Path, Path], tmp_path: Path) -> None:
+    done = trundle("compare", two_drives[1], two_drives[0], "-o", tmp_path / "both.png", "--json")
+    assert done.code == 0, done.err
+    assert done.err == ""
+    assert 0.0 < done.json["max_position_error_m"] < 0.02
+    assert 0.0 < done.json["max_yaw_error_rad"] < 0.02
+    assert done.json["max_command_difference"] == 0.0
+    assert done.json["duration_s"] == pytest.approx(4.5)
+    with Image.open(tmp_path / "both.png") as picture:
+        assert picture.width > 1000
+
+
+def test_a_drive_equals_itself(trundle: Trundle, two_drives: tuple[Path, Path], tmp_path: Path) -> None:
+    done = trundle("compare", two_drives[0], two_drives[0], "-o", tmp_path)
+    assert done.code == 0
+    assert "largest distance           0.0 mm" in done.out
+    assert (tmp_path / "compare.png").is_file()
+
+
+def test_other_commands_are_remarked_on(trundle: Trundle, two_drives: tuple[Path, Path], tmp_path: Path) -> None:
+    third = tmp_path / "third"
+    trundle("drive", "nova_carter", "--start", "1,2,0.5", "--command", "0.1,0,4.5", "-o", third)
+    done = trundle("compare", two_drives[0], third, "-o", tmp_path)
+    assert "not driven by the same commands" in done.err
+
+
+def test_a_run_is_compared_with_a_drive_of_its_commands(trundle: Trundle, tmp_path: Path) -> None:
+    ends = ["--start", "-13,0,0", "--goal", "-11,0", "--seed", "7"]
+    run = trundle("run", "warehouse", *ends, "--backend", "kinematic", "--no-video", "-o", tmp_path / "run", "--quiet")
+    assert run.code == 0, run.err
+    options = ["--world", "warehouse", "--seed", "7", "--backend", "kinematic", "-o", tmp_path / "drive"]
+    assert trundle("drive", "nova_carter", "--like", tmp_path / "run", *options).code == 0
+    done = trundle("compare", tmp_path / "run", tmp_path / "drive", "-o", tmp_path, "--json")
+    assert done.code == 0, done.err
+    assert done.json["max_position_error_m"] < 1e-5
+
+
+def test_bad_input_is_refused(trundle: Trundle, tmp_path: Path) -> None:
+    assert trundle("compare", tmp_path, tmp_path).code == 2
+    done = trundle("drive", "nova_carter", "--like", tmp_path / "none", "-o", tmp_path / "x")
+    assert done.code == 2
+    assert not (tmp_path / "x").exists()
+    assert trundle("drive", "nova_carter", "--like", tmp_path, "--teleop").code == 2
