@@ -17,6 +17,7 @@ SIMULATORS = Registry(
     "backend",
     "trundle.simulators",
     {
+        "isaac": "trundle.sim.isaac:IsaacSimulator",
         "mujoco": "trundle.sim.mujoco.simulator:MujocoSimulator",
         "kinematic": "trundle.sim.kinematic:KinematicSimulator",
     },
@@ -132,7 +133,7 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
     Args:
         world: Where it drives.
         robot: A robot, a catalogue name or the path of a YAML file.
-        backend: "mujoco", "kinematic", or a name that another package added.
+        backend: "mujoco", "kinematic", "isaac" (in Isaac Sim's own Python), or a name that another package added.
         options: Passed to the backend (`lidar=True` takes scans in both of ours).
 
     Raises:

@@ -1,0 +1,131 @@
+"""Isaac Sim 6.x: SimulationManager and the experimental WheeledRobot.
+
+Imported when the application runs, and not before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from isaacsim.core.experimental.utils import app as app_utils
+from isaacsim.core.experimental.utils import stage as stage_utils
+from isaacsim.core.rendering_manager import RenderingManager, ViewportManager
+from isaacsim.core.simulation_manager import SimulationManager
+from isaacsim.robot.experimental.wheeled_robots.controllers import DifferentialController
+from isaacsim.robot.experimental.wheeled_robots.robots import WheeledRobot
+
+from trundle.errors import SimulationError
+from trundle.geometry import FloatArray
+from trundle.robots import Robot
+from trundle.sim.isaac.adapter import BodyState
+
+_ROUNDS = 60
+"""Of the application's loop, in which physics must have taken hold of the robot."""
+
+
+class Isaac6Adapter:
+    """One robot in one stage of Isaac Sim 6.x; see `Adapter`."""
+
+    def open_stage(self, path: str) -> bool:
+        """Open a USD file in the place of the present stage."""
+        done, _ = stage_utils.open_stage(path)
+        return done
+
+    def is_loading(self) -> bool:
+        """Whether the stage is still being loaded."""
+        return stage_utils.is_stage_loading()
+
+    def stage_units(self) -> tuple[float, str]:
+        """Return metres per unit, and the axis that is up."""
+        meters, _ = stage_utils.get_stage_units()
+        return meters, str(stage_utils.get_stage_up_axis()).upper()
+
+    def add_robot(self, usd: str, path: str) -> None:
+        """Reference a robot's USD file at a prim's path."""
+        stage_utils.add_reference_to_stage(usd, path)
+
+    def load_robot(self, robot: Robot, path: str, timestep: float) -> None:
+        """Take the articulation, and let physics run on the processor: one robot is not worth a graphics card."""
+        self._wheel_names = [robot.drive.left_joint, robot.drive.right_joint]
+        # With a pose it also replaces whatever kinds of transforms the asset's prim has by the plain ones that
+        # `place` writes.
+        self._robot = WheeledRobot(
+            path, wheel_dof_names=self._wheel_names, positions=[[0.0, 0.0, 0.0]], orientations=[[1.0, 0.0, 0.0, 0.0]]
+        )
+        self._controller = _controller(robot)
+        SimulationManager.setup_simulation(dt=timestep, device="cpu")
+
+    def place(self, position: FloatArray, quaternion: FloatArray) -> None:
+        """Write a pose on the robot's prim while the timeline stands, and play."""
+        app_utils.stop()
+        RenderingManager.render()
+        self._robot.set_world_poses(positions=[position], orientations=[quaternion])
+        app_utils.play()
+        for _ in range(_ROUNDS):
+            if self._robot.is_physics_tensor_entity_valid():
+                break
+            RenderingManager.render()
+        else:
+            raise SimulationError("Isaac Sim's physics did not take hold of the robot: is it an articulation?")
+        self._wheels = [int(index) for index in self._robot.get_dof_indices(self._wheel_names).numpy()]
+
+    def joint_names(self) -> list[str]:
+        """Return the names of the articulation's degrees of freedom, in its order."""
+        return list(self._robot.dof_names)
+
+    def drive(self, v: float, w: float) -> None:
+        """Command a twist; joints besides the wheels are left alone."""
+        self._robot.apply_wheel_actions(self._controller.forward(np.array([v, w])))
+
+    def step(self) -> None:
+        """Do one physics step."""
+        SimulationManager.step(steps=1)
+
+    def draw(self) -> None:
+        """Draw without physics."""
+        RenderingManager.render()
+
+    def is_playing(self) -> bool:
+        """Whether the timeline runs."""
+        return app_utils.is_playing()
+
+    def is_stopped(self) -> bool:
+        """Whether the timeline was stopped."""
+        return app_utils.is_stopped()
+
+    def halt(self) -> None:
+        """Take all speed from the robot."""
+        self._robot.set_velocities(linear_velocities=[[0.0, 0.0, 0.0]], angular_velocities=[[0.0, 0.0, 0.0]])
+        self._robot.set_dof_velocities(0.0)
+
+    def body(self) -> BodyState:
+        """Return how the base moves."""
+        positions, quaternions = self._robot.get_world_poses()
+        linear, angular = self._robot.get_velocities()
+        return BodyState(positions.numpy()[0], quaternions.numpy()[0], linear.numpy()[0], angular.numpy()[0])
+
+    def wheel_positions(self) -> tuple[float, float]:
+        """Return the angles of the wheels."""
+        left, right = self._robot.get_dof_positions(dof_indices=self._wheels).numpy()[0]
+        return float(left), float(right)
+
+    def wheel_speeds(self) -> tuple[float, float]:
+        """Return the speeds of the wheels."""
+        left, right = self._robot.get_dof_velocities(dof_indices=self._wheels).numpy()[0]
+        return float(left), float(right)
+
+    def look(self, eye: FloatArray, target: FloatArray, camera: str) -> None:
+        """Put a camera at `eye`, looking at `target`."""
+        ViewportManager.set_camera_view(camera, eye=eye, target=target)
+
+    def close(self) -> None:
+        """Stop the timeline."""
+        app_utils.stop()
+
+
+def _controller(robot: Robot) -> DifferentialController:
+    drive = robot.drive
+    if drive.max_wheel_speed is None:
+        return DifferentialController(wheel_radius=drive.wheel_radius, wheel_base=drive.track_width)
+    return DifferentialController(
+        wheel_radius=drive.wheel_radius, wheel_base=drive.track_width, max_wheel_speed=drive.max_wheel_speed
+    )

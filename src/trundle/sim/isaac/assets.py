@@ -1,0 +1,137 @@
+"""Where Isaac Sim's environments and robots lie: names, the asset root, folders for work without a network."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from trundle.errors import InputError, UnknownNameError
+
+ASSETS_VARIABLE = "TRUNDLE_ISAAC_ASSETS"
+"""Names the asset root where no option does."""
+
+ENVIRONMENTS = {
+    "warehouse": "Isaac/Environments/Simple_Warehouse/warehouse.usd",
+    "warehouse_with_forklifts": "Isaac/Environments/Simple_Warehouse/warehouse_with_forklifts.usd",
+    "full_warehouse": "Isaac/Environments/Simple_Warehouse/full_warehouse.usd",
+    "hospital": "Isaac/Environments/Hospital/hospital.usd",
+    "office": "Isaac/Environments/Office/office.usd",
+}
+"""Environments by name, below the asset root."""
+
+ROBOTS = {
+    "nova_carter": "Isaac/Robots/NVIDIA/NovaCarter/nova_carter.usd",
+    "turtlebot3_burger": "Isaac/Robots/Turtlebot/Turtlebot3/turtlebot3_burger.usd",
+}
+"""Robots of the catalogue that Isaac Sim has too, below the asset root."""
+
+_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+_SCHEMES = ("http://", "https://", "omniverse://")
+
+
+def is_usd(text: str) -> bool:
+    """Whether a text is the path or address of a USD file and not a name."""
+    return text.lower().endswith(_SUFFIXES)
+
+
+def given_root(option: str | None) -> str | None:
+    """Return the asset root that was given: the option, or the variable; none where Isaac Sim is to be asked.
+
+    Raises:
+        InputError: If it is a folder that is not there, or holds no folder Isaac.
+    """
+    root = option or os.environ.get(ASSETS_VARIABLE)
+    if not root:
+        return None
+    if root.startswith(_SCHEMES):
+        return root.rstrip("/")
+    folder = Path(root).expanduser()
+    source = "--assets-root" if option else ASSETS_VARIABLE
+    if not (folder / "Isaac").is_dir():
+        raise InputError(
+            f"{source} {root}: {'there is no folder Isaac in it' if folder.is_dir() else 'there is no such folder'}. "
+            "Give the folder that holds Isaac/Environments and Isaac/Robots, such as …/Assets/Isaac/5.1 of the "
+            "downloaded asset packs"
+        )
+    return str(folder.resolve())
+
+
+def find_root(option: str | None) -> str:
+    """Return the asset root: the one that was given, else the one that Isaac Sim, which must run, knows.
+
+    Raises:
+        InputError: If the given one is no asset root, or Isaac Sim's cannot be reached.
+    """
+    root = given_root(option)
+    if root is not None:
+        return root
+    from isaacsim.storage.native import get_assets_root_path
+
+    try:
+        return get_assets_root_path().rstrip("/")
+    except RuntimeError as error:
+        raise InputError(
+            f"Isaac Sim's assets cannot be reached: {error}. Without a network, download the asset packs of your "
+            f"version, and name their folder (it holds Isaac/Environments) by --assets-root or {ASSETS_VARIABLE}"
+        ) from error
+
+
+def environment_path(name: str) -> str | None:
+    """Return where an environment lies below the asset root; none for the path of a USD file.
+
+    Raises:
+        UnknownNameError: If it is neither; the nearest name is offered.
+        InputError: If it is a path on this machine, and no file.
+    """
+    if name in ENVIRONMENTS:
+        return ENVIRONMENTS[name]
+    if not is_usd(name):
+        raise UnknownNameError("environment", name, ENVIRONMENTS)
+    _check_file("environment", name)
+    return None
+
+
+def robot_path(name: str, usd: str | None) -> str | None:
+    """Return where a robot lies below the asset root; none where the path of its USD was given.
+
+    Raises:
+        InputError: If there is no USD of this robot, or its file is missing.
+    """
+    if usd is not None:
+        if not is_usd(usd):
+            raise InputError(f"--robot-usd {usd}: give a file that ends in {', '.join(_SUFFIXES)}")
+        _check_file("--robot-usd", usd)
+        return None
+    if name not in ROBOTS:
+        raise InputError(
+            f"Isaac Sim has no robot {name!r} that trundle knows of (it knows {', '.join(sorted(ROBOTS))}). Give its "
+            f"USD with --robot-usd; where MuJoCo is installed, `trundle export {name} --to usd` writes one"
+        )
+    return ROBOTS[name]
+
+
+def local_environment(name: str, option: str | None = None) -> Path:
+    """Return the file of an environment on this machine, for making a map of it without Isaac Sim.
+
+    Raises:
+        UnknownNameError: If there is no such environment.
+        InputError: If no folder of assets is given, or the file is not in it.
+    """
+    below = environment_path(name)
+    if below is None:
+        return Path(name)
+    root = given_root(option)
+    if root is None or root.startswith(_SCHEMES):
+        raise InputError(
+            f"environment {name!r} lies in Isaac Sim's assets, and they are not on this machine: name the folder of "
+            f"the downloaded asset packs by --assets-root or {ASSETS_VARIABLE}"
+        )
+    file = Path(root) / below
+    if not file.is_file():
+        raise InputError(f"environment {name!r}: there is no file {file}; is the environment pack unpacked there?")
+    return file
+
+
+def _check_file(what: str, text: str) -> None:
+    if not text.startswith(_SCHEMES) and not Path(text).is_file():
+        raise InputError(f"{what} {text}: there is no such file")

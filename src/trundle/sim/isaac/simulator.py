@@ -1,0 +1,349 @@
+"""`IsaacSimulator`: the robot in Isaac Sim's physics, behind the same seam as every other simulator."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Self, cast
+
+import numpy as np
+
+from trundle.errors import InputError, RobotError, SimulationError, WorldError
+from trundle.geometry import Pose2D, Twist2D, integrate_twist
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.isaac.adapter import Adapter, BodyState
+from trundle.sim.isaac.application import Application, running_application
+from trundle.sim.isaac.assets import environment_path, find_root, given_root, robot_path
+from trundle.sim.isaac.signatures import differences
+from trundle.sim.isaac.stage import check_joints, check_units
+from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.simulator import Contact, RobotState
+from trundle.worlds import World
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from isaacsim import SimulationApp
+
+    from trundle.sim.isaac.contacts import ContactReader
+
+TIMESTEP = 0.005
+"""Length of a physics step [s]: the same as in the other simulators, so that limits act alike."""
+
+GROUND_OFFSET = 0.02
+"""Height [m] above z = 0 that the robot is put at: one that starts in the floor falls through it."""
+
+ROBOT_PATH = "/trundle_robot"
+
+_SETTLE_S = 0.5
+_LARGEST_FALL = 0.1
+"""From where it was put [m], until the robot stands; one that falls farther has no floor under it."""
+
+_ADAPTERS = {5: "trundle.sim.isaac.api5:Isaac5Adapter", 6: "trundle.sim.isaac.api6:Isaac6Adapter"}
+
+
+class IsaacSimulator:
+    """Drives a robot through a stage in Isaac Sim 5.1 or 6.x.
+
+    The limits of the robot are applied at every physics step, and its wheels are commanded through Isaac Sim's own
+    DifferentialController. The stage is an environment of Isaac Sim, any USD file, or the world itself, written as USD.
+    Isaac Sim is started, unless it runs already, and closed when the simulator is.
+
+    Args:
+        world: Where it drives; named solids and cells of it are what contacts are reported with.
+        robot: What drives.
+        environment: An environment by name (`warehouse_with_forklifts`), or a USD file; none means the world as USD.
+            Its frame is the map's.
+        robot_usd: The robot's USD file; none means that of Isaac Sim's assets.
+        headless: Start Isaac Sim without a window.
+        livestream: Start it without a window, streamed by WebRTC.
+        physics_dt: Length of a physics step [s].
+        assets_root: Folder or address that holds Isaac/Environments and Isaac/Robots; none means TRUNDLE_ISAAC_ASSETS,
+            or what Isaac Sim finds.
+        ground_offset: Height [m] above z = 0 that the robot's prim is put at; it settles from there.
+        application: A SimulationApp that runs already. It is not closed.
+
+    Raises:
+        InputError: If there is no Isaac Sim, an option is out of range, or assets are not to be had.
+        UnknownNameError: If there is no such environment.
+        WorldError: If the stage cannot be opened, or is not in metres with z up.
+        RobotError: If the robot's USD lacks the joints of its wheels.
+        SimulationError: If Isaac Sim does not start.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        robot: Robot,
+        *,
+        environment: str | None = None,
+        robot_usd: str | None = None,
+        headless: bool = False,
+        livestream: bool = False,
+        physics_dt: float = TIMESTEP,
+        assets_root: str | None = None,
+        ground_offset: float = GROUND_OFFSET,
+        application: SimulationApp | None = None,
+    ) -> None:
+        if not 0.0 < physics_dt <= 0.02:
+            raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
+        if not 0.0 <= ground_offset <= 10.0:
+            raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
+        # What can be wrong without Isaac Sim is said before it takes its minute to start.
+        scene = None if environment is None else (environment, environment_path(environment))
+        machine = robot_path(robot.name, robot_usd)
+        given_root(assets_root)
+        self._robot = robot
+        self._physics_dt = physics_dt
+        self._ground_offset = ground_offset
+        self._ramp = CommandRamp(robot, physics_dt)
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._adapter: Adapter | None = None
+        shared = running_application()
+        self._owns_application = shared is None
+        self._application = shared or Application(headless=headless, livestream=livestream, app=application)
+        self._closed = False
+        try:
+            root = find_root(assets_root) if machine is not None or (scene is not None and scene[1]) else ""
+            usd = robot_usd if machine is None else f"{root}/{machine}"
+            self._load(world, scene and (f"{root}/{scene[1]}" if scene[1] else scene[0]), cast("str", usd))
+            self.reset(Pose2D(*world.seeds[0]) if world.seeds else Pose2D(0.0, 0.0))
+        except (AttributeError, TypeError, ImportError) as error:
+            found = differences(self._application.generation)
+            self.close()
+            if not found:
+                raise
+            lines = "\n  ".join(found)
+            raise SimulationError(f"this Isaac Sim is not as trundle expects it ({error}):\n  {lines}") from error
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that it moves."""
+        return self._robot
+
+    @property
+    def application(self) -> Application:
+        """The Isaac Sim that it runs in."""
+        return self._application
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.
+
+        The pose is written on the robot's prim at the ground offset, while the timeline stands; then the robot settles
+        on the floor, which takes no time of the run. A pose inside a collider is taken: the state's contacts say so.
+
+        Raises:
+            SimulationError: If it was closed, or the robot does not come to stand.
+        """
+        adapter = self._check_open()
+        half = pose.yaw / 2.0
+        adapter.place(
+            np.array([pose.x, pose.y, self._ground_offset]),
+            np.array([math.cos(half), 0.0, 0.0, math.sin(half)]),
+        )
+        self._ramp.reset()
+        self._told = Motion(0.0, 0.0, 0.0, 0.0)
+        adapter.drive(0.0, 0.0)
+        for _ in range(round(_SETTLE_S / self._physics_dt)):
+            adapter.step()
+        self._check_stands(adapter.body())
+        adapter.halt()
+        self._contacts.find_floor()
+        touched: dict[tuple[str, str], Contact] = {}
+        self._contacts.read(touched)
+        self._steps = 0
+        self._angles = adapter.wheel_positions()
+        self._turned = (0.0, 0.0)
+        self._odometry = (pose.x, pose.y, pose.yaw)
+        if self._application.draws:
+            adapter.draw()
+        body = adapter.body()
+        return self._state(_pose(body), Twist2D(0.0, 0.0), WheelSpeeds(0.0, 0.0), touched)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
+
+        While somebody has paused the timeline in the window, it waits.
+
+        Raises:
+            SimulationError: If it or Isaac Sim was closed, the timeline was stopped, or the physics broke down.
+            InputError: If `dt` is not a multiple of the physics step.
+        """
+        adapter = self._check_open()
+        motions = self._ramp.advance(command, count_steps(dt, self._physics_dt))
+        self._wait_for_timeline(adapter)
+        touched: dict[tuple[str, str], Contact] = {}
+        for motion in motions:
+            if motion is not self._told:
+                adapter.drive(motion.v, motion.w)
+            self._told = motion
+            adapter.step()
+            self._steps += 1
+            self._follow_wheels(adapter.wheel_positions())
+            self._contacts.read(touched)
+        if self._application.draws:
+            adapter.draw()
+        body = adapter.body()
+        self._check_sound(body)
+        pose = _pose(body)
+        v = float(body.linear[0]) * math.cos(pose.yaw) + float(body.linear[1]) * math.sin(pose.yaw)
+        return self._state(pose, Twist2D(v, float(body.angular[2])), WheelSpeeds(*adapter.wheel_speeds()), touched)
+
+    def picture(
+        self, eye: tuple[float, float, float], target: tuple[float, float, float], size: tuple[int, int] = (1280, 720)
+    ) -> npt.NDArray[np.uint8]:
+        """Take a picture from `eye` towards `target` [m], map frame.
+
+        Returns:
+            RGB, uint8, shape (height, width, 3).
+
+        Raises:
+            SimulationError: If it was closed, or no picture comes.
+        """
+        adapter = self._check_open()
+        from trundle.sim.isaac.picture import CAMERA, take_picture
+
+        adapter.look(np.array(eye), np.array(target), CAMERA)
+        return take_picture(size, adapter.draw)
+
+    def joint_names(self) -> list[str]:
+        """Return the names of the joints that Isaac Sim moves, in its order."""
+        return self._check_open().joint_names()
+
+    def wait(self) -> None:
+        """Answer the window until it is closed."""
+        adapter = self._check_open(alive=False)
+        while self._application.is_running:
+            adapter.draw()
+
+    def close(self) -> None:
+        """Let go of the world, and close Isaac Sim if it was started here; closing twice does nothing."""
+        if self._closed:
+            return
+        self._closed = True
+        adapter, self._adapter = self._adapter, None
+        try:
+            if adapter is not None and self._application.is_running:
+                adapter.close()
+        finally:
+            if self._folder is not None:
+                self._folder.cleanup()
+            if self._owns_application:
+                self._application.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _load(self, world: World, scene: str | None, usd: str) -> None:
+        """Open the stage and put the robot into it."""
+        module, _, name = _ADAPTERS[self._application.generation].partition(":")
+        adapter = cast("Adapter", getattr(importlib.import_module(module), name)())
+        self._open_stage(adapter, scene if scene is not None else self._write(world))
+        try:
+            adapter.add_robot(usd, ROBOT_PATH)
+        except (FileNotFoundError, ValueError) as error:
+            raise RobotError(f"the robot's USD {usd} cannot be read: {error}") from error
+        self._wait_for_loading(adapter)
+        from trundle.sim.isaac.contacts import ContactReader
+
+        check_joints(self._robot, usd, ROBOT_PATH)
+        adapter.load_robot(self._robot, ROBOT_PATH, self._physics_dt)
+        self._adapter = adapter
+        self._contacts: ContactReader = ContactReader(world, ROBOT_PATH)
+
+    def _open_stage(self, adapter: Adapter, path: str) -> None:
+        try:
+            done = adapter.open_stage(path)
+        except ValueError as error:
+            raise WorldError(f"{path}: Isaac Sim cannot open it: {error}") from error
+        if not done:
+            raise WorldError(f"{path}: Isaac Sim cannot open it; is it there, and are its references?")
+        self._wait_for_loading(adapter)
+        check_units(path, *adapter.stage_units())
+
+    def _write(self, world: World) -> str:
+        """Write the world as USD, for Isaac Sim to open."""
+        from trundle.export.usd import export_world
+
+        self._folder = tempfile.TemporaryDirectory(prefix="trundle-")
+        path = Path(self._folder.name) / "world.usd"
+        export_world(world, path)
+        return str(path)
+
+    def _wait_for_loading(self, adapter: Adapter) -> None:
+        self._application.update()
+        while adapter.is_loading():
+            if not self._application.is_running:
+                raise SimulationError("Isaac Sim was closed while it loaded the stage")
+            self._application.update()
+
+    def _wait_for_timeline(self, adapter: Adapter) -> None:
+        """Let somebody who has paused in the window look around."""
+        while not adapter.is_playing():
+            if adapter.is_stopped() or not self._application.draws:
+                raise SimulationError("the timeline of Isaac Sim was stopped; a stopped run cannot be taken up again")
+            self._check_open()
+            adapter.draw()
+            time.sleep(0.02)
+
+    def _check_open(self, *, alive: bool = True) -> Adapter:
+        if self._closed or self._adapter is None:
+            raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
+        if alive and not self._application.is_running:
+            raise SimulationError("Isaac Sim was closed")
+        return self._adapter
+
+    def _check_stands(self, body: BodyState) -> None:
+        self._check_sound(body)
+        fell = self._ground_offset - float(body.position[2])
+        if fell > self._ground_offset + _LARGEST_FALL:
+            raise SimulationError(
+                f"the robot fell {fell:.2f} m in {_SETTLE_S} s: there is no collider under it. Start it above the "
+                f"floor (--ground-offset, now {self._ground_offset:g} m), and see that the stage's floor collides"
+            )
+
+    def _check_sound(self, body: BodyState) -> None:
+        numbers = np.concatenate([body.position, body.quaternion, body.linear, body.angular])
+        if not np.isfinite(numbers).all():
+            raise SimulationError(
+                "the physics of Isaac Sim broke down: a pose or a speed is not finite; use a smaller --physics-dt "
+                f"than {self._physics_dt} s, and check the robot's masses and colliders"
+            )
+
+    def _follow_wheels(self, angles: tuple[float, float]) -> None:
+        """Add what the wheels turned in a physics step; an angle that Isaac Sim wrapped at a full turn is unwrapped."""
+        by_left, by_right = (math.remainder(new - old, math.tau) for new, old in zip(angles, self._angles, strict=True))
+        self._angles = angles
+        self._turned = (self._turned[0] + by_left, self._turned[1] + by_right)
+        radius, track = self._robot.drive.wheel_radius, self._robot.drive.track_width
+        x, y, yaw = integrate_twist(
+            *self._odometry, radius * (by_left + by_right) / 2.0, radius * (by_right - by_left) / track, 1.0
+        )
+        self._odometry = (float(x), float(y), float(yaw))
+
+    def _state(
+        self, pose: Pose2D, twist: Twist2D, speeds: WheelSpeeds, touched: dict[tuple[str, str], Contact]
+    ) -> RobotState:
+        return RobotState(
+            time=self._steps * self._physics_dt,
+            pose=pose,
+            twist=twist,
+            wheel_positions=WheelSpeeds(*self._turned),
+            wheel_speeds=speeds,
+            odometry=Pose2D(*self._odometry),
+            contacts=tuple(touched.values()),
+        )
+
+
+def _pose(body: BodyState) -> Pose2D:
+    w, x, y, z = (float(number) for number in body.quaternion)
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return Pose2D(float(body.position[0]), float(body.position[1]), yaw)

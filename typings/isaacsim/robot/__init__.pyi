@@ -1,0 +1,1 @@
+# Made by scripts/isaac_stubs.py of src/trundle/sim/isaac/signatures.yaml: change that.

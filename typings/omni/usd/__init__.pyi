@@ -1,0 +1,10 @@
+# Made by scripts/isaac_stubs.py of src/trundle/sim/isaac/signatures.yaml: change that.
+from collections.abc import Callable
+from typing import Annotated, Any
+
+import numpy as np
+import numpy.typing as npt
+
+class UsdContext:
+    def get_stage(self) -> Any: ...
+def get_context(name: str = "") -> UsdContext: ...
