@@ -267,6 +267,7 @@ def test_hidden_instances_stay_hidden_and_can_be_left_out_by_prototype_or_number
     path = write(INSTANCER.replace("EXTRA", "int64[] invisibleIds = [1]"))
     assert len(load_usd(path).solids) == 2
     assert [solid.name for solid in load_usd(path, exclude=["/Racks[0]"]).solids] == ["/Racks[2]/Tall/Post"]
+    assert [solid.name for solid in load_usd(path, exclude=["*cks[0]*"]).solids] == ["/Racks[2]/Tall/Post"]
     assert load_usd(path, exclude=["/Racks/Protos/Tall"]).solids == ()
 
 
@@ -451,7 +452,7 @@ def Xform "World" {
     def Xform "Robot" { def Cube "Body" { double size = 1; } }
     def Cube "Robot2" { double size = 1; }
     def Xform "Pallets" (prepend apiSchemas = ["SemanticsLabelsAPI:class"]) {
-        token[] semantics:labels:class = ["Pallet"]; def Cube "One" { double size = 1; } }
+        token[] semantics:labels:class = ["Pallet", "wood"]; def Cube "One" { double size = 1; } }
     def Cube "Old" (prepend apiSchemas = ["SemanticsAPI:Semantics_x"]) { double size = 1
         string semantic:Semantics_x:params:semanticData = "rack"
         string semantic:Semantics_x:params:semanticType = "class"; }
@@ -469,8 +470,11 @@ def Xform "World" {
         (["/World/Robot"], {"Robot/Body"}),
         (["/World/Robot/"], {"Robot/Body"}),
         (["/World/Robot*"], {"Robot/Body", "Robot2"}),
-        (["*/Body"], set()),
+        (["*/Body"], {"Robot/Body"}),
+        (["Robot"], set()),
         (["pallet", "RACK"], {"Pallets/One", "Old"}),
+        (["wood"], {"Pallets/One"}),
+        (["pal*"], {"Pallets/One"}),
         (["floor"], {"Slab"}),
         (["ceiling"], {"Roof"}),
     ],

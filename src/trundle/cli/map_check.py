@@ -42,6 +42,7 @@ def check(
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     compat: options.Compat = None,
     json: options.Json = False,
 ) -> int:
@@ -68,7 +69,7 @@ def check(
     first = options.parse_pose("--start", start) if start else None
     goals = [options.parse_pose("--goal", text) for text in goal or []]
     machine = Robot.load(robot) if robot is not None else None
-    given = options.parse_settings(settings)
+    given = options.parse_settings(settings, exclude)
     place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -11,6 +12,7 @@ from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
 from trundle.uris import Folders, split_folders
+from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.load import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
 from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
@@ -44,6 +46,7 @@ def load_sdf(
     missing: MissingChoice = "error",
     paths: Folders = (),
     world: str | None = None,
+    exclude: str | Sequence[str] = (),
 ) -> World:
     """Read an SDF world, or the models of an SDF file without one.
 
@@ -58,6 +61,8 @@ def load_sdf(
         missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
         paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own.
         world: Name of the <world>, where a file has several; none means the first.
+        exclude: What to leave out, see `World.load`. What is missing or wrong in a shape that is left out by its name
+            does not matter, and a missing model can be left out by the name that it would have.
 
     Raises:
         WorldError: If the file cannot be used; the message has file, line and model.
@@ -69,10 +74,11 @@ def load_sdf(
     """
     check_choice("geometry", geometry, ("collision", "visual"))
     check_choice("missing", missing, ("error", "skip"))
-    reader = _Reader(geometry, movable, missing, Files(split_folders(paths)))
+    reader = _Reader(geometry, movable, missing, Files(split_folders(paths)), Filter.of(exclude))
     name, solids = reader.read_file(path, world)
     for text in reader.remarks():
         warnings.warn(f"{path}: {text}", WorldWarning, stacklevel=2)
+    warn_of_unmet(reader.leave_out, str(path))
     return World(name, tuple(solids))
 
 
@@ -93,6 +99,7 @@ class _Reader:
     movable: bool
     missing: MissingChoice
     files: Files
+    leave_out: Filter
     names: Names = field(default_factory=Names)
     moving: list[str] = field(default_factory=list[str])
     skipped: list[str] = field(default_factory=list[str])
@@ -176,6 +183,9 @@ class _Reader:
         uri = read_text(place, element, "uri")
         file = _model_file(self.files.find(uri, place.file.parent))
         if file is None:
+            called = (element.findtext("name") or "").strip() or uri.rstrip("/").rpartition("/")[2]
+            if self.leave_out.takes_name(f"{place.model}::{called}" if place.model else called):
+                return None
             message = (
                 f"{place.file}:{element.line}: the model {uri!r} was not found in {self.files.searched()}; give the "
                 "folder with paths=…"
@@ -205,6 +215,8 @@ class _Reader:
     def _place_model(self, model: _Model, outer: Scope, pose_outer: Pose3D, prefix: str) -> list[Solid]:
         path = f"{prefix}::{model.name}" if prefix else model.name
         pose = pose_outer @ outer.find(model.name, None)
+        if self.leave_out.takes_name(path):
+            return []
         solids: list[Solid] = []
         if model.static or self.movable:
             for link_name, link in model.links:
@@ -223,6 +235,8 @@ class _Reader:
     def _place_shape(
         self, scope: Scope, link: XmlElement, shape: XmlElement, pose: Pose3D, at: Pose3D, name: str
     ) -> list[Solid]:
+        if self.leave_out.takes_name(name):
+            return []
         element = child(shape, "geometry")
         if element is None:
             scope.place.fail(shape, f"<{shape.tag}> needs <geometry>")
@@ -238,7 +252,8 @@ class _Reader:
             return []
         given = read_pose(scope.place, shape)
         placed = pose @ scope.locate(given) if given.frame else at @ given.pose
-        return make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+        solids = make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+        return [solid for solid in solids if not self.leave_out.takes_solid(solid)]
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
