@@ -20,6 +20,9 @@ from trundle.worlds.world import World
 if TYPE_CHECKING:
     import mujoco
 
+PIECE = " / piece "
+"""Between the name of a mesh that is only seen and a number: the name of a convex piece that it collides as."""
+
 _COLLIDES, _SHOWN = 1, 2
 
 
@@ -27,7 +30,8 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
     """Read an MJCF or URDF file as a world: the geometry that no joint moves, where it stands in the file.
 
     Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours; planes
-    are floors and left out. What joints move is left out with a warning.
+    are floors and left out. What joints move is left out with a warning. A mesh that trundle wrote with convex pieces,
+    which collide in its place, is that mesh again.
 
     Args:
         path: The file.
@@ -48,11 +52,14 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
     _simplify(spec)
     model, data = compile_spec(path, spec, error=WorldError)
     wanted = _SHOWN if geometry == "visual" else _COLLIDES
+    pieces = _pieces(model)
+    in_pieces = set(pieces.values())
     names = Names()
     solids: list[Solid] = []
     moving: list[str] = []
     for geom in range(model.ngeom):
-        if not int(model.geom_group[geom]) & wanted:
+        collides_as_pieces = model.geom(geom).name in in_pieces
+        if geom in pieces or not (collides_as_pieces or int(model.geom_group[geom]) & wanted):
             continue
         body = int(model.geom_bodyid[geom])
         if model.body_weldid[body] != 0:
@@ -85,6 +92,14 @@ def _simplify(spec: mujoco.MjSpec) -> None:
         body.fullinertia = (float("nan"),) * 6
     for mesh in spec.meshes:
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+
+
+def _pieces(model: mujoco.MjModel) -> dict[int, str]:
+    """Geoms that are pieces of others, with the names of those."""
+    hidden = [geom for geom in range(model.ngeom) if not int(model.geom_group[geom]) & _SHOWN]
+    named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
+    wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
+    return {geom: name for geom, name in named.items() if name in wholes}
 
 
 def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
