@@ -66,7 +66,8 @@ def load_world(path: str | os.PathLike[str], **options: Any) -> World:
     world = cast("World", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
     if "exclude" not in known:
         world = leave_out(world, exclude, str(file))
-    _check_extent(file, world)
+    takes_looks = "geometry" in known and options.get("geometry") != "visual"
+    _check_extent(file, world, 'what is seen and does not collide needs geometry="visual"' if takes_looks else "")
     return world
 
 
@@ -96,9 +97,10 @@ def _check_options(file: Path, load: Any, options: dict[str, Any]) -> list[str]:
     return known
 
 
-def _check_extent(file: Path, world: World) -> None:
+def _check_extent(file: Path, world: World, advice: str) -> None:
     if not world.solids:
-        warnings.warn(f"{file}: nothing solid was found in it: the world is an empty floor", WorldWarning, stacklevel=4)
+        here = f"{file}: nothing solid was found in it: the world is an empty floor"
+        warnings.warn(f"{here}{'; ' if advice else ''}{advice}", WorldWarning, stacklevel=4)
         return
     low, high = world.bounds
     if float(np.max(high - low)) <= LARGEST_EXTENT:

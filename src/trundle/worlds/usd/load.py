@@ -15,7 +15,7 @@ from trundle.solids import Solid
 from trundle.worlds.affine import FlattenedError
 from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
 from trundle.worlds.usd.colors import Colors
-from trundle.worlds.usd.shapes import Shapes, is_floor
+from trundle.worlds.usd.shapes import Shapes, is_floor_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
 from trundle.worlds.usd.walk import SHAPES, Place, walk
 from trundle.worlds.usd.words import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
@@ -113,7 +113,7 @@ def _choose(path: str, places: Sequence[Place], options: Options, colliders: boo
     for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
         first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
         warn(f"{path}: prims of type {kind} have no solid form and are left out: {count}, the first is {first}")
-    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor(place)]
+    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor_plane(place)]
 
 
 def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bool) -> Iterator[Solid]:
@@ -152,7 +152,7 @@ def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
 
 
 def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Place], options: Options) -> None:
-    if chosen or all(is_floor(place) for place in places):
+    if chosen or all(is_floor_plane(place) for place in places):
         return
     if options.geometry == "collision":
         reason = f'none of its {len(places)} shapes but the floor is a collider; take geometry="visual"'

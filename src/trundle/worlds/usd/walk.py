@@ -58,6 +58,9 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
         WorldError: If a transform is not finite, or a point instancer does not fit together.
     """
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    # What a point instancer places may be kept in a class or an over, so that it is drawn nowhere else.
+    kept = Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
+    prototypes = Usd.TraverseInstanceProxies(kept)
     # Last in, first out: in the file's order.
     stack = [Place(prim, str(prim.GetPath()), root) for prim in _children(stage.GetPseudoRoot(), predicate)]
     while stack:
@@ -70,9 +73,8 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
             continue
         if prim.IsA(UsdGeom.Gprim):
             yield place
-        stack.extend(
-            replace(place, prim=child, name=f"{place.name}/{child.GetName()}") for child in _children(prim, predicate)
-        )
+        below = _children(prim, prototypes if place.within else predicate)
+        stack.extend(replace(place, prim=child, name=f"{place.name}/{child.GetName()}") for child in below)
 
 
 def _children(prim: Any, predicate: Any) -> list[Any]:
