@@ -12,8 +12,8 @@ from types import ModuleType
 from typing import Any
 
 
-def interleaved_medians(contestants: Mapping[str, Callable[[], Any]], rounds: int) -> dict[str, float]:
-    """Median seconds of each contestant over `rounds` turns, after one turn that does not count."""
+def interleaved_times(contestants: Mapping[str, Callable[[], Any]], rounds: int) -> dict[str, list[float]]:
+    """Seconds of each contestant in each of `rounds` turns, after one turn that does not count."""
     times: dict[str, list[float]] = {name: [] for name in contestants}
     for turn in range(rounds + 1):
         for name, run in contestants.items():
@@ -22,7 +22,12 @@ def interleaved_medians(contestants: Mapping[str, Callable[[], Any]], rounds: in
             elapsed = time.perf_counter() - begin
             if turn > 0:
                 times[name].append(elapsed)
-    return {name: statistics.median(values) for name, values in times.items()}
+    return times
+
+
+def interleaved_medians(contestants: Mapping[str, Callable[[], Any]], rounds: int) -> dict[str, float]:
+    """Median seconds of each contestant over `rounds` turns, after one turn that does not count."""
+    return {name: statistics.median(values) for name, values in interleaved_times(contestants, rounds).items()}
 
 
 def load_peer(module: str, package: str) -> ModuleType:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -23,6 +25,7 @@ MAX_BYTES = 1024**3
 
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _GLTF = (".glb", ".gltf")
+_LOST_EXTENSIONS = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,24 +81,34 @@ def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
     turn = (_Y_UP if (up or file_up) == "y" else np.eye(3)) * (file_unit if factor is None else factor)
     scene = _load_scene(path)
     parts: list[MeshPart] = []
-    nodes = sorted(scene.graph.nodes_geometry, key=str)  # trimesh's own order is that of a set
-    for node in nodes:
-        transform, geometry = scene.graph[node]
+    placed = _placed_nodes(path, scene)
+    for node, transform, geometry in placed:
         mesh = scene.geometry[geometry]
         faces = getattr(mesh, "faces", None)
         if faces is None:
             continue  # points or lines
-        name = str(node if len(nodes) > 1 else geometry).strip() or path.stem
+        name = str(node if len(placed) > 1 else geometry).strip() or path.stem
         parts.append(_flatten(f"{path}: mesh {name!r}", mesh, np.asarray(transform), turn, name, str(geometry)))
     if not parts:
         raise WorldError(f"{path}: no mesh with faces is in it")
     return parts
 
 
+def _placed_nodes(path: Path, scene: Any) -> list[tuple[str, FloatArray, str]]:
+    """Nodes with a mesh, by name: trimesh's own order is that of a set."""
+    try:
+        nodes = sorted(scene.graph.nodes_geometry, key=str)
+        return [(node, *scene.graph[node]) for node in nodes]
+    except (ValueError, KeyError) as error:
+        raise WorldError(f"{path}: its nodes hang together in a circle, or not at all: {error}") from error
+
+
 def _flatten(where: str, mesh: Any, transform: FloatArray, turn: FloatArray, name: str, geometry: str) -> MeshPart:
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     if len(faces) == 0:
         raise WorldError(f"{where} has no faces")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise WorldError(f"{where} has faces that name corners outside 0..{len(vertices) - 1}")
     if not np.isfinite(vertices[np.unique(faces)]).all():
         raise WorldError(f"{where} has corners that are not finite numbers")
     linear = turn @ transform[:3, :3]
@@ -129,6 +142,8 @@ def _load_scene(path: Path) -> Any:
         raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
     if size > MAX_BYTES:
         raise WorldError(f"{path}: {size} bytes is more than a mesh file may have ({MAX_BYTES})")
+    if path.suffix.lower() in _GLTF:
+        _check_gltf_extensions(path)
     options = {"split_objects": True} if path.suffix.lower() == ".obj" else {}
     try:
         return cast("Any", trimesh).load_scene(str(path), process=False, **options)
@@ -137,7 +152,26 @@ def _load_scene(path: Path) -> Any:
             install = 'pip install "trundle[mesh]"'
             raise MissingExtraError(f"reading {path.suffix} files", "pycollada", install) from error
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        if isinstance(error, ImportError):  # it wants a library that guesses how bytes are meant as text
+            reason = "it is not UTF-8 text"
         raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
+
+
+def _check_gltf_extensions(path: Path) -> None:
+    """Refuse what trimesh would read as nothing or only in part."""
+    with path.open("rb") as file:
+        head = file.read(20)
+        length = struct.unpack_from("<I", head, 12)[0] if head[:4] == b"glTF" and len(head) == 20 else None
+        if length is None:
+            file.seek(0)
+        content = file.read(length)
+    try:
+        used = json.loads(content).get("extensionsUsed", [])
+    except (ValueError, AttributeError):
+        return  # trimesh says what is wrong with it
+    lost = [name for name in _LOST_EXTENSIONS if name in used]
+    if lost:
+        raise WorldError(f"{path}: it uses {', '.join(lost)}, which cannot be read; export it without")
 
 
 def _read_collada_asset(path: Path) -> tuple[str, float]:

@@ -5,6 +5,7 @@ MuJoCo is used here as the reader of its format: nothing is simulated.
 
 from __future__ import annotations
 
+import logging
 import os
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -22,8 +23,30 @@ if TYPE_CHECKING:
 
 GeometryChoice: TypeAlias = Literal["collision", "visual"]
 
+logger = logging.getLogger(__name__)
+
 # MuJoCo reads these itself, and needs no library for it.
 _AS_THEY_ARE = (".stl", ".obj")
+
+_NUMBERS = {
+    "box": (("size", 3, "above 0"),),
+    "cylinder": (("radius", 1, "above 0"), ("length", 1, "above 0")),
+    "sphere": (("radius", 1, "above 0"),),
+    "mesh": (("scale", 3, "none of them 0"),),
+    "origin": (("xyz", 3, "finite"), ("rpy", 3, "finite")),
+}
+"""Attributes of URDF's elements that are numbers: how many, and what they must be."""
+
+
+def log_warnings() -> None:
+    """Make MuJoCo log its warnings; its own way is a file MUJOCO_LOG.TXT in the working folder."""
+    import mujoco
+
+    mujoco.set_mju_user_warning(_log_warning)
+
+
+def _log_warning(message: str | bytes) -> None:
+    logger.warning("MuJoCo: %s", message if isinstance(message, str) else message.decode(errors="replace"))
 
 
 def read_spec(
@@ -42,6 +65,7 @@ def read_spec(
     """
     import mujoco
 
+    log_warnings()
     root = read_xml(path, error=error)
     if root.tag not in ("mujoco", "robot"):
         raise error(f"{path}: MJCF starts with <mujoco> and URDF with <robot>, this file with <{root.tag}>")
@@ -99,6 +123,8 @@ def _prepare_urdf(
         raise error(f"{path}: this is a xacro file; expand it first: xacro {path.name} > robot.urdf")
     for extension in robot.findall("mujoco"):
         robot.remove(extension)
+    for element in robot.iter():
+        _check_numbers(f"{path}:{cast('XmlElement', element).line}", element, error)
     # Else links on fixed joints lose their names, what is seen is dropped, and folders of meshes are cut off.
     settings = {"fusestatic": "false", "discardvisual": "false", "strippath": "false", "balanceinertia": "true"}
     ElementTree.SubElement(ElementTree.SubElement(robot, "mujoco"), "compiler", settings)
@@ -111,27 +137,36 @@ def _prepare_urdf(
     for element in robot.iter("mesh"):
         uri = element.get("filename", "").strip()
         where = f"{path}:{cast('XmlElement', element).line}"
-        _check_scale(where, element, error)
         found = find_uri(uri, path.parent, folders)
         if found is None or not found.is_file():
             raise error(f"{where}: the mesh {uri!r} was not found in {describe_search(folders)}; name it with paths=…")
         key = found.resolve()
         if key not in names:
-            stem = f"mesh{len(names)}"
+            stem = f"{len(names)}-{found.stem}"
             names[key], content = _mesh_asset(where, found, stem, error)
             assets[names[key]] = content
         element.set("filename", names[key])
     return assets
 
 
-def _check_scale(where: str, element: ElementTree.Element, error: type[InputError]) -> None:
-    words = element.get("scale", "1 1 1").split()
-    try:
-        numbers = np.array([float(word) for word in words])
-    except ValueError:
-        numbers = np.zeros(0)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all() or (numbers == 0.0).any():
-        raise error(f"{where}: a mesh's scale must be three numbers, none of them 0, got {' '.join(words)[:80]!r}")
+def _check_numbers(where: str, element: ElementTree.Element, error: type[InputError]) -> None:
+    """Check the numbers of a URDF's shapes and places, which MuJoCo does not check or reports without their link."""
+    for name, count, rule in _NUMBERS.get(element.tag, ()):
+        text = element.get(name)
+        if text is None:
+            continue
+        try:
+            numbers = np.array([float(word) for word in text.split()])
+        except ValueError:
+            numbers = np.zeros(0)
+        sound = numbers.shape == (count,) and bool(np.isfinite(numbers).all())
+        if rule == "above 0":
+            sound = sound and bool((numbers > 0.0).all())
+        elif rule == "none of them 0":
+            sound = sound and bool((numbers != 0.0).all())
+        if not sound:
+            what = "a number" if count == 1 else f"{count} numbers"
+            raise error(f"{where}: {name} of <{element.tag}> must be {what}, {rule}, got {text[:80]!r}")
 
 
 def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> tuple[str, bytes]:

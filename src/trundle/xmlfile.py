@@ -91,6 +91,8 @@ def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[Input
     parser.CharacterDataHandler = builder.data
     try:
         parser.Parse(content, True)
+    except InputError:
+        raise
     except expat.ExpatError as problem:
         reason = expat.ErrorString(problem.code)
         raise error(f"{path}:{problem.lineno}:{problem.offset + 1}: not XML: {reason}") from problem

@@ -81,6 +81,29 @@ def test_a_robot_runs_in_a_world_file_and_the_scenario_repeats_it(trundle, field
     assert again.json["distance_m"] == done.json["distance_m"]
 
 
+def test_what_is_excluded_is_gone_in_every_verb(trundle, field):
+    def built(*more: object) -> int:
+        return trundle("map", "build", field, "--robot", "jackal", *more, "--json").json["occupied_cells"]
+
+    assert built("--exclude", "post0", "--exclude", "*3") < built()
+    with pytest.warns(WorldWarning, match="nothing was left out by: nobody"):
+        assert trundle("map", "check", "map.yaml", "--world", field, "--exclude", "nobody").code in (0, 1)
+    done = trundle(
+        "view", "jackal", "--world", field, "--exclude", "post0", "--size", "160x90", "-o", "v.png", "--json"
+    )
+    assert done.code == 0
+    # The straight way from (-1, 0) to (3, 0) is blocked by two posts.
+    ends = ("--start", "-1,0,0", "--goal", "3,0", "--robot", "jackal", "--backend", "kinematic", "--no-video")
+    out = ("--exclude", "post0", "--exclude", "post1", "-o", "out", "--json")
+    done = trundle("run", field, *ends, *out)
+    assert done.json["distance_m"] == pytest.approx(4.0, abs=0.05)
+    again = trundle("run", "out/scenario.yaml", "--no-video", "-o", "again", "--json")
+    assert again.json["distance_m"] == done.json["distance_m"]
+    done = trundle("run", "out/scenario.yaml", "--exclude", "post2")
+    assert done.code == 2
+    assert "--set and --exclude are for worlds" in done.err
+
+
 def test_a_robot_of_a_urdf_works_in_the_verbs(trundle, field, box_bot):
     with pytest.warns(RobotWarning):
         done = trundle("view", box_bot, "--world", field, "--size", "160x90", "-o", "v.png", "--json")

@@ -43,7 +43,7 @@ def test_a_urdf_has_the_robots_masses_inertias_and_joints(name, tmp_path):
     assert swivels <= set(joints)
 
 
-@pytest.mark.parametrize("name", ["nova_carter", "jackal"])
+@pytest.mark.parametrize("name", robot_names())
 def test_mujoco_reads_the_urdf_with_the_wheels_where_they_are(name, tmp_path):
     robot = Robot.load(name)
     path = export_robot(robot, tmp_path / "robot.urdf")
@@ -78,7 +78,7 @@ def test_an_mjcf_is_the_robot_that_is_simulated(name, tmp_path):
 
 @pytest.mark.filterwarnings("ignore::trundle.errors.RobotWarning")
 @pytest.mark.parametrize("suffix", [".urdf", ".xml"])
-@pytest.mark.parametrize("name", ["nova_carter", "jackal", "turtlebot3_burger"])
+@pytest.mark.parametrize("name", robot_names())
 def test_a_robot_loads_back_with_its_drive_mass_and_footprint(name, suffix, tmp_path):
     robot = Robot.load(name)
     back = Robot.load(export_robot(robot, tmp_path / f"robot{suffix}"))

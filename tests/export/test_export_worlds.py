@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
+from trundle.errors import InputError, MapWarning, OutputError, UnknownNameError, WorldError
 from trundle.export import FORMATS, export_robot, export_world
 from trundle.geometry import Pose3D
 from trundle.maps import OccupancyGrid
@@ -119,6 +119,60 @@ def test_colons_that_sdf_keeps_for_itself_become_slashes(tmp_path):
     assert [solid.name for solid in back.solids] == ["a/b", "a/b#2"]
 
 
+STRANGE = [
+    "tab\tnew\nline",
+    "日本語 상자",
+    "a/b",
+    "a.b",
+    "a b",
+    "a:b",
+    "world:floor",
+    "floor",
+    "__x__",
+    "7",
+    "😀",
+    "n" * 300,
+]
+
+
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd", "glb"])
+def test_strange_names_come_back(to, tmp_path):
+    """But for those that a format needs itself."""
+    world = World("w", tuple(Solid(name, Box((1, 1, 1)), Pose3D((2.0 * n, 0, 0.5))) for n, name in enumerate(STRANGE)))
+    back = World.load(export_world(world, tmp_path / f"w{FORMATS[to].suffixes[0]}"))
+    found = {solid.name for solid in back.solids}
+    reserved = {"mjcf": ["world:floor"], "sdf": ["world", "__x__"]}.get(to, [])
+    assert found == {f"{name}#2" if name in reserved else name for name in STRANGE}
+    places = {round(solid.bounds()[0][0] + 0.5, 3): solid.name for solid in back.solids}
+    assert places[2.0] == "日本語 상자"
+
+
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd", "glb"])
+def test_names_that_are_no_unicode_are_refused(to, tmp_path):
+    world = World("w", (Solid("a\udcff", Box((1, 1, 1))),))
+    with pytest.raises(WorldError, match=r"a\\udcff.* Unicode"):
+        export_world(world, tmp_path / f"w{FORMATS[to].suffixes[0]}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd"])
+def test_a_mirrored_mesh_keeps_its_faces_as_they_look(to, tmp_path):
+    mirrored = Mesh(l_shape().vertices * (-1, 1, 1), l_shape().faces)
+    world = World("w", (Solid("mirrored", mirrored, TURNED),))
+    assert_same(World.load(export_world(world, tmp_path / f"w{FORMATS[to].suffixes[0]}")), world, 1e-6)
+
+
+@pytest.mark.parametrize("to", ["mjcf", "sdf", "usd"])
+def test_a_world_of_thousands_of_solids_loads_back(to, tmp_path):
+    shapes = (Box((0.5, 0.4, 0.3)), Cylinder(0.3, 1.0), Sphere(0.4))
+    places = np.random.default_rng(3).uniform(-100.0, 100.0, (3000, 2))
+    solids = (Solid(f"s{n}", shapes[n % 3], Pose3D.planar(x, y, 0.5, n)) for n, (x, y) in enumerate(places))
+    world = World("many", tuple(solids))
+    assert_same(
+        World.load(export_world(world, tmp_path / f"w{FORMATS[to].suffixes[0]}")), World("w", world.solids), 1e-6
+    )
+
+
 def test_an_empty_world_is_written_as_a_floor_or_refused(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(export_world(World("empty", ()), tmp_path / "e.xml")))
     assert model.ngeom == 1
@@ -169,6 +223,24 @@ def test_a_flat_mesh_that_mujoco_refuses_says_so_and_keeps_what_was_there(tmp_pa
         export_world(World("w", (Solid("flat", flat),)), path)
     assert path.read_text() == "kept"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_was_there_is_replaced(tmp_path, zoo):
+    for to, known in FORMATS.items():
+        if known.world is None:
+            continue
+        path = tmp_path / f"w{known.suffixes[0]}"
+        path.write_text("old")
+        export_world(zoo, path, to=to)
+        assert path.read_bytes() != b"old"
+
+
+def test_a_map_of_a_band_that_nothing_is_in_says_so(tmp_path):
+    world = World("high", (Solid("lamp", Box((1, 1, 0.2)), Pose3D((0, 0, 3.0))),))
+    with pytest.warns(MapWarning, match="no obstacle: no solid within its bounds reaches into heights 0.1 to 0.62"):
+        export_world(world, tmp_path / "w.yaml")
+    with pytest.raises(InputError, match="z_range"):
+        export_world(world, tmp_path / "w.yaml", z_range=(0.6, 0.1))
 
 
 def test_every_format_says_what_it_can_hold():

@@ -10,7 +10,7 @@ from trundle.export.usd import export_robot, export_world
 from trundle.export.usd_robot import robot_stage
 from trundle.geometry import Pose3D
 from trundle.maps import OccupancyGrid
-from trundle.robots import Caster, Robot
+from trundle.robots import Caster, Robot, robot_names
 from trundle.sim.mujoco.joints import list_joints
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
@@ -26,7 +26,8 @@ FAR = Mesh(cone_mesh(0.5, 1.0).vertices + np.array([40.0, -70.0, 0.6]), cone_mes
 def found_by_validators(stage):
     """What any validator of usd-core has against a stage."""
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    assert len(validators) > 20
+    plugins = {validator.GetMetadata().name.partition(":")[0] for validator in validators}
+    assert {f"usd{part}Validators" for part in ("Geom", "Physics", "Shade", "Utils")} <= plugins
     return [
         f"{error.GetName()}: {error.GetMessage()}"
         for error in UsdValidation.ValidationContext(validators).Validate(stage)
@@ -154,7 +155,44 @@ def test_without_usd_core_the_install_line_is_given(tmp_path, world, monkeypatch
         export_world(world, tmp_path / "yard.usda")
 
 
-ROBOTS = ["nova_carter", "jackal", "turtlebot3_burger", "turtlebot3_waffle"]
+ROBOTS = robot_names()
+
+URDF = """<robot name="my cart">
+  <link name="base"><inertial><origin xyz="0.02 0 0.15"/><mass value="12"/>
+    <inertia ixx="0.4" iyy="0.5" izz="0.6" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 0.2"/><geometry><box size="0.6 0.36 0.2"/></geometry></collision></link>
+  <link name="l"><inertial><mass value="0.8"/><inertia ixx="0.003" iyy="0.004" izz="0.003" ixy="0" ixz="0" iyz="0"/>
+    </inertial><collision><origin rpy="1.5707963267948966 0 0"/><geometry><cylinder radius="0.1" length="0.04"/>
+    </geometry></collision></link>
+  <link name="r"><inertial><mass value="0.8"/><inertia ixx="0.003" iyy="0.004" izz="0.003" ixy="0" ixz="0" iyz="0"/>
+    </inertial><collision><origin rpy="1.5707963267948966 0 0"/><geometry><cylinder radius="0.1" length="0.04"/>
+    </geometry></collision></link>
+  <link name="ball"><inertial><mass value="0.2"/><inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0"
+    iyz="0"/></inertial><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="left wheel/joint" type="continuous"><parent link="base"/><child link="l"/><origin xyz="0 0.2 0.1"/>
+    <axis xyz="0 1 0"/></joint>
+  <joint name="right wheel/joint" type="continuous"><parent link="base"/><child link="r"/><origin xyz="0 -0.2 0.1"/>
+    <axis xyz="0 1 0"/></joint>
+  <joint name="mount" type="fixed"><parent link="base"/><child link="ball"/><origin xyz="0.2 0 0.05"/></joint>
+</robot>"""
+
+
+@pytest.mark.filterwarnings("ignore::trundle.errors.RobotWarning")
+def test_a_users_urdf_becomes_an_articulation_with_its_wheels_and_masses(tmp_path):
+    (tmp_path / "cart.urdf").write_text(URDF)
+    robot = Robot.load(tmp_path / "cart.urdf")
+    export_robot(robot, tmp_path / "cart.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "cart.usda"))
+    assert found_by_validators(stage) == []
+    driven = [str(prim.GetPath()) for prim in stage.Traverse() if UsdPhysics.DriveAPI.GetAll(prim)]
+    assert driven == ["/my_cart/joints/left_wheel_joint", "/my_cart/joints/right_wheel_joint"]
+    masses = [
+        UsdPhysics.MassAPI(prim).GetMassAttr().Get() for prim in stage.Traverse() if prim.HasAPI("PhysicsMassAPI")
+    ]
+    assert sum(masses) == pytest.approx(12.0 + 2 * 0.8 + 0.2)
+    wheel = UsdPhysics.MassAPI(stage.GetPrimAtPath("/my_cart/wheel_left"))
+    assert wheel.GetDiagonalInertiaAttr().Get()[1] == pytest.approx(0.8 * 0.1**2 / 2.0)
+    assert UsdGeom.Xformable(wheel).GetLocalTransformation().ExtractTranslation() == pytest.approx((0.0, 0.2, 0.1))
 
 
 @pytest.mark.parametrize("name", ROBOTS)

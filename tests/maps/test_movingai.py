@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from trundle.errors import MapError
@@ -52,6 +53,19 @@ def test_a_damaged_map_is_refused_with_its_place(tmp_path, text, place, message)
     with pytest.raises(MapError, match=message) as caught:
         load_map(path)
     assert str(caught.value).startswith(f"{path}{place}: ")
+
+
+def test_a_map_is_written_with_its_top_row_first_and_what_is_not_free_blocked(tmp_path):
+    data = np.array([[-1, 0, 20], [21, 64, 100]])
+    OccupancyGrid(data, 0.5, Pose2D(1.0, 2.0)).save(tmp_path / "a.map")
+    assert (tmp_path / "a.map").read_text() == "type octile\nheight 2\nwidth 3\nmap\n@@@\n@..\n"
+    assert load_map(tmp_path / "a.map").data.tolist() == [[100, 0, 0], [100, 100, 100]]
+
+
+def test_a_map_has_no_mode(tmp_path):
+    with pytest.raises(MapError, match="has no mode raw"):
+        OccupancyGrid(np.zeros((1, 1), dtype=np.int8), 1.0).save(tmp_path / "a.map", mode="raw")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_scenarios_are_read_in_our_rows(tmp_path):

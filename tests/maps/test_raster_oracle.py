@@ -143,6 +143,38 @@ def test_tilted_cylinders(seed):
     assert check(raster([Solid("a", cylinder, pose)]), inside, outside) <= 3
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_centres_inside_tilted_cylinders(seed):
+    generator = np.random.default_rng(seed)
+    pose = random_pose(generator)
+    cylinder = Cylinder(*np.exp(generator.uniform(math.log(0.05), math.log(0.8), 2)).tolist())
+    shape = prism(cylinder, pose, 5_000, 1.0)
+    rows, cols = np.indices(SHAPE)
+    centres = shapely.points(ORIGIN[0] + (cols + 0.5) * RESOLUTION, ORIGIN[1] + (rows + 0.5) * RESOLUTION)
+    far = ~(shapely.distance(shapely.boundary(shape), centres) < 1e-5)
+    cells = raster([Solid("a", cylinder, pose)], centre=True)
+    assert np.array_equal(cells & far, shapely.contains(shape, centres) & far)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi / 2])
+@pytest.mark.parametrize("grown", [-2e-6, 0.0, 2e-6])
+def test_a_lying_cylinder_along_the_cells_has_those_of_its_bounding_box(turn, grown):
+    # Its outline runs along the edges of cells: no coarser outline can tell which are reached.
+    place = (ORIGIN[0] + 20 * RESOLUTION, ORIGIN[1] + 20 * RESOLUTION, 0.36)
+    lying = Pose3D(place, (math.cos(turn / 2) / math.sqrt(2), *_lying_axis(turn)))
+    cylinder = Cylinder(4 * RESOLUTION + grown, 20 * RESOLUTION + 2 * grown)
+    cells = raster([Solid("a", cylinder, lying)])
+    box = Box((cylinder.length, 2 * cylinder.radius, 0.5))
+    assert np.array_equal(cells, raster([Solid("b", box, Pose3D.planar(*place, turn))]))
+    assert cells.sum() == (10 * 22 if grown > 1e-6 else 8 * 20)
+
+
+def _lying_axis(turn: float) -> tuple[float, float, float]:
+    """Of the quaternion that lays z along x, then turns it about z: its x, y and z."""
+    c, s = math.cos(turn / 2) / math.sqrt(2), math.sin(turn / 2) / math.sqrt(2)
+    return (-s, c, s)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_triangles_count_where_they_touch(seed):
     generator = np.random.default_rng(seed)

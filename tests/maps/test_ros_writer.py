@@ -125,15 +125,14 @@ def test_a_folder_that_is_not_there_is_an_output_error(tmp_path):
         RAMP.save(tmp_path / "nowhere" / "map.yaml")
 
 
-def test_a_failure_between_the_two_files_leaves_the_old_yaml_whole(tmp_path, monkeypatch):
+def test_a_failure_leaves_both_old_files_whole(tmp_path, monkeypatch):
     RAMP.save(tmp_path / "map.yaml")
-    before = (tmp_path / "map.yaml").read_text()
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
     def fail(*_: object) -> None:
         raise OutputError("disk full")
 
-    monkeypatch.setattr("trundle.maps.ros_writer.write_text", fail)
+    monkeypatch.setattr("trundle.maps.ros_writer.write_bytes", fail)
     with pytest.raises(OutputError):
         RAMP.save(tmp_path / "map.yaml", mode="raw")
-    assert (tmp_path / "map.yaml").read_text() == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.png", "map.yaml"]
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

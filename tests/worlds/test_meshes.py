@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import json
 import re
+import struct
 import sys
 
 import numpy as np
@@ -99,6 +101,34 @@ def test_collada_says_its_axis_and_unit(tmp_path):
     np.testing.assert_allclose(World.load(tmp_path / "b.dae").bounds[1] * 2, np.array((1, 2, 3)) * 0.0254, rtol=1e-6)
 
 
+def gltf(**changes: object) -> bytes:
+    """A GLB of one triangle at x = 5 in the second of two scenes, which is the one to show."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4").tobytes()
+    data = corners + np.array([0, 1, changes.pop("index", 2)], dtype="<u4").tobytes()
+    text = {
+        "asset": {"version": "2.0"},
+        "scene": 1,
+        "scenes": [{"nodes": [0]}, {"nodes": [1]}],
+        "nodes": [{"name": "left", "mesh": 0}, {"name": "right", "mesh": 0, "translation": [5, 0, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5125, "count": 3, "type": "SCALAR"},
+        ],
+    }
+    head = json.dumps(text | changes).encode()
+    head += b" " * (-len(head) % 4)
+    chunks = struct.pack("<I4s", len(head), b"JSON") + head + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def test_the_scene_that_a_glb_shows_is_taken(tmp_path):
+    (tmp_path / "two.glb").write_bytes(gltf())
+    np.testing.assert_allclose(World.load(tmp_path / "two.glb").bounds, ((5, 0, 0), (6, 0, 1)), atol=1e-6)
+
+
 PLY = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n"
 BAD = {
     "nan.obj": ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "corners that are not finite numbers"),
@@ -112,6 +142,18 @@ BAD = {
     "garbage.ply": (b"\x00\x01\x02", ".ply"),
     "garbage.stl": (bytes(range(256)) * 2, ".stl"),
     "bomb.dae": ("<!DOCTYPE x [<!ENTITY a 'b'>]><COLLADA>&a;</COLLADA>", "a <!DOCTYPE …> is not accepted"),
+    "circle.glb": (
+        gltf(nodes=[{"mesh": 0, "children": [1]}, {"mesh": 0, "children": [0]}]),
+        "its nodes hang together in a circle",
+    ),
+    "far.glb": (gltf(index=9), "has faces that name corners outside 0..2"),
+    "packed.glb": (
+        gltf(extensionsUsed=["KHR_draco_mesh_compression"]),
+        "it uses KHR_draco_mesh_compression, which cannot be read",
+    ),
+    "many.glb": (gltf(extensionsUsed=["EXT_mesh_gpu_instancing"]), "it uses EXT_mesh_gpu_instancing"),
+    "noise.obj": (bytes(range(256)) * 9, "not a .obj file that can be read"),
+    "cloud.ply": (PLY.format(0).encode() + b"end_header\n0 0 0\n1 0 0\n0 1 0\n", "no mesh with faces"),
     "bare.dae": ("<COLLADA/>", "not a .dae file that can be read"),
 }
 

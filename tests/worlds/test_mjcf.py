@@ -117,11 +117,59 @@ def test_fixed_links_of_urdf_become_solids_with_meshes_of_packages(tmp_path, suf
     np.testing.assert_allclose(solids["pole"].pose.position, (1, 3, 0), atol=1e-6)
 
 
+def test_a_plane_is_the_floor_or_a_rectangle(tmp_path):
+    planes = {
+        "floor": "size='9 9 1'",
+        "below": "size='9 9 1' pos='0 0 -0.2'",
+        "wall": "size='2 3 1' pos='4 0 0' zaxis='1 0 0'",
+        "shelf": "size='2 3 1' pos='0 0 1'",
+        "endless": "size='0 0 1' zaxis='1 0 0'",
+    }
+    geoms = "".join(f"<geom name='{name}' type='plane' {rest}/>" for name, rest in planes.items())
+    (tmp_path / "w.xml").write_text(f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
+    with pytest.warns(WorldWarning, match="planes without an end that are not the floor were left out: endless"):
+        solids = {solid.name: solid for solid in World.load(tmp_path / "w.xml").solids}
+    assert set(solids) == {"wall", "shelf"}
+    assert sorted(np.ptp(solids["wall"].bounds(), axis=0)) == pytest.approx([0.0, 4.0, 6.0], abs=1e-9)
+    np.testing.assert_allclose(np.mean(solids["wall"].bounds(), axis=0), (4, 0, 0), atol=1e-9)
+    np.testing.assert_allclose(solids["shelf"].bounds(), ((-2, -3, 1), (2, 3, 1)), atol=1e-9)
+
+
+def test_includes_are_followed_and_what_can_move_is_left_out(tmp_path):
+    box = "<geom name='{}' type='box' size='2 1 1' euler='0 0 {}'/>"
+    (tmp_path / "inc.xml").write_text(
+        f"<mujocoinclude><worldbody>{box.format('inside', '90')}</worldbody></mujocoinclude>"
+    )
+    mocap = f"<body name='hand' mocap='true'>{box.format('palm', 0)}</body>"
+    (tmp_path / "w.xml").write_text(f"<mujoco><include file='inc.xml'/><worldbody>{mocap}</worldbody></mujoco>")
+    with pytest.warns(WorldWarning, match="left out: 1 geoms of hand"):
+        (solid,) = World.load(tmp_path / "w.xml").solids
+    assert solid.name == "inside"
+    np.testing.assert_allclose(solid.bounds()[1], (1, 2, 1))
+    (tmp_path / "w.xml").write_text(
+        f"<mujoco><compiler angle='radian'/><worldbody>{box.format('b', math.pi / 2)}</worldbody></mujoco>"
+    )
+    np.testing.assert_allclose(World.load(tmp_path / "w.xml").bounds[1], (1, 2, 1))
+
+
+def test_looks_alone_give_an_empty_world_that_says_so(tmp_path):
+    (tmp_path / "w.xml").write_text(
+        "<mujoco><worldbody><geom type='box' size='1 1 1' contype='0' conaffinity='0'/></worldbody></mujoco>"
+    )
+    with pytest.warns(WorldWarning, match='does not collide needs geometry="visual"'):
+        assert World.load(tmp_path / "w.xml").solids == ()
+    assert len(World.load(tmp_path / "w.xml", geometry="visual").solids) == 1
+
+
+SHELL = "<robot name='r'><link name='a'><collision><geometry>{}</geometry></collision></link></robot>"
+ORIGIN = SHELL.format("<box size='1 1 1'/>").replace("<collision>", "<collision><origin xyz='nan 0 0'/>")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
         ("w.urdf", URDF.replace("{suffix}", "stl"), "w.urdf:7: the mesh 'package://shop/meshes/box.stl' was not found"),
-        ("w.urdf", URDF.replace("1 1 -2", "1 0 1"), "a mesh's scale must be three numbers, none of them 0"),
+        ("w.urdf", URDF.replace("1 1 -2", "1 0 1"), "w.urdf:7: scale of <mesh> must be 3 numbers, none of them 0"),
         ("w.urdf", "<robot name='x' xmlns:xacro='y'><xacro:include/></robot>", "expand it first"),
         ("w.urdf", "<robot name='x'><link name='a'/><link name='a'/></robot>", "MuJoCo cannot read it"),
         ("w.urdf", "<!DOCTYPE x [<!ENTITY a 'b'>]><robot>&a;</robot>", "a <!DOCTYPE …> is not accepted"),
@@ -130,12 +178,32 @@ def test_fixed_links_of_urdf_become_solids_with_meshes_of_packages(tmp_path, suf
         ("w.xml", "<mujoco><worldbody><geom type='blob'/></worldbody></mujoco>", "MuJoCo cannot read it"),
         ("w.xml", "<mujoco><worldbody><geom type='box' size='0 1 1'/></worldbody></mujoco>", "MuJoCo cannot build it"),
         ("w.xml", "<mujoco><asset><mesh name='m' file='gone.stl'/></asset></mujoco>", "gone.stl"),
+        ("w.urdf", SHELL.format("<box size='1 0 1'/>"), "w.urdf:1: size of <box> must be 3 numbers, above 0"),
+        (
+            "w.urdf",
+            SHELL.format("<cylinder radius='-1' length='1'/>"),
+            "radius of <cylinder> must be a number",
+        ),
+        ("w.urdf", SHELL.format("<sphere radius='nan'/>"), "radius of <sphere> must be a number, above 0, got 'nan'"),
+        ("w.urdf", SHELL.format("<mesh filename='nan.obj'/>"), "vertex coordinate 0 is not finite"),
+        ("w.urdf", SHELL.format("<mesh filename='nan.obj'/>"), "nan"),
+        ("w.urdf", SHELL.format("<mesh filename='empty.obj'/>"), "0-empty"),
+        ("w.urdf", ORIGIN, "xyz of <origin> must be 3 numbers, finite, got 'nan 0 0'"),
+        (
+            "w.xml",
+            MJCF.replace('pos="1 0 0"', 'pos="nan 0 0"'),
+            "geom 'post': its place has numbers that are not",
+        ),
         ("w.xml", "<sdf version='1.6'/>", "MJCF starts with <mujoco> and URDF with <robot>, this file with <sdf>"),
     ],
 )
-def test_bad_files_are_refused(tmp_path, name, text, message):
+def test_bad_files_are_refused(tmp_path, monkeypatch, name, text, message):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text(text)
+    (tmp_path / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+    (tmp_path / "empty.obj").write_text("v 0 0 0\n")
     with pytest.raises(WorldError) as caught:
         World.load(tmp_path / name)
     assert message in str(caught.value)
     assert name in str(caught.value)
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists()

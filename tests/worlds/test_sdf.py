@@ -59,6 +59,8 @@ def test_shapes_become_solids_and_planes_do_not(tmp_path):
         "ellipsoid": "<ellipsoid><radii>1 2 3</radii></ellipsoid>",
         "cone": "<cone><radius>1</radius><length>2</length></cone>",
         "plane": "<plane><normal>0 0 1</normal><size>9 9</size></plane>",
+        "bare": "<plane/>",
+        "empty": "<empty/>",
     }
     body = "".join(model(link(f"<geometry>{text}</geometry>"), name) for name, text in geometries.items())
     shapes = {solid.name: solid.shape for solid in load(tmp_path, body, "1.11").solids}
@@ -74,6 +76,44 @@ def test_shapes_become_solids_and_planes_do_not(tmp_path):
 def signed_volume(mesh: Mesh) -> float:
     a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+def test_planes_that_are_not_the_floor_are_rectangles(tmp_path):
+    def plane(normal: str, pose: str, name: str) -> str:
+        shape = f"<geometry><plane><normal>{normal}</normal><size>4 6</size></plane></geometry>"
+        return model(f"<pose>{pose}</pose>" + link(shape), name)
+
+    body = plane("0 0 1", "0 0 -0.3 0 0 1", "pit") + plane("0 2 0", "5 0 3 0 0 0", "wall")
+    body += plane("0 0 1", "0 0 1 0 0 0", "deck") + plane("1 0 0", f"0 0 0 0 {-math.pi / 2} 0", "turned floor")
+    solids = {solid.name: solid for solid in load(tmp_path, body).solids}
+    assert set(solids) == {"wall", "deck"}
+    low, high = solids["wall"].bounds()
+    assert (low[1], high[1]) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert sorted(high - low) == pytest.approx([0.0, 4.0, 6.0], abs=1e-9)
+    shape = solids["wall"].shape
+    a, b, c = solids["wall"].pose.transform_points(shape.vertices)[shape.faces[0]]
+    assert np.cross(b - a, c - a)[1] > 0.0
+    np.testing.assert_allclose(solids["deck"].bounds(), ((-2, -3, 1), (2, 3, 1)), atol=1e-9)
+
+
+def test_a_merged_include_puts_its_links_and_frames_into_the_model(tmp_path):
+    inner = (
+        "<pose>0 0 9 0 0 0</pose><frame name='top'><pose>0 0 5 0 0 0</pose></frame>"
+        + link(name="base")
+        + model("<pose>0 0 1 0 0 0</pose>" + link(), "deep", static="")
+    )
+    (tmp_path / "inner.sdf").write_text(f"<sdf version='1.9'>{model(inner, 'inner', static='')}</sdf>")
+    body = model(
+        f"<include merge='true'><uri>inner.sdf</uri><pose>1 0 0 0 0 {math.pi / 2}</pose></include>"
+        + link(name="a", pose="<pose relative_to='base'>2 0 0 0 0 0</pose>")
+        + link(name="b", pose="<pose relative_to='top'>0 0 0 0 0 0</pose>")
+        + link(name="c", pose="<pose relative_to='deep::l'>0 0 0 0 0 0</pose>")
+    )
+    at = {solid.name: solid.pose.position for solid in load(tmp_path, body).solids}
+    expected = {"m/base/c": (1, 0, 0), "m/a/c": (1, 2, 0), "m/b/c": (1, 0, 5), "m/c/c": (1, 0, 1), "m::deep": (1, 0, 1)}
+    assert at.keys() == expected.keys()
+    for name, position in expected.items():
+        np.testing.assert_allclose(at[name], position, atol=1e-9)
 
 
 def test_a_capsule_is_exactly_a_cylinder_and_two_balls(tmp_path):
@@ -231,11 +271,22 @@ def test_what_is_missing_is_named_or_skipped(tmp_path):
         assert only(load(tmp_path, include, missing="skip")).name == "m"
 
 
-def test_geometry_that_is_not_read_is_said(tmp_path):
-    body = model(link("<geometry><heightmap><uri>h.png</uri></heightmap></geometry>"))
-    with pytest.warns(WorldWarning) as caught:
+@pytest.mark.parametrize("tag", ["heightmap", "image", "polyline"])
+def test_geometry_that_is_not_read_is_said(tmp_path, tag):
+    body = model(link(f"<geometry><{tag}/></geometry>")) + model(link(), "wall")
+    with pytest.warns(WorldWarning, match=f"left out: <{tag}> of 'm'"):
+        assert only(load(tmp_path, body)).name == "wall"
+
+
+def test_parts_of_a_world_that_are_not_read_are_said(tmp_path):
+    with pytest.warns(WorldWarning, match="left out: <population>, <road>"):
+        load(tmp_path, "<population name='p'/><road name='r'/>" + model(link()))
+
+
+def test_a_world_of_looks_alone_says_how_to_take_them(tmp_path):
+    body = model(link().replace("collision", "visual"))
+    with pytest.warns(WorldWarning, match='nothing solid was found in it.*geometry="visual"'):
         load(tmp_path, body)
-    assert {"<heightmap> of 'm'" in str(one.message) or "nothing solid" in str(one.message) for one in caught} == {True}
 
 
 def test_one_of_several_worlds_is_picked_by_name(tmp_path):
@@ -264,6 +315,13 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
         (model(link("")), "<collision> needs <geometry>"),
         (model("<pose>1 2 3</pose>" + link()), "<pose> must be 6 numbers"),
         (model("<pose>0 0 0 0 0 inf</pose>" + link()), "<pose> must be 6 numbers"),
+        (model("<pose rotation_format='rpy'>0 0 0 0 0 0</pose>" + link()), "must be euler_rpy or quat_xyzw, got 'rpy'"),
+        (model("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>" + link()), "0 0 0 0 is no unit quaternion"),
+        (model("<pose degrees='yes'>0 0 0 0 0 0</pose>" + link()), "degrees of <pose> must be true or false"),
+        (model(link("<geometry><plane><normal>0 0 0</normal></plane></geometry>")), "<normal> must not be 0 0 0"),
+        ("<include merge='1'><uri>m.sdf</uri></include>", "is for models in models"),
+        (model("<include merge='1'><uri>m.sdf</uri></include>" + link()), "there are two frames named 'l'"),
+        (model("<pose relative_to='moon'>0 0 0 0 0 0</pose>" + link()), "w.sdf:4: there is no frame 'moon'"),
         (model("<pose relative_to='moon'>0 0 0 0 0 0</pose>" + link()), "no frame 'moon' here; there are: m"),
         (model(link(pose="<pose relative_to='moon'>0 0 0 0 0 0</pose>")), "model 'm': there is no frame 'moon'"),
         (
@@ -290,6 +348,7 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
 def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
     (tmp_path / "t.obj").write_text(TETRAHEDRON)
     (tmp_path / "bad.obj").write_text(TETRAHEDRON.replace("v 1 0 0", "v nan 0 0"))
+    (tmp_path / "m.sdf").write_text(f"<sdf version='1.9'>{model(link(), 'inner')}</sdf>")
     with pytest.raises(WorldError) as caught:
         load(tmp_path, body)
     assert message in str(caught.value)
@@ -305,12 +364,19 @@ def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
         ("<gazebo/>", "starts with <sdf version=…>, this one with <gazebo>"),
         ("<!DOCTYPE sdf [<!ENTITY a 'b'>]><sdf version='1.6'>&a;</sdf>", "a <!DOCTYPE …> is not accepted"),
         ("<sdf version='1.6'><world name='w'>", "not XML: no element found"),
+        ("\0\1\2 garbage", "not XML: not well-formed"),
+        ("<a>" * 1000, "w.sdf:1: more than 200 elements inside each other"),
+        (
+            "<!DOCTYPE b [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;&a;'>]><sdf version='1.6'>&b;</sdf>",
+            "w.sdf:1: a <!DOCTYPE …> is not accepted",
+        ),
     ],
 )
 def test_files_that_are_no_sdf_are_refused(tmp_path, text, message):
     (tmp_path / "w.sdf").write_text(text)
     with pytest.raises(WorldError) as caught:
         World.load(tmp_path / "w.sdf")
+    assert str(caught.value).count("w.sdf") == 1
     assert message in str(caught.value)
 
 

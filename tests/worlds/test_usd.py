@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
 from trundle.errors import InputError, MissingExtraError, WorldError, WorldWarning
 from trundle.solids import Box, Cylinder, Mesh, Sphere
@@ -263,10 +263,31 @@ def test_point_instancers_place_their_prototypes_and_nothing_else(write):
     assert solids["/Racks[1]/Low"].pose.position == (5.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("home", ["class", "over"])
+def test_prototypes_may_be_kept_where_nothing_is_drawn(write, home):
+    solids = named(load_usd(write(INSTANCER.replace("EXTRA", "").replace("def Scope", f"{home}"))))
+    assert sorted(solids) == ["/Racks[0]/Tall/Post", "/Racks[1]/Low", "/Racks[2]/Tall/Post"]
+
+
+def test_an_instanced_instancer_is_mirrored_as_a_whole(write):
+    write(INSTANCER.replace("EXTRA", ""), "lib.usda")
+    path = write("""
+def Xform "Hall" { float3 xformOp:scale = (-1, 1, 1); uniform token[] xformOpOrder = ["xformOp:scale"]
+  def "A" (prepend references = @lib.usda@</Racks>; instanceable = true) {}
+  def "B" (prepend references = @lib.usda@</Racks>; instanceable = true) {
+    double3 xformOp:translate = (0, 0, 7); uniform token[] xformOpOrder = ["xformOp:translate"]; } }
+""")
+    at = {name: solid.pose.position for name, solid in named(load_usd(path)).items()}
+    assert at["/Hall/B[1]/Low"] == pytest.approx((-5.0, 0.0, 7.0))
+    assert at["/Hall/A[2]/Tall/Post"] == pytest.approx((0.0, 5.0, 2.0))
+    assert len(at) == 6
+
+
 def test_hidden_instances_stay_hidden_and_can_be_left_out_by_prototype_or_number(write):
     path = write(INSTANCER.replace("EXTRA", "int64[] invisibleIds = [1]"))
     assert len(load_usd(path).solids) == 2
     assert [solid.name for solid in load_usd(path, exclude=["/Racks[0]"]).solids] == ["/Racks[2]/Tall/Post"]
+    assert [solid.name for solid in load_usd(path, exclude=["*cks[0]*"]).solids] == ["/Racks[2]/Tall/Post"]
     assert load_usd(path, exclude=["/Racks/Protos/Tall"]).solids == ()
 
 
@@ -451,7 +472,7 @@ def Xform "World" {
     def Xform "Robot" { def Cube "Body" { double size = 1; } }
     def Cube "Robot2" { double size = 1; }
     def Xform "Pallets" (prepend apiSchemas = ["SemanticsLabelsAPI:class"]) {
-        token[] semantics:labels:class = ["Pallet"]; def Cube "One" { double size = 1; } }
+        token[] semantics:labels:class = ["Pallet", "wood"]; def Cube "One" { double size = 1; } }
     def Cube "Old" (prepend apiSchemas = ["SemanticsAPI:Semantics_x"]) { double size = 1
         string semantic:Semantics_x:params:semanticData = "rack"
         string semantic:Semantics_x:params:semanticType = "class"; }
@@ -469,8 +490,11 @@ def Xform "World" {
         (["/World/Robot"], {"Robot/Body"}),
         (["/World/Robot/"], {"Robot/Body"}),
         (["/World/Robot*"], {"Robot/Body", "Robot2"}),
-        (["*/Body"], set()),
+        (["*/Body"], {"Robot/Body"}),
+        (["Robot"], set()),
         (["pallet", "RACK"], {"Pallets/One", "Old"}),
+        (["wood"], {"Pallets/One"}),
+        (["pal*"], {"Pallets/One"}),
         (["floor"], {"Slab"}),
         (["ceiling"], {"Roof"}),
     ],
@@ -615,6 +639,14 @@ def crate(tmp_path_factory):
         mesh.CreateFaceVertexIndicesAttr(list(range(180)))
     stage.Save()
     return path.read_bytes()
+
+
+def test_a_package_with_all_it_refers_to_loads(write, tmp_path):
+    write(ASSET.format(tetra=TETRA), "asset.usda")
+    path = write('def "A" (prepend references = @asset.usda@</Asset>) {}')
+    assert UsdUtils.CreateNewUsdzPackage(str(path), str(tmp_path / "scene.usdz"))
+    (tmp_path / "asset.usda").unlink()
+    assert {solid.name for solid in World.load(tmp_path / "scene.usdz").solids} == {"/A/Body", "/A/Tip"}
 
 
 def test_a_whole_crate_loads(tmp_path, crate):

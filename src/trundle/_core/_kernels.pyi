@@ -53,14 +53,17 @@ def raster_hexahedra(
     depth: float,
     centre: bool,
 ) -> None: ...
-def raster_hulls(
+def raster_cylinders(
     cells: npt.NDArray[np.int8],
-    points: npt.NDArray[np.float64],
-    starts: npt.NDArray[np.int64],
+    cylinders: npt.NDArray[np.float64],
+    low: float,
+    high: float,
     resolution: float,
     depth: float,
     centre: bool,
-) -> None: ...
+) -> None:
+    """Mark cylinders that are not upright, shape (N, 8): middle, axis, radius, length."""
+
 def raster_discs(
     cells: npt.NDArray[np.int8], discs: npt.NDArray[np.float64], resolution: float, depth: float, centre: bool
 ) -> None: ...

@@ -13,6 +13,7 @@ void bind_line_of_sight(nb::module_ &m);
 void bind_outline_rays(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
+void bind_raster_cylinder(nb::module_ &m);
 void bind_raster_mesh(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
 
@@ -28,6 +29,7 @@ NB_MODULE(_kernels, m) {
   bind_outline_rays(m);
   bind_png_filter(m);
   bind_raster(m);
+  bind_raster_cylinder(m);
   bind_raster_mesh(m);
   bind_zbuffer(m);
 }

@@ -1,27 +1,10 @@
 // Rasters of convex solids, each cut to a height band first, so that it counts by what lies in the band, seen from above.
+#include "hull.hpp"
 #include "raster.hpp"
 
 #include <array>
 
 namespace trundle {
-
-// Convex hull (Andrew's monotone chain); sorts `points`, counter-clockwise result in `hull`.
-static void convex_hull(std::vector<Point2> &points, std::vector<Point2> &hull) {
-  std::sort(points.begin(), points.end(),
-            [](const Point2 &a, const Point2 &b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-  hull.clear();
-  const auto turns_left = [](const Point2 &o, const Point2 &a, const Point2 &b) {
-    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x) > 0.0;
-  };
-  const auto extend = [&](const Point2 &point, std::size_t floor) {
-    while (hull.size() >= floor + 2 && !turns_left(hull[hull.size() - 2], hull.back(), point)) hull.pop_back();
-    hull.push_back(point);
-  };
-  for (const Point2 &point : points) extend(point, 0);
-  const std::size_t floor = hull.size() - 1;
-  for (std::size_t i = points.size() - 1; i-- > 0;) extend(points[i], floor);
-  if (hull.size() > 1) hull.pop_back();
-}
 
 // Corners of a box or another hexahedron: bit 0 of the index is its x side, bit 1 its y side, bit 2 its z side.
 static void slice_hexahedron(const double *xyz, double low, double high, double scale, std::vector<Point2> &points) {
@@ -54,27 +37,6 @@ static void raster_hexahedra(Cells cells, In<double, 3> corners, double low, dou
   }
 }
 
-static void raster_hulls(Cells cells, In<double, 2> points, In<std::int64_t, 1> starts, double resolution, double depth,
-                         bool centre) {
-  const auto total = static_cast<std::int64_t>(points.shape(0));
-  if (points.shape(1) != 2) throw std::invalid_argument("points need shape (N, 2)");
-  for (std::size_t i = 0; i < starts.shape(0); ++i)
-    if (starts.data()[i] < (i ? starts.data()[i - 1] : 0) || starts.data()[i] > total)
-      throw std::invalid_argument("starts must rise from 0 to the number of points");
-  Raster raster(cells, resolution, depth, centre);
-  nb::gil_scoped_release released;
-  const double scale = 1.0 / resolution;
-  std::vector<Point2> group, hull;
-  for (std::size_t i = 0; i + 1 < starts.shape(0); ++i) {
-    group.clear();
-    for (std::int64_t j = starts.data()[i]; j < starts.data()[i + 1]; ++j)
-      group.push_back({points.data()[2 * j] * scale, points.data()[2 * j + 1] * scale});
-    if (group.empty()) continue;
-    convex_hull(group, hull);
-    raster.add_solid(hull.data(), hull.size());
-  }
-}
-
 static void raster_discs(Cells cells, In<double, 2> discs, double resolution, double depth, bool centre) {
   if (discs.shape(1) != 3) throw std::invalid_argument("discs need shape (N, 3): x, y, radius");
   Raster raster(cells, resolution, depth, centre);
@@ -92,8 +54,6 @@ void bind_raster(nanobind::module_ &m) {
   using nanobind::arg;
   m.def("raster_hexahedra", &trundle::raster_hexahedra, arg("cells"), arg("corners"), arg("low"), arg("high"),
         arg("resolution"), arg("depth"), arg("centre"));
-  m.def("raster_hulls", &trundle::raster_hulls, arg("cells"), arg("points"), arg("starts"), arg("resolution"),
-        arg("depth"), arg("centre"));
   m.def("raster_discs", &trundle::raster_discs, arg("cells"), arg("discs"), arg("resolution"), arg("depth"),
         arg("centre"));
 }

@@ -37,14 +37,15 @@ inline Point2 cut(const Point3 &a, const Point3 &b, double height) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-// Which rows (or columns) of a grid count as reached; `depth` in cells.
+// Which rows (or columns) of a grid count as reached; `depth` in cells, `slack` by how much what is marked may be too small.
 struct Reach {
   double depth;
   bool centre;
+  double slack = 0.0;
 
-  double from_low() const { return depth + (centre ? 0.5 : 0.0); }
-  double strip_low() const { return centre ? 0.5 : depth; }
-  double strip_high() const { return centre ? 0.5 : 1.0 - depth; }
+  double from_low() const { return depth - slack + (centre ? 0.5 : 0.0); }
+  double strip_low() const { return (centre ? 0.5 : depth) - slack; }
+  double strip_high() const { return (centre ? 0.5 : 1.0 - depth) + slack; }
   // First index that [low, high] reaches into and one past the last, both in [0, limit]; NaN gives an empty range.
   std::int64_t first(double low, std::int64_t limit) const { return whole(low + from_low(), limit); }
   std::int64_t end(double high, std::int64_t limit) const { return whole(std::ceil(high - from_low()), limit); }
@@ -141,6 +142,32 @@ class Raster {
   // A convex polygon that is solid. Thinner than twice the depth it has no thickness, and counts where it touches.
   void add_solid(const Point2 *corners, std::size_t count) {
     add_polygon(corners, count, !solid_.centre && is_thin(corners, count) ? surface_ : solid_);
+  }
+
+  // Mark a solid of which the polygon is the inner outline, the true one lying within `slack` cells around it, unless it
+  // depends on the slack which cells that are; false, and nothing marked, where it does.
+  bool add_if_sure(const Point2 *corners, std::size_t count, double slack) {
+    const Box2 box = Box2::around(corners, count);
+    Reach most = solid_;
+    most.slack = slack;
+    if (!near(box) || !trace(corners, count, box, most)) return true;
+    if (!solid_.centre && is_thin(corners, count)) return false;
+    find_columns(most);
+    const auto rows = static_cast<std::size_t>(end_ - first_);
+    const std::int64_t first = first_;
+    most_columns_.assign(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(2 * rows));
+    if (!trace(corners, count, box, solid_) || first_ != first || static_cast<std::size_t>(end_ - first_) != rows) return false;
+    find_columns(solid_);
+    if (!std::equal(most_columns_.begin(), most_columns_.end(), columns_.begin())) return false;
+    mark_columns();
+    return true;
+  }
+
+  // Mark a solid as `add_if_sure` does, its slack counted as solid.
+  void add_with_slack(const Point2 *corners, std::size_t count, double slack) {
+    Reach reach = !solid_.centre && is_thin(corners, count) ? surface_ : solid_;
+    reach.slack = slack;
+    add_polygon(corners, count, reach);
   }
 
   void add_disc(Point2 middle, double radius) {
@@ -274,6 +301,12 @@ class Raster {
 
   // Mark the rows of the polygon that was traced.
   bool mark_rows(const Reach &reach) {
+    find_columns(reach);
+    return mark_columns();
+  }
+
+  // First and end column of each row of the polygon that was traced.
+  void find_columns(const Reach &reach) {
     const auto count = static_cast<std::size_t>(end_ - first_);
     if (columns_.size() < 2 * count) columns_.resize(2 * count);
     // All columns first: without branches, the compiler does several rows at once.
@@ -285,6 +318,11 @@ class Raster {
       columns[i] = static_cast<std::int32_t>(first < most ? first : most);
       columns[count + i] = static_cast<std::int32_t>(end < most ? end : most);
     }
+  }
+
+  bool mark_columns() {
+    const auto count = static_cast<std::size_t>(end_ - first_);
+    const std::int32_t *columns = columns_.data();
     bool whole = true;
     std::int8_t *row = cells_ + first_ * cols_;
     for (std::size_t i = 0; i < count; ++i, row += cols_) {
@@ -319,7 +357,7 @@ class Raster {
   std::int64_t tile_cols_ = 0;
   std::vector<std::uint16_t> seen_;
   std::vector<double> left_, right_;
-  std::vector<std::int32_t> columns_;
+  std::vector<std::int32_t> columns_, most_columns_;
 };
 
 }  // namespace trundle

@@ -24,7 +24,7 @@ VERBS = {
     "view": ("trundle.cli.view:app", "Show a robot, alone or in a world."),
     "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
     "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
-    "map": ("trundle.cli.map:app", "Make and check occupancy maps."),
+    "map": ("trundle.cli.map:app", "Make, check and convert occupancy maps."),
     "export": ("trundle.cli.export:app", "Write a world or a robot as MJCF, USD, SDF, GLB, URDF or a map."),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),

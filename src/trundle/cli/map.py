@@ -7,9 +7,15 @@ from cyclopts import App
 app = App(
     name="map",
     help_epilogue=(
-        "Examples:\n  trundle map build warehouse -o map.yaml\n  trundle map check map.yaml --world warehouse"
+        "Examples:\n"
+        "  trundle map build warehouse -o map.yaml\n"
+        "  trundle map check map.yaml --world warehouse\n"
+        "  trundle map convert map.yaml -o coarse.yaml --resolution 0.1"
     ),
     version_flags=[],
 )
 app.command("trundle.cli.map_build:app", name="build", help="Make the occupancy map of a world.")
 app.command("trundle.cli.map_check:app", name="check", help="Look for what is wrong with a map, and put it right.")
+app.command(
+    "trundle.cli.map_convert:app", name="convert", help="Other formats, cells, a part of a map, or two maps as one."
+)

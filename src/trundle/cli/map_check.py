@@ -42,6 +42,7 @@ def check(
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     compat: options.Compat = None,
     json: options.Json = False,
 ) -> int:
@@ -63,12 +64,13 @@ def check(
     """
     from trundle.maps.check import check_map
     from trundle.maps.check.check import DEFAULT_Z_RANGE
+    from trundle.maps.ros_writer import choose_mode
     from trundle.robots import Robot
 
     first = options.parse_pose("--start", start) if start else None
     goals = [options.parse_pose("--goal", text) for text in goal or []]
     machine = Robot.load(robot) if robot is not None else None
-    given = options.parse_settings(settings)
+    given = options.parse_settings(settings, exclude)
     place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None
@@ -76,7 +78,7 @@ def check(
     heights = (low if z_min is None else z_min, high if z_max is None else z_max)
     report = check_map(map_file, world=place, robot=machine, start=first, goals=goals, z_range=heights, compat=compat)
     if target is not None and report.corrected is not None:
-        _save(report.corrected, target)
+        report.corrected.save(target, mode=choose_mode(report.corrected))
     if picture is not None and report.grid is not None:
         _draw(report.grid, report, picture, map_file.name)
     fixed = target if report.corrected is not None else None
@@ -104,13 +106,6 @@ def check(
                 why = "nothing can be put right for certain" if what == "fixed" else "the map cannot be read"
                 print(f"{what}: not written: {why}")
     return 1 if report.has_errors else 0
-
-
-def _save(grid: OccupancyGrid, target: Path) -> None:
-    import numpy as np
-
-    whole = np.isin(grid.data, (-1, 0, 100)).all()
-    grid.save(target, mode="trinary" if whole else "raw")
 
 
 def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str) -> None:

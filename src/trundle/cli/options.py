@@ -78,8 +78,8 @@ Exclude = Annotated[
         name="--exclude",
         negative="",
         metavar="WHAT",
-        help="Leave this out of a USD world: a prim's path (/World/Robot, also with *), a semantic label, floor or "
-        "ceiling; repeat it for several.",
+        help="Leave this out of the world: a solid or a group by name (/World/Robot, shelf, also with *), a kind or "
+        "semantic label, floor or ceiling; repeat it for several.",
     ),
 ]
 

@@ -20,6 +20,7 @@ app = App(
         "Examples:\n"
         "  trundle run map.yaml --robot nova_carter --start -6,-1,3.14 --goal 5,3\n"
         "  trundle run warehouse --seed 7 --set aisle_width=1.4\n"
+        "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json"
     ),
 )
@@ -38,6 +39,7 @@ def run(
     backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic or a plug-in's name.")] = None,
     seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None,
     settings: options.Settings = None,
+    exclude: options.Exclude = None,
     compat: options.Compat = None,
     time_limit: float | None = None,
     video: bool = True,
@@ -72,7 +74,7 @@ def run(
     if goal:
         goals = [options.parse_goal("--goal", text) for text in goal]
         changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
-    scenario = _read(source, options.parse_settings(settings), changes)
+    scenario = _read(source, options.parse_settings(settings, exclude), changes)
     return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
 
 
@@ -88,7 +90,7 @@ def _read(source: str, settings: dict[str, bool | int | float | str], changes: d
     if not sources.is_yaml(source) and not source.lower().endswith(".map"):
         return Scenario.make(world={"name": source, "options": settings}, **changes)
     if settings:
-        raise InputError(f"--set is for worlds, generated ones and files; {source} is a map or a scenario")
+        raise InputError(f"--set and --exclude are for worlds, by name or file; {source} is a map or a scenario")
     if sources.is_map(Path(source)):
         return Scenario.make(map=source, **changes)
     return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from trundle.cli.options import parse_pose
 from trundle.errors import InputError, UnknownNameError
@@ -55,12 +55,12 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
     from trundle.worlds import World, world_names
 
     if text in world_names():
-        return World.generate(text, seed=seed, **settings)
+        return World.generate(text, seed=seed, **dict[str, Any](settings))
     if not looks_like_file(text):
         raise UnknownNameError("world", text, world_names())
     if is_yaml(text) and not is_map(Path(text)):
         raise InputError(f"{text}: not a map: it has no image: key")
-    return World.load(text, **settings)
+    return World.load(text, **dict[str, Any](settings))
 
 
 def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
@@ -70,7 +70,7 @@ def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int
     if text is not None:
         return load_world(text, seed=seed, settings=settings)
     if settings:
-        raise InputError("--set is for a generated world: give --world as well")
+        raise InputError("--set and --exclude are for worlds: give --world as well")
     return World(name="empty", solids=())
 
 

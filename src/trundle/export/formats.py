@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
+from trundle.export.plain import check_encodable
 from trundle.robots import Robot
 from trundle.worlds import World
 
@@ -116,6 +117,8 @@ def _export(kind: str, thing: object, path: str | os.PathLike[str], to: str | No
         raise OutputError(f"cannot write {file}: it is a folder")
     if isinstance(thing, World) and not thing.solids and name not in ("mjcf", "usd"):
         raise WorldError(f"world {thing.name!r} has no solids: there is nothing to write to {file}")
+    if isinstance(thing, World):
+        check_encodable([thing.name, *(solid.name for solid in thing.solids)])
     module, _, function = target.partition(":")
     write = cast("Any", getattr(importlib.import_module(module), function))
     try:

@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import mujoco
+import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.export.plain import check_xml_names, plain_solids
 from trundle.export.xmltext import add, numbers, to_text
 from trundle.files import write_text
+from trundle.geometry import FloatArray
 from trundle.robots import Robot
+from trundle.sim.convex import Pieces, take_apart
 from trundle.sim.mujoco.model import build_spec, robot_spec
+from trundle.sim.mujoco.world_parts import FLOOR, GROUP_PIECES, at_least_four
 from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds import World
+from trundle.worlds.mjcf import PIECE
 
 
 def export_world(world: World, path: Path, *, robot: Robot | None = None) -> None:
     """Write a world, or with a robot the whole model that trundle simulates.
 
-    Without a robot every solid is one geom of its name, meshes with their vertices in the file; MuJoCo collides a mesh
-    as its convex hull. The floor is a plane.
+    Without a robot every solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides convex
+    bodies alone: a mesh that is none is seen, and collides as convex pieces that are not; see `trundle.sim.convex`. The
+    floor is a plane.
 
     Raises:
         WorldError: If a name, a mesh or the number of cells cannot be held.
@@ -30,7 +38,7 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
     if robot is not None:
         _write_spec(build_spec(world, robot), path)
         return
-    solids = plain_solids(world)
+    solids = plain_solids(world, reserved=(FLOOR,))
     check_xml_names("MJCF", [world.name, *(solid.name for solid in solids)])
     root = ElementTree.Element("mujoco", model=world.name)
     add(root, "compiler", angle="radian", autolimits="true")
@@ -41,9 +49,10 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
     add(asset, "material", None, name="world:floor", texture="world:floor", texuniform="true", texrepeat="1 1")
     body = add(root, "worldbody")
     add(body, "light", None, type="directional", dir="0.25 0.2 -1", pos="0 0 20", diffuse="0.6 0.6 0.6")
-    add(body, "geom", None, name="world:floor", type="plane", size="0 0 0.05", material="world:floor")
+    add(body, "geom", None, name=FLOOR, type="plane", size="0 0 0.05", material="world:floor")
+    pieces = take_apart(solids, ceiling=math.inf)
     for solid in solids:
-        _add_solid(asset, body, solid)
+        _add_solid(asset, body, solid, pieces.get(solid.name))
     text = to_text(root)
     try:
         mujoco.MjSpec.from_string(text).compile()
@@ -69,7 +78,9 @@ def _write_spec(spec: mujoco.MjSpec, path: Path) -> None:
     write_text(path, spec.to_xml())
 
 
-def _add_solid(asset: ElementTree.Element, body: ElementTree.Element, solid: Solid) -> None:
+def _add_solid(
+    asset: ElementTree.Element, body: ElementTree.Element, solid: Solid, pieces: Pieces | None = None
+) -> None:
     place = {
         "name": solid.name,
         "pos": numbers(solid.pose.position),
@@ -83,9 +94,25 @@ def _add_solid(asset: ElementTree.Element, body: ElementTree.Element, solid: Sol
             add(body, "geom", None, type="cylinder", size=numbers((radius, length / 2.0)), **place)
         case Sphere(radius):
             add(body, "geom", None, type="sphere", size=numbers((radius,)), **place)
-        case Mesh(vertices, faces):
-            corners, triangles = numbers(vertices.ravel()), " ".join(map(str, faces.ravel().tolist()))
-            add(asset, "mesh", None, name=solid.name, vertex=corners, face=triangles, inertia="shell")
+        case Mesh() as mesh:
+            _add_mesh(asset, solid.name, mesh.vertices, mesh.faces)
+            if pieces is not None and not pieces.whole:
+                place |= {"contype": "0", "conaffinity": "0"}
+                _add_pieces(asset, body, solid.name, pieces)
             add(body, "geom", None, type="mesh", mesh=solid.name, **place)
         case _:
             raise WorldError(f"MJCF cannot hold the shape of {solid.name!r}")
+
+
+def _add_pieces(asset: ElementTree.Element, body: ElementTree.Element, name: str, pieces: Pieces) -> None:
+    for index, (corners, _) in enumerate(pieces.hulls):
+        piece = f"{name}{PIECE}{index}"
+        _add_mesh(asset, piece, corners)
+        add(body, "geom", None, name=piece, type="mesh", mesh=piece, group=str(GROUP_PIECES))
+
+
+def _add_mesh(
+    asset: ElementTree.Element, name: str, vertices: FloatArray, faces: npt.NDArray[np.int32] | None = None
+) -> None:
+    given = {} if faces is None else {"face": " ".join(map(str, faces.ravel().tolist()))}
+    add(asset, "mesh", None, name=name, vertex=numbers(at_least_four(vertices).ravel()), inertia="shell", **given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,13 +23,19 @@ MOST_BOXES = 100_000
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
-def plain_solids(world: World) -> list[Solid]:
+def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]:
     """A world's solids, with blocked cells as boxes that fill the same space, named after their rows and columns.
+
+    Args:
+        world: The world.
+        reserved: Names that the format needs itself; a solid of such a name gets a number behind it.
 
     Raises:
         WorldError: If the cells need more than MOST_BOXES boxes.
     """
     names = Names()
+    for name in reserved:
+        names.take(name)
     solids: list[Solid] = []
     for solid in world.solids:
         pieces = _boxes(solid, solid.shape) if isinstance(solid.shape, OccupancyCells) else [solid]
@@ -45,6 +52,19 @@ def check_xml_names(what: str, names: list[str]) -> None:
     for name in names:
         if not name or _NOT_XML.search(name):
             raise WorldError(f"{what} cannot hold the name {name!r}: give a name of printable characters")
+
+
+def check_encodable(names: Iterable[str]) -> None:
+    """Refuse names that no file can hold, because they are no Unicode.
+
+    Raises:
+        WorldError: If one has half of a surrogate pair, as a file's name in another encoding has.
+    """
+    for name in names:
+        try:
+            name.encode()
+        except UnicodeEncodeError as error:
+            raise WorldError(f"the name {name!r} is no valid Unicode; give the solid another") from error
 
 
 def mesh_folder(path: Path) -> Path:

@@ -20,15 +20,15 @@ from trundle.worlds.shapes import Names
 def export_world(world: World, path: Path) -> None:
     """Write a world: every solid is a static model of its name, with one collision and one visual of its colour.
 
-    Meshes are OBJ files in a folder beside it, `<stem>_meshes`. `::`, which SDF keeps for its own use, is written as
-    `/` in names.
+    Meshes are OBJ files in a folder beside it, `<stem>_meshes`. In names `::`, which SDF keeps for its own use, is
+    written as `/`, and `world` and `__…__`, which it reserves, get a number behind them.
 
     Raises:
         WorldError: If a name or the number of cells cannot be held.
         OutputError: If a file cannot be written.
     """
     names = Names()
-    solids = [replace(solid, name=names.take(solid.name.replace("::", "/"))) for solid in plain_solids(world)]
+    solids = [replace(solid, name=_take_name(names, solid.name)) for solid in plain_solids(world)]
     check_xml_names("SDF", [world.name, *(solid.name for solid in solids)])
     root = ElementTree.Element("sdf", version="1.9")
     home = add(root, "world", None, name=world.name)
@@ -43,6 +43,14 @@ def export_world(world: World, path: Path) -> None:
             if tag == "visual":
                 _add_color(shape, solid.color)
     write_text(path, to_text(root))
+
+
+def _take_name(names: Names, name: str) -> str:
+    plain = name.replace("::", "/")
+    # sdformat refuses a file with a model that is called so.
+    if plain == "world" or re.fullmatch("__.*__", plain, re.DOTALL):
+        names.take(plain)
+    return names.take(plain)
 
 
 def _add_sun(home: ElementTree.Element) -> None:

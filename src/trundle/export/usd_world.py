@@ -42,11 +42,16 @@ def world_stage(world: World) -> Any:
     UsdGeom.Scope.Define(stage, f"/{_ROOT}/Materials")
     material = friction_material(stage, f"/{_ROOT}/Materials/Ground", _FRICTION, lowest=False)
     _add_floor(stage, world, material)
-    UsdGeom.Scope.Define(stage, f"/{_ROOT}/Solids")
+    home = f"/{_ROOT}/Solids"
+    UsdGeom.Scope.Define(stage, home)
     names = PrimNames()
-    for solid in world.solids:
-        prim = _add_solid(stage, f"/{_ROOT}/Solids/{names.take(solid.name)}", solid)
-        bind_friction(prim, material)
+    paths = [f"{home}/{names.take(solid.name)}" for solid in world.solids]
+    # All at once: a stage composes a prim's children anew for each that is added to it.
+    with Sdf.ChangeBlock():
+        for path in paths:
+            Sdf.CreatePrimInLayer(stage.GetRootLayer(), path).specifier = Sdf.SpecifierDef
+    for path, solid in zip(paths, world.solids, strict=True):
+        bind_friction(_add_solid(stage, path, solid), material)
     return stage
 
 

@@ -1,6 +1,42 @@
-"""Occupancy grids: ROS map files, MovingAI maps, and maps of worlds."""
+"""Occupancy grids: ROS map files, MovingAI maps, maps of worlds, and maps made of other maps."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
 
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
-from trundle.maps.resample import resample_axis_aligned
 
-__all__ = ["FREE", "MAX_CELLS", "OCCUPIED", "UNKNOWN", "OccupancyGrid", "resample_axis_aligned"]
+if TYPE_CHECKING:
+    from trundle.maps.convert import Conversion, convert_grid
+    from trundle.maps.losses import Loss, find_file_losses
+    from trundle.maps.resample import resample_axis_aligned
+
+# What only some need, and imports more.
+_HOMES = {
+    "Conversion": "trundle.maps.convert",
+    "Loss": "trundle.maps.losses",
+    "convert_grid": "trundle.maps.convert",
+    "find_file_losses": "trundle.maps.losses",
+    "resample_axis_aligned": "trundle.maps.resample",
+}
+
+__all__ = [
+    "FREE",
+    "MAX_CELLS",
+    "OCCUPIED",
+    "UNKNOWN",
+    "Conversion",
+    "Loss",
+    "OccupancyGrid",
+    "convert_grid",
+    "find_file_losses",
+    "resample_axis_aligned",
+]
+
+
+def __getattr__(name: str) -> object:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'trundle.maps' has no attribute {name!r}")
+    return getattr(importlib.import_module(home), name)

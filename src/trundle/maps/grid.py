@@ -159,7 +159,7 @@ class OccupancyGrid(GridFrame):
         """Write a ROS map: the YAML file at `path`, and its image of the same name beside it.
 
         Args:
-            path: Ends in .yaml or .yml.
+            path: Ends in .yaml or .yml; or in .map for a MovingAI map, which says only what is free and what is not.
             mode: "trinary" keeps occupied, free and unknown; "scale" adds shades between; "raw" keeps every value.
             image_format: "png", or "pgm" (not for mode "scale", which needs transparency).
 

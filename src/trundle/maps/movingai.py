@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
+from trundle.files import write_bytes
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.values import round_trinary
 
 _FREE_TERRAIN = b".GS"
 _BLOCKED_TERRAIN = b"@OTW"
@@ -86,6 +88,20 @@ def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0) -> Occupa
             "there are . G S (free) and @ O T W (blocked)"
         )
     return OccupancyGrid(cells[::-1], resolution)
+
+
+def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
+    """Write a MovingAI map: `.` where a cell is free, `@` where it is occupied or unknown.
+
+    The format has no unknown cells, no values between, no resolution and no origin: they are lost.
+
+    Raises:
+        OutputError: If the file cannot be written. No half file is left.
+    """
+    rows, cols = grid.shape
+    text = np.full((rows, cols + 1), ord("\n"), dtype=np.uint8)
+    text[:, :-1] = np.where(round_trinary(grid.data)[::-1] == FREE, ord("."), ord("@"))
+    write_bytes(path, f"type octile\nheight {rows}\nwidth {cols}\nmap\n".encode() + text.tobytes())
 
 
 def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:

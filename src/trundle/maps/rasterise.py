@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from trundle._core import raster_discs, raster_hexahedra, raster_hulls, raster_mesh, raster_thin_faces
+from trundle._core import raster_cylinders, raster_discs, raster_hexahedra, raster_mesh, raster_thin_faces
 from trundle.geometry import FloatArray, Pose3D
-from trundle.maps.cylinder import TOLERANCE, slice_cylinder
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, SolidArrays, Sphere
 
 DEPTH = 1e-6
@@ -21,6 +20,7 @@ TOUCH = -1e-9
 
 _OCCUPIED = 100
 _PENDING = 99  # Touched by a face without thickness; see raster_thin_faces.
+_UPRIGHT = 2e-7  # A cylinder whose ends lie no further apart than this [m], seen from above, is a disc.
 _RUNS_AT_ONCE = 200_000
 # Corners of a box by the bits of their index: x, y, z.
 _CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in range(8)], dtype=np.float64)
@@ -79,7 +79,7 @@ class SolidRaster:
     def add(self, solids: Sequence[Solid]) -> None:
         """Mark solids of all kinds; their order does not matter."""
         boxes: list[Solid] = []
-        cylinders: list[tuple[Solid, Cylinder]] = []
+        cylinders: list[Solid] = []
         spheres: list[Solid] = []
         meshes: list[tuple[Solid, Mesh]] = []
         for solid in solids:
@@ -87,7 +87,7 @@ class SolidRaster:
                 case Box():
                     boxes.append(solid)
                 case Cylinder():
-                    cylinders.append((solid, solid.shape))
+                    cylinders.append(solid)
                 case Sphere():
                     spheres.append(solid)
                 case Mesh():
@@ -97,7 +97,7 @@ class SolidRaster:
         if boxes:
             self._add_boxes(SolidArrays.of(boxes))
         if cylinders:
-            self._add_cylinders(cylinders)
+            self._add_cylinders(SolidArrays.of(cylinders))
         if spheres:
             self._add_spheres(SolidArrays.of(spheres))
         if meshes:
@@ -123,18 +123,23 @@ class SolidRaster:
             self.centre,
         )
 
-    def _add_cylinders(self, solids: list[tuple[Solid, Cylinder]]) -> None:
-        cylinders = SolidArrays.of([solid for solid, _ in solids])
+    def _add_cylinders(self, cylinders: SolidArrays) -> None:
         radius, length = cylinders.sizes.T
         axis = cylinders.rotations[:, :, 2]
-        upright = np.hypot(axis[:, 0], axis[:, 1]) * length <= TOLERANCE
+        upright = np.hypot(axis[:, 0], axis[:, 1]) * length <= _UPRIGHT
         z = cylinders.positions[:, 2]
         there = (z - length / 2.0 < self.band.inner_high) & (z + length / 2.0 > self.band.inner_low)
         self._add_discs(cylinders.positions[upright & there], radius[upright & there])
-        for index in np.nonzero(~upright)[0]:
-            solid, cylinder = solids[index]
-            points = slice_cylinder(cylinder, solid.pose, self.band.inner_low, self.band.inner_high)
-            self._add_hull(points - self._shift[:2])
+        tilted = np.column_stack([cylinders.positions - self._shift, axis, radius, length])[~upright]
+        raster_cylinders(
+            self.cells,
+            np.ascontiguousarray(tilted),
+            self.band.inner_low,
+            self.band.inner_high,
+            self.resolution,
+            self.band.depth,
+            self.centre,
+        )
 
     def _add_spheres(self, spheres: SolidArrays) -> None:
         radius, z = spheres.sizes[:, 0], spheres.positions[:, 2]
@@ -146,11 +151,6 @@ class SolidRaster:
     def _add_discs(self, positions: FloatArray, radius: FloatArray) -> None:
         discs = np.column_stack([positions[:, :2] - self._shift[:2], radius])
         raster_discs(self.cells, discs, self.resolution, self.band.depth, self.centre)
-
-    def _add_hull(self, points: FloatArray) -> None:
-        starts = np.array([0, len(points)])
-        depth = self.band.depth - TOLERANCE
-        raster_hulls(self.cells, np.ascontiguousarray(points), starts, self.resolution, depth, self.centre)
 
     def _add_meshes(self, solids: list[tuple[Solid, Mesh]]) -> None:
         arrays = SolidArrays.of([solid for solid, _ in solids])

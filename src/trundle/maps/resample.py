@@ -1,28 +1,69 @@
-"""Turned maps made axis-aligned, for tools that ignore the yaw of a map's origin."""
+"""Maps on another lattice of cells: turned, finer, coarser or moved, never with an obstacle less."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.geometry import Pose2D, Pose3D
-from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.geometry import FloatArray, Pose2D, Pose3D
+from trundle.maps.frame import GridFrame
+from trundle.maps.grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.rasterise import HeightBand, SolidRaster
+from trundle.maps.values import UNKNOWN_RANK, Ranks, count_values, from_ranks, to_ranks
 from trundle.solids import OccupancyCells, Solid
 
-_SLACK = 1e-6  # Of a cell: rounding that makes no extra row or column.
+SLACK = 0.02
+"""Edges of cells that are nowhere farther apart than this part of a cell are one: 1.5708 is a quarter turn."""
+
+_ROUNDING = 1e-9  # Of a cell.
 _BLOCK_CELLS = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class CellLayout(GridFrame):
+    """Cells without values, aligned with the axes.
+
+    Attributes:
+        resolution: Edge of a cell [m].
+        origin: Pose of the lower-left corner of cell (0, 0); its yaw is 0.
+        rows: How many cells there are in y.
+        cols: How many cells there are in x.
+    """
+
+    resolution: float
+    origin: Pose2D
+    rows: int
+    cols: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, cols)."""
+        return self.rows, self.cols
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Resampled:
+    """Cells on a new lattice.
+
+    Attributes:
+        cells: int8, shape (rows, cols).
+        lossless: Whether each new cell lies in one old cell, so that nothing was joined.
+        moved: By how much cells were moved at most to fall on the new lattice [m]; `SLACK` allows it.
+    """
+
+    cells: npt.NDArray[np.int8]
+    lossless: bool
+    moved: float
 
 
 def resample_axis_aligned(
     grid: OccupancyGrid, *, resolution: float | None = None, max_cells: int = MAX_CELLS
 ) -> OccupancyGrid:
-    """Make a map whose origin has yaw 0 and that covers the same ground.
-
-    A cell takes the value of the source cell at its centre, unknown outside; then it takes the highest value above 0
-    of all source cells that it overlaps, so that no obstacle is lost.
+    """Make a map whose origin has yaw 0 and that covers the same ground; see `resample` for the cells' values.
 
     Args:
         grid: The map.
@@ -32,46 +73,153 @@ def resample_axis_aligned(
     Raises:
         MapError: If the resolution is not a positive number or the map would have too many cells.
     """
-    edge = grid.resolution if resolution is None else float(resolution)
-    if not (math.isfinite(edge) and edge > 0.0):
-        raise MapError(f"resolution must be a positive number of metres a cell, got {resolution}")
+    edge = check_resolution(grid.resolution if resolution is None else resolution)
     if grid.origin.yaw == 0.0 and edge == grid.resolution:
         return grid
+    low, high = find_bounds(grid)
+    with np.errstate(over="ignore"):
+        count = np.ceil((high - low) / edge - find_slack(grid, edge))
+    check_size(count, max_cells)
+    layout = CellLayout(edge, Pose2D(float(low[0]), float(low[1])), int(count[1]), int(count[0]))
+    return OccupancyGrid(resample(grid, layout).cells, edge, layout.origin)
+
+
+def resample(grid: OccupancyGrid, layout: CellLayout) -> Resampled:
+    """Cells of a map on another lattice.
+
+    A new cell takes the most careful value of all old ones that it overlaps, in the order free, 1 to 64, unknown (also
+    outside the map), 65 to 99, occupied. So an occupied cell stays occupied wherever it lies, and a new cell is free
+    only if all of its area was. Finer cells whose edges fall on the old ones, and quarter turns, lose nothing.
+    """
+    turns, off = _find_quarter(grid)
+    if turns is None:
+        return Resampled(_resample_turned(grid, layout), lossless=False, moved=0.0)
+    ranks = np.rot90(to_ranks(grid.data)[::-1], turns)[::-1]
+    low, _ = find_bounds(grid)
+    lossless, moved = True, 0.0
+    for axis, start in enumerate((layout.origin.y - low[1], layout.origin.x - low[0])):
+        edges = (start + np.arange(layout.shape[axis] + 1) * layout.resolution) / grid.resolution
+        edges, parts, shift = _snap(edges, layout.resolution / grid.resolution)
+        lossless &= parts
+        moved = max(moved, shift)
+        ranks = _join_cells(ranks, edges, axis)
+    return Resampled(from_ranks(ranks), lossless, (off + moved) * grid.resolution)
+
+
+def find_bounds(grid: OccupancyGrid) -> tuple[FloatArray, FloatArray]:
+    """Corners (low, high) [m] of the rectangle around a map, each of shape (2,); a quarter turn makes it exact."""
     rows, cols = grid.shape
+    turns, _ = _find_quarter(grid)
+    pose = grid.origin if turns is None else Pose2D(grid.origin.x, grid.origin.y, 0.0)
     extent = np.array([[0, 0], [cols, 0], [0, rows], [cols, rows]]) * grid.resolution
-    corners = grid.origin.transform_points(extent)
-    low = corners.min(axis=0)
-    count = np.ceil((corners.max(axis=0) - low) / edge - _SLACK)
-    if count[0] * count[1] > max_cells:
-        raise MapError(f"a map of {count[0]:.0f} x {count[1]:.0f} cells is more than {max_cells}; use larger cells")
-    empty = np.full((int(count[1]), int(count[0])), UNKNOWN, dtype=np.int8)
-    aligned = OccupancyGrid(empty, edge, Pose2D(float(low[0]), float(low[1])))
-    cells = _sample_nearest(grid, aligned)
-    _keep_obstacles(grid, aligned, cells)
-    return OccupancyGrid(cells, edge, aligned.origin)
+    if turns is not None:
+        cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns]
+        extent = extent @ np.array([[cos, sin], [-sin, cos]], dtype=np.float64)
+    corners = pose.transform_points(extent)
+    return corners.min(axis=0), corners.max(axis=0)
 
 
-def _sample_nearest(grid: OccupancyGrid, aligned: OccupancyGrid) -> np.ndarray[tuple[int, int], np.dtype[np.int8]]:
-    rows, cols = aligned.shape
-    cells = np.full((rows, cols), UNKNOWN, dtype=np.int8)
-    step = max(1, _BLOCK_CELLS // cols)
-    for first in range(0, rows, step):
-        block_rows = np.arange(first, min(rows, first + step))
-        row, col = grid.world_to_cell(*aligned.cell_to_world(block_rows[:, None], np.arange(cols)))
-        inside = grid.contains(row, col)
-        block = np.full(row.shape, UNKNOWN, dtype=np.int8)
-        block[inside] = grid.data[row[inside], col[inside]]
-        cells[first : first + len(block)] = block
-    return cells
+def find_slack(grid: OccupancyGrid, resolution: float) -> float:
+    """What part of a new cell may be left out at the border of a map: `SLACK` of the smaller one of both cells."""
+    return SLACK * min(1.0, grid.resolution / resolution)
 
 
-def _keep_obstacles(
-    grid: OccupancyGrid, aligned: OccupancyGrid, cells: np.ndarray[tuple[int, int], np.dtype[np.int8]]
-) -> None:
-    pose = Pose3D.planar(grid.origin.x, grid.origin.y, 0.0, grid.origin.yaw)
-    corner = (aligned.origin.x, aligned.origin.y)
-    for value in np.unique(grid.data[grid.data > FREE]):
-        touched = np.full(cells.shape, UNKNOWN, dtype=np.int8)
-        walls = OccupancyCells(grid.data == value, grid.resolution, 1.0)
-        SolidRaster(touched, aligned.resolution, corner, HeightBand(0.0, 1.0)).add([Solid("walls", walls, pose)])
-        cells[(touched == OCCUPIED) & (cells < value)] = value
+def check_resolution(resolution: float) -> float:
+    """An edge of a cell [m] that is a positive number.
+
+    Raises:
+        MapError: If it is not.
+    """
+    edge = float(resolution)
+    if not (math.isfinite(edge) and edge > 0.0):
+        raise MapError(f"resolution must be a positive number of metres a cell, got {resolution}")
+    return edge
+
+
+def check_size(count: npt.ArrayLike, max_cells: int) -> None:
+    """Refuse a map of (cols, rows) cells that has too many.
+
+    Raises:
+        MapError: If it has.
+    """
+    cols, rows = (float(number) for number in np.asarray(count))
+    if not rows * cols <= max_cells:
+        raise MapError(
+            f"a map of {cols:.0f} x {rows:.0f} cells is more than {max_cells} cells; use larger cells or a smaller "
+            "part, or allow more"
+        )
+
+
+def _find_quarter(grid: OccupancyGrid) -> tuple[int | None, float]:
+    """Quarter turns 0 to 3 of a map's yaw, None for another; and how far [cells] this moves its farthest corner."""
+    quarters = grid.origin.yaw / (math.pi / 2.0)
+    turns = round(quarters)
+    off = abs(quarters - turns) * (math.pi / 2.0) * math.hypot(*grid.shape)
+    return (turns % 4, off) if off <= SLACK else (None, 0.0)
+
+
+def _snap(edges: FloatArray, ratio: float) -> tuple[FloatArray, bool, float]:
+    """Edges of new cells, in old ones, put on whole parts of an old one where they nearly are.
+
+    Returns:
+        The edges, whether each new cell lies in one old one, and by how much edges were moved at most [cells].
+    """
+    parts = max(1, round(1.0 / ratio))
+    whole = np.round(edges * parts)
+    off = float(np.abs(whole - edges * parts).max())
+    if off > SLACK:
+        return edges, False, 0.0
+    return whole / parts, bool((np.diff(whole) == 1.0).all()), off / parts
+
+
+def _join_cells(ranks: Ranks, edges: FloatArray, axis: int) -> Ranks:
+    """The highest rank between each two edges along an axis; unknown beyond the first and last cell."""
+    border = [(0, 0), (0, 0)]
+    border[axis] = (1, 1)
+    padded = np.pad(ranks, border, constant_values=UNKNOWN_RANK)
+    count = ranks.shape[axis]
+    first = np.clip(np.floor(edges[:-1] + _ROUNDING), -1, count).astype(np.int64) + 1
+    last = np.clip(np.ceil(edges[1:] - _ROUNDING) - 1, -1, count).astype(np.int64) + 1
+    joined = padded.take(first, axis)
+    for step in range(1, int((last - first).max()) + 1):
+        np.maximum(joined, padded.take(np.minimum(first + step, last), axis), out=joined)
+    return joined
+
+
+def _resample_turned(grid: OccupancyGrid, layout: CellLayout) -> npt.NDArray[np.int8]:
+    # All in old cells, so that the raster's micrometre is a millionth of a cell whatever its size.
+    edge = layout.resolution / grid.resolution
+    corner = (
+        (layout.origin.x - grid.origin.x) / grid.resolution,
+        (layout.origin.y - grid.origin.y) / grid.resolution,
+    )
+    pose = Pose3D.planar(0.0, 0.0, 0.0, grid.origin.yaw)
+    ranks = _find_outside(grid, layout)
+    source = to_ranks(grid.data)
+    present = to_ranks(np.flatnonzero(count_values(grid.data)).astype(np.int8) + UNKNOWN)
+    for rank in sorted(present[present > 0].tolist()):
+        touched = np.full(layout.shape, UNKNOWN, dtype=np.int8)
+        alike = OccupancyCells(source == rank, 1.0, 1.0)
+        SolidRaster(touched, edge, corner, HeightBand(0.0, 1.0)).add([Solid("cells", alike, pose)])
+        np.maximum(ranks, rank, out=ranks, where=touched == OCCUPIED)
+    return from_ranks(ranks)
+
+
+def _find_outside(grid: OccupancyGrid, layout: CellLayout) -> Ranks:
+    """Unknown for new cells that reach out of the map, else free."""
+    ranks = np.empty(layout.shape, dtype=np.uint8)
+    rows, cols = grid.shape
+    yaw = grid.origin.yaw
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    reach = layout.resolution / grid.resolution * (abs(cos) + abs(sin)) / 2.0 - _ROUNDING
+    x, y = layout.cell_to_world(np.arange(layout.rows), np.zeros(layout.rows))
+    across = (y - grid.origin.y) / grid.resolution
+    x, y = layout.cell_to_world(np.zeros(layout.cols), np.arange(layout.cols))
+    along = (x - grid.origin.x) / grid.resolution
+    step = max(1, _BLOCK_CELLS // layout.cols)
+    for first in range(0, layout.rows, step):
+        part = across[first : first + step, None]
+        col, row = cos * along + sin * part, cos * part - sin * along
+        inside = (col >= reach) & (col <= cols - reach) & (row >= reach) & (row <= rows - reach)
+        ranks[first : first + step] = np.where(inside, 0, UNKNOWN_RANK)
+    return ranks

@@ -1,4 +1,4 @@
-"""Writing a ROS map: the image first, then the YAML file that names it, each whole or not at all."""
+"""Writing a ROS map: the image, and the YAML file that names it, each whole or not at all."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.files import write_bytes, write_text
-from trundle.maps.grid import UNKNOWN, OccupancyGrid
-from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode
+from trundle.files import atomic_path, write_bytes
+from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table
+from trundle.maps.values import VALUES, Cells, count_values, round_trinary
 
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
@@ -34,8 +35,18 @@ def save_map(
 ) -> None:
     """Write a map; see `OccupancyGrid.save`."""
     target = Path(path)
-    if target.suffix.lower() not in (".yaml", ".yml"):
-        raise MapError(f"a map is saved under the name of its YAML file, got {target}; end the name in .yaml")
+    suffix = target.suffix.lower()
+    if suffix == ".map":
+        from trundle.maps.movingai import save_map as save_movingai_map
+
+        if mode != "trinary":
+            raise MapError(f"{target}: a MovingAI map has no mode {mode}, only free and blocked; save as .yaml")
+        save_movingai_map(grid, target)
+        return
+    if suffix not in (".yaml", ".yml"):
+        raise MapError(
+            f"a map is saved under the name of its YAML file, got {target}; end the name in .yaml, or .map for MovingAI"
+        )
     if mode not in MODES:
         raise MapError(f"mode is {mode!r}, it must be one of {', '.join(MODES)}")
     if image_format not in ("png", "pgm"):
@@ -53,8 +64,10 @@ def save_map(
         from trundle.maps.png import encode_png
 
         content = encode_png(samples)
-    write_bytes(image, content)
-    write_text(target, text)
+    # A full disk is met before either is replaced.
+    with atomic_path(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+        write_bytes(image, content)
 
 
 def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:
@@ -63,22 +76,38 @@ def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:
     As Nav2's map saver: trinary rounds by its thresholds; scale is bright for free and transparent for unknown; raw
     writes the values, unknown as 255.
     """
-    values = np.arange(UNKNOWN, 101)
-    if mode == "trinary":
-        table = np.full(values.shape, UNKNOWN_GREY)
-        table[values >= round(OCCUPIED_THRESH * 100.0)] = _OCCUPIED_GREY
-        table[(values >= 0) & (values <= round(FREE_THRESH * 100.0))] = _FREE_GREY
-    elif mode == "scale":
-        table = np.floor((100.0 - values) / 100.0 * 255.0 + 0.5)
-        table[0] = 128
-    else:
-        table = np.where(values == UNKNOWN, _RAW_UNKNOWN, values)
     index = np.ascontiguousarray(grid.data[::-1]) + 1
-    greys = table.astype(np.uint8)[index]
+    greys = _compute_greys(mode)[index]
     if mode != "scale":
         return greys
     opacity = np.where(index == 0, 0, 255).astype(np.uint8)
     return np.stack([greys, greys, greys, opacity], axis=-1)
+
+
+def choose_mode(grid: OccupancyGrid) -> Mode:
+    """The mode that keeps every cell of a map: trinary where there is nothing between free and occupied, else raw."""
+    return "trinary" if count_values(grid.data)[~np.isin(VALUES, (UNKNOWN, FREE, OCCUPIED))].sum() == 0 else "raw"
+
+
+def read_back(mode: Mode) -> Cells:
+    """What each of `VALUES` is after it was written in a mode and read again, shape (102,)."""
+    values = compute_table(PixelRule(mode, False, OCCUPIED_THRESH, FREE_THRESH))[_compute_greys(mode)]
+    if mode == "scale":
+        values[0] = UNKNOWN  # Transparent.
+    return values
+
+
+def _compute_greys(mode: Mode) -> npt.NDArray[np.uint8]:
+    """The grey of each of `VALUES`, shape (102,)."""
+    if mode == "trinary":
+        trinary = round_trinary(VALUES)
+        table = np.where(trinary == OCCUPIED, _OCCUPIED_GREY, np.where(trinary == FREE, _FREE_GREY, UNKNOWN_GREY))
+    elif mode == "scale":
+        table = np.floor((100.0 - VALUES) / 100.0 * 255.0 + 0.5)
+        table[0] = 128
+    else:
+        table = np.where(VALUES == UNKNOWN, _RAW_UNKNOWN, VALUES)
+    return table.astype(np.uint8)
 
 
 def _compose_yaml(grid: OccupancyGrid, image: str, mode: Mode) -> str:

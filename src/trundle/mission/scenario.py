@@ -239,10 +239,10 @@ class Scenario(Config):
         if self.world is None:
             raise ScenarioError("give either world or map")
         if self.world.is_file:
-            world = World.load(self.world.name, **self.world.options)
+            world = World.load(self.world.name, **dict[str, Any](self.world.options))
         else:
             seed = self.seed if self.world.seed is None else self.world.seed
-            world = World.generate(self.world.name, seed=seed, **self.world.options)
+            world = World.generate(self.world.name, seed=seed, **dict[str, Any](self.world.options))
         bounds = self._map_bounds(world, robot)
         return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
 

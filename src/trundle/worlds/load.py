@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.worlds.leave_out import leave_out
 
 if TYPE_CHECKING:
     from trundle.worlds.world import World
@@ -59,9 +60,14 @@ def load_world(path: str | os.PathLike[str], **options: Any) -> World:
         raise WorldError(f"{file}: {'this is a folder' if file.is_dir() else 'there is no such file'}")
     module, _, name = target.partition(":")
     load = cast("Any", getattr(importlib.import_module(module), name))
-    _check_options(file, load, options)
-    world = cast("World", load(file, **options))
-    _check_extent(file, world)
+    exclude = options.pop("exclude", ())
+    known = _check_options(file, load, options)
+    # Loaders that know what is left out do not read it, so nothing can be missing or wrong there.
+    world = cast("World", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
+    if "exclude" not in known:
+        world = leave_out(world, exclude, str(file))
+    takes_looks = "geometry" in known and options.get("geometry") != "visual"
+    _check_extent(file, world, 'what is seen and does not collide needs geometry="visual"' if takes_looks else "")
     return world
 
 
@@ -75,7 +81,8 @@ def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
         raise InputError(f"{option} is {value!r}; it must be {' or '.join(map(repr, choices))}")
 
 
-def _check_options(file: Path, load: Any, options: dict[str, Any]) -> None:
+def _check_options(file: Path, load: Any, options: dict[str, Any]) -> list[str]:
+    """The options of a loader, once those that are given are among them."""
     known = [
         name
         for name, parameter in inspect.signature(load).parameters.items()
@@ -84,13 +91,16 @@ def _check_options(file: Path, load: Any, options: dict[str, Any]) -> None:
     for name in options:
         if name not in known:
             raise InputError(
-                f"{file}: {name!r} is no option for a {file.suffix} file; there are: {', '.join(known) or 'none'}"
+                f"{file}: {name!r} is no option for a {file.suffix} file; there are: "
+                + ", ".join(dict.fromkeys([*known, "exclude"]))
             )
+    return known
 
 
-def _check_extent(file: Path, world: World) -> None:
+def _check_extent(file: Path, world: World, advice: str) -> None:
     if not world.solids:
-        warnings.warn(f"{file}: nothing solid was found in it: the world is an empty floor", WorldWarning, stacklevel=4)
+        here = f"{file}: nothing solid was found in it: the world is an empty floor"
+        warnings.warn(f"{here}{'; ' if advice else ''}{advice}", WorldWarning, stacklevel=4)
         return
     low, high = world.bounds
     if float(np.max(high - low)) <= LARGEST_EXTENT:

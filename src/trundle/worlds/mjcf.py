@@ -14,11 +14,23 @@ from trundle.modelfile import GeometryChoice, compile_spec, drop_textures, read_
 from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
 from trundle.uris import Folders, split_folders
 from trundle.worlds.load import check_choice
-from trundle.worlds.shapes import Names, Part, capsule_parts, ellipsoid_mesh, height_field_mesh, make_solids
+from trundle.worlds.shapes import (
+    Names,
+    Part,
+    capsule_parts,
+    ellipsoid_mesh,
+    height_field_mesh,
+    is_floor,
+    make_solids,
+)
+from trundle.worlds.tessellate import rectangle_mesh
 from trundle.worlds.world import World
 
 if TYPE_CHECKING:
     import mujoco
+
+PIECE = " / piece "
+"""Between the name of a mesh that is only seen and a number: the name of a convex piece that it collides as."""
 
 _COLLIDES, _SHOWN = 1, 2
 
@@ -26,8 +38,10 @@ _COLLIDES, _SHOWN = 1, 2
 def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Folders = ()) -> World:
     """Read an MJCF or URDF file as a world: the geometry that no joint moves, where it stands in the file.
 
-    Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours; planes
-    are floors and left out. What joints move is left out with a warning.
+    Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours. A plane
+    that faces up at z = 0 or below is the floor, any other a rectangle of its size; one without a size is left out with
+    a warning, as is what joints move and mocap bodies. A mesh that trundle wrote with convex pieces, which collide in
+    its place, is that mesh again.
 
     Args:
         path: The file.
@@ -43,30 +57,54 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
     Warns:
         WorldWarning: Where moving parts were left out.
     """
+    import mujoco
+
     check_choice("geometry", geometry, ("collision", "visual"))
     spec = read_spec(path, folders=split_folders(paths), error=WorldError, geometry=geometry)
     _simplify(spec)
     model, data = compile_spec(path, spec, error=WorldError)
     wanted = _SHOWN if geometry == "visual" else _COLLIDES
+    pieces = _pieces(model)
+    in_pieces = set(pieces.values())
     names = Names()
     solids: list[Solid] = []
+    endless: list[str] = []
     moving: list[str] = []
     for geom in range(model.ngeom):
-        if not int(model.geom_group[geom]) & wanted:
+        collides_as_pieces = model.geom(geom).name in in_pieces
+        if geom in pieces or not (collides_as_pieces or int(model.geom_group[geom]) & wanted):
             continue
         body = int(model.geom_bodyid[geom])
         if model.body_weldid[body] != 0:
             moving.append(model.body(int(model.body_rootid[body])).name or "unnamed")
             continue
-        pose = Pose3D.from_matrix(_matrix(data.geom_xpos[geom], data.geom_xmat[geom]))
+        name = _name(model, geom, body)
+        matrix = _matrix(data.geom_xpos[geom], data.geom_xmat[geom])
+        if not np.isfinite(matrix).all():
+            raise WorldError(f"{path}: geom {name!r}: its place has numbers that are not finite")
         parts = _parts(model, geom)
-        solids += make_solids(names, _name(model, geom, body), parts, pose, color=_color(model, geom), kind="model")
-    if moving:
-        left_out = ", ".join(dict.fromkeys(moving))
-        warnings.warn(
-            f"{path}: what joints move was left out: {len(moving)} geoms of {left_out}", WorldWarning, stacklevel=2
-        )
+        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
+            if is_floor(float(matrix[2, 3]), float(matrix[2, 2])):
+                continue
+            endless += [] if parts else [name]
+        solids += make_solids(names, name, parts, Pose3D.from_matrix(matrix), color=_color(model, geom), kind="model")
+    _warn_of_left_out(path, endless, moving)
     return World(spec.modelname if spec.modelname not in ("", "MuJoCo Model") else path.stem, tuple(solids))
+
+
+def _warn_of_left_out(path: Path, endless: list[str], moving: list[str]) -> None:
+    if endless:
+        names = ", ".join(endless)
+        warnings.warn(
+            f"{path}: planes without an end that are not the floor were left out: {names}; give them a size",
+            WorldWarning,
+            stacklevel=3,
+        )
+    if moving:
+        names = ", ".join(dict.fromkeys(moving))
+        warnings.warn(
+            f"{path}: what joints move was left out: {len(moving)} geoms of {names}", WorldWarning, stacklevel=3
+        )
 
 
 def _simplify(spec: mujoco.MjSpec) -> None:
@@ -85,6 +123,14 @@ def _simplify(spec: mujoco.MjSpec) -> None:
         body.fullinertia = (float("nan"),) * 6
     for mesh in spec.meshes:
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+
+
+def _pieces(model: mujoco.MjModel) -> dict[int, str]:
+    """Geoms that are pieces of others, with the names of those."""
+    hidden = [geom for geom in range(model.ngeom) if not int(model.geom_group[geom]) & _SHOWN]
+    named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
+    wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
+    return {geom: name for geom, name in named.items() if name in wholes}
 
 
 def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
@@ -126,6 +172,8 @@ def _parts(model: mujoco.MjModel, geom: int) -> list[Part]:
             return capsule_parts(x, 2.0 * y)
         case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
             return [Part(ellipsoid_mesh((x, y, z)))]
+        case mujoco.mjtGeom.mjGEOM_PLANE if x > 0.0 and y > 0.0:
+            return [Part(rectangle_mesh(2.0 * x, 2.0 * y))]
         case mujoco.mjtGeom.mjGEOM_MESH | mujoco.mjtGeom.mjGEOM_SDF:
             return [Part(_mesh(model, int(model.geom_dataid[geom])))]
         case mujoco.mjtGeom.mjGEOM_HFIELD:

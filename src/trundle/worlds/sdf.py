@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -11,6 +12,7 @@ from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
 from trundle.uris import Folders, split_folders
+from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.load import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
 from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
@@ -19,13 +21,14 @@ from trundle.worlds.sdf_values import (
     PoseIn,
     child,
     children,
+    read_attribute_flag,
     read_flag,
     read_name,
     read_pose,
     read_text,
     read_version,
 )
-from trundle.worlds.shapes import Names, make_solids
+from trundle.worlds.shapes import Names, is_floor, make_solids
 from trundle.worlds.world import World
 from trundle.xmlfile import XmlElement, read_xml
 
@@ -44,12 +47,14 @@ def load_sdf(
     missing: MissingChoice = "error",
     paths: Folders = (),
     world: str | None = None,
+    exclude: str | Sequence[str] = (),
 ) -> World:
     """Read an SDF world, or the models of an SDF file without one.
 
     Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
-    materials; planes are floors and left out. A <state>, lights, plugins and actors are not looked at. Nested models,
-    includes by path and poses in named frames are followed.
+    materials. A plane that faces up at z = 0 or below is the floor, any other a rectangle of its size. A <state>,
+    lights, plugins and actors are not looked at. Nested models, includes by path, merged ones too, and poses in named
+    frames are followed.
 
     Args:
         path: The file.
@@ -58,6 +63,8 @@ def load_sdf(
         missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
         paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own.
         world: Name of the <world>, where a file has several; none means the first.
+        exclude: What to leave out, see `World.load`. What is missing or wrong in a shape that is left out by its name
+            does not matter, and a missing model can be left out by the name that it would have.
 
     Raises:
         WorldError: If the file cannot be used; the message has file, line and model.
@@ -69,20 +76,31 @@ def load_sdf(
     """
     check_choice("geometry", geometry, ("collision", "visual"))
     check_choice("missing", missing, ("error", "skip"))
-    reader = _Reader(geometry, movable, missing, Files(split_folders(paths)))
+    reader = _Reader(geometry, movable, missing, Files(split_folders(paths)), Filter.of(exclude))
     name, solids = reader.read_file(path, world)
     for text in reader.remarks():
         warnings.warn(f"{path}: {text}", WorldWarning, stacklevel=2)
+    warn_of_unmet(reader.leave_out, str(path))
     return World(name, tuple(solids))
 
 
 @dataclass(slots=True)
 class _Model:
-    """A model as read: its scope, its links with their elements, and the models in it."""
+    """A model as read: its links with their elements, and the models in it.
+
+    Attributes:
+        name: Its name; nothing for one that is merged into the model around it.
+        scope: Its frames.
+        static: Whether it stands still.
+        frame: The name of its frame in the scope around it.
+        links: Names and elements.
+        models: The models in it.
+    """
 
     name: str
     scope: Scope
     static: bool
+    frame: str
     links: list[tuple[str, XmlElement]] = field(default_factory=list[tuple[str, XmlElement]])
     models: list[_Model] = field(default_factory=list["_Model"])
 
@@ -93,6 +111,7 @@ class _Reader:
     movable: bool
     missing: MissingChoice
     files: Files
+    leave_out: Filter
     names: Names = field(default_factory=Names)
     moving: list[str] = field(default_factory=list[str])
     skipped: list[str] = field(default_factory=list[str])
@@ -112,6 +131,7 @@ class _Reader:
         models = self._read_models(place, home, scope, static=False, nesting=0)
         for frame in children(home, "frame"):
             _add_frame(place, frame, scope)
+        self.skipped += [f"<{element.tag}>" for element in children(home, "population", "road")]
         solids: list[Solid] = []
         for model in models:
             solids += self._place_model(model, scope, Pose3D(), "")
@@ -147,8 +167,14 @@ class _Reader:
                 if included is None:
                     continue
                 model, pose = included
-            scope.add(model.name, pose, element)
-            scope.scopes[model.name] = model.scope
+            if element.tag == "include" and read_attribute_flag(place, element, "merge"):
+                if not place.model:
+                    place.fail(element, "<include merge=…> is for models in models, and this is a world's")
+                model.frame = scope.merge(model.name, model.scope, pose, element)
+                model.name, model.static = "", static
+            else:
+                scope.add(model.name, pose, element)
+                scope.scopes[model.name] = model.scope
             models.append(model)
         return models
 
@@ -157,7 +183,7 @@ class _Reader:
         # A model in a static one is static, whatever it says.
         static = static or read_flag(place, element, "static", default=False)
         scope = Scope(place, placement_frame=element.get("placement_frame", ""))
-        model = _Model(name, scope, static)
+        model = _Model(name, scope, static, frame=name)
         for link in children(element, "link"):
             link_name = read_name(place, link)
             scope.add(link_name, read_pose(place, link), link)
@@ -176,6 +202,9 @@ class _Reader:
         uri = read_text(place, element, "uri")
         file = _model_file(self.files.find(uri, place.file.parent))
         if file is None:
+            called = (element.findtext("name") or "").strip() or uri.rstrip("/").rpartition("/")[2]
+            if self.leave_out.takes_name(f"{place.model}::{called}" if place.model else called):
+                return None
             message = (
                 f"{place.file}:{element.line}: the model {uri!r} was not found in {self.files.searched()}; give the "
                 "folder with paths=…"
@@ -203,14 +232,16 @@ class _Reader:
         return model, own if own.element is not None else replace(read_pose(inside, found), frame="")
 
     def _place_model(self, model: _Model, outer: Scope, pose_outer: Pose3D, prefix: str) -> list[Solid]:
-        path = f"{prefix}::{model.name}" if prefix else model.name
-        pose = pose_outer @ outer.find(model.name, None)
+        path = "::".join(filter(None, (prefix, model.name)))
+        pose = pose_outer @ outer.find(model.frame, None)
+        if self.leave_out.takes_name(path):
+            return []
         solids: list[Solid] = []
         if model.static or self.movable:
             for link_name, link in model.links:
                 at = pose @ model.scope.find(link_name, None)
                 shapes = children(link, self.geometry)
-                alone = len(model.links) == 1 and len(shapes) == 1
+                alone = bool(model.name) and len(model.links) == 1 and len(shapes) == 1
                 for shape in shapes:
                     name = path if alone else f"{path}/{link_name}/{shape.get('name') or self.geometry}"
                     solids += self._place_shape(model.scope, link, shape, pose, at, name)
@@ -223,6 +254,8 @@ class _Reader:
     def _place_shape(
         self, scope: Scope, link: XmlElement, shape: XmlElement, pose: Pose3D, at: Pose3D, name: str
     ) -> list[Solid]:
+        if self.leave_out.takes_name(name):
+            return []
         element = child(shape, "geometry")
         if element is None:
             scope.place.fail(shape, f"<{shape.tag}> needs <geometry>")
@@ -233,12 +266,14 @@ class _Reader:
                 raise
             found = "a mesh that is not there"
         if isinstance(found, str):
-            if found:
-                self.skipped.append(f"{found} of {name!r}")
+            self.skipped.append(f"{found} of {name!r}")
             return []
         given = read_pose(scope.place, shape)
         placed = pose @ scope.locate(given) if given.frame else at @ given.pose
-        return make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+        if child(element, "plane") is not None:
+            found = [part for part in found if not _is_floor(placed @ part.pose)]
+        solids = make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+        return [solid for solid in solids if not self.leave_out.takes_solid(solid)]
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
@@ -248,6 +283,10 @@ def _color(link: XmlElement, shape: XmlElement) -> Color | None:
     visuals = children(link, "visual")
     same = [visual for visual in visuals if visual.get("name") == shape.get("name")]
     return next((color for color in map(read_color, [*same, *visuals]) if color is not None), None)
+
+
+def _is_floor(plane: Pose3D) -> bool:
+    return is_floor(plane.position[2], float(plane.rotation()[2, 2]))
 
 
 def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:

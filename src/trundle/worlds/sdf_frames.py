@@ -25,6 +25,7 @@ class Scope:
         frames: Where each named frame is given.
         scopes: The models in it, which are frames too.
         placement_frame: The frame of a model that its pose places; nothing means its own.
+        aliases: Full names of the frames of models that are merged into this one, by their plain names.
     """
 
     place: Place
@@ -32,13 +33,27 @@ class Scope:
     frames: dict[str, PoseIn] = field(default_factory=dict[str, PoseIn])
     scopes: dict[str, Scope] = field(default_factory=dict[str, "Scope"])
     placement_frame: str = ""
+    aliases: dict[str, str] = field(default_factory=dict[str, str])
     _resolved: dict[str, Pose3D] = field(default_factory=dict[str, Pose3D])
 
     def add(self, name: str, pose: PoseIn, element: XmlElement) -> None:
         """Add a frame: a link, a joint, a model, or a frame by that name."""
-        if name in self.frames:
-            self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
+        self._check_new(name, element)
         self.frames[name] = pose
+
+    def merge(self, model: str, scope: Scope, pose: PoseIn, element: XmlElement) -> str:
+        """Add the frames of a model that is merged into this one under their plain names; return its own frame's."""
+        own = f"_merged__{model}__model__"
+        self.add(own, pose, element)
+        self.scopes[own] = scope
+        for name in (*scope.frames, *scope.aliases):
+            self._check_new(name, element)
+            self.aliases[name] = f"{own}::{name}"
+        return own
+
+    def _check_new(self, name: str, element: XmlElement) -> None:
+        if name in self.frames or name in self.aliases:
+            self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
 
     def locate(self, given: PoseIn, default: str = "") -> Pose3D:
         """The pose, in this scope's own frame, of something that is placed as `given`; `default` is its frame else."""
@@ -50,18 +65,21 @@ class Scope:
             return Pose3D()
         if name in self._resolved:
             return self._resolved[name]
+        outer, mark, inner = name.partition("::")
+        if outer in self.aliases:
+            return self.find(self.aliases[outer] + mark + inner, element, trail)
         if name in trail:
             self.place.fail(element, f"frames are placed in a circle: {' -> '.join((*trail, name))}")
         given = self.frames.get(name)
         if given is not None:
-            pose = self.find(given.frame, given.element or element, (*trail, name)) @ given.pose
+            asker = element if given.element is None else given.element
+            pose = self.find(given.frame, asker, (*trail, name)) @ given.pose
             if name in self.scopes:
                 pose = pose @ self.scopes[name].placement().inverse()
             self._resolved[name] = pose
             return pose
-        outer, _, inner = name.partition("::")
         if not inner or outer not in self.scopes:
-            known = ", ".join(sorted(self.frames)) or "none"
+            known = ", ".join(sorted((*self.frames, *self.aliases))) or "none"
             self.place.fail(element, f"there is no frame {name!r} here; there are: {known}")
         return self.find(outer, element, trail) @ self.scopes[outer].find(inner, element)
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from trundle.errors import WorldError
+from trundle.geometry import Pose3D
 from trundle.meshfile import MeshPart, read_mesh
 from trundle.solids import Box, Color, Cylinder, Shape, Sphere
 from trundle.uris import describe_search, find_uri
 from trundle.worlds.sdf_values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
 from trundle.worlds.shapes import Part, capsule_parts, ellipsoid_mesh
-from trundle.worlds.tessellate import cone_mesh
+from trundle.worlds.tessellate import cone_mesh, rectangle_mesh
 from trundle.xmlfile import XmlElement
 
-_NOT_SOLID = ("plane", "empty")
 _NOT_READ = ("heightmap", "image", "polyline")
 
 # Gazebo's media/materials/scripts/gazebo.material: the plain colours of worlds that name a script.
@@ -68,19 +69,21 @@ class Files:
 
 
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
-    """Shapes of a <geometry>; or, as text, what it is that is left out (nothing, for planes).
+    """Shapes of a <geometry>; or, as text, what it is that is left out.
+
+    A plane is a rectangle, also where it is the floor.
 
     Raises:
         WorldError: If it cannot be used.
         MissingFileError: If its mesh is not there.
     """
-    kinds = children(element, *_READERS, *_NOT_SOLID, *_NOT_READ)
+    kinds = children(element, *_READERS, "empty", *_NOT_READ)
     if len(kinds) != 1:
         there = ", ".join(f"<{item.tag}>" for item in element) or "nothing"
-        place.fail(element, f"<geometry> needs one shape of {', '.join((*_READERS, *_NOT_SOLID))}; it has {there}")
+        place.fail(element, f"<geometry> needs one shape of {', '.join((*_READERS, 'empty'))}; it has {there}")
     shape = kinds[0]
-    if shape.tag in _NOT_SOLID:
-        return ""
+    if shape.tag == "empty":
+        return []
     if shape.tag in _NOT_READ:
         return f"<{shape.tag}>"
     return _READERS[shape.tag](place, shape, files)
@@ -139,6 +142,16 @@ def _ellipsoid(place: Place, element: XmlElement, _files: Files) -> list[Part]:
     return _one(ellipsoid_mesh((x, y, z)))
 
 
+def _plane(place: Place, element: XmlElement, _files: Files) -> list[Part]:
+    normal, size = child(element, "normal"), child(element, "size")
+    x, y, z = (0.0, 0.0, 1.0) if normal is None else read_numbers(place, normal, 3)
+    width, length = (1.0, 1.0) if size is None else read_numbers(place, size, 2, positive=True)
+    if x == y == z == 0.0:
+        place.fail(normal, "<normal> must not be 0 0 0")
+    turn = Pose3D.from_rpy((0.0, 0.0, 0.0), (0.0, math.atan2(math.hypot(x, y), z), 0.0))
+    return [Part(rectangle_mesh(width, length), pose=Pose3D.planar(0.0, 0.0, 0.0, math.atan2(y, x)) @ turn)]
+
+
 def _mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
     uri = read_text(place, element, "uri")
     path = files.find(uri, place.file.parent)
@@ -185,5 +198,6 @@ _READERS = {
     "capsule": _capsule,
     "ellipsoid": _ellipsoid,
     "cone": _cone,
+    "plane": _plane,
     "mesh": _mesh,
 }

@@ -100,6 +100,14 @@ def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> b
     return text in ("1", "true")
 
 
+def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
+    """An attribute that is true or false, and false where it is left out."""
+    text = element.get(name, "false").strip().lower()
+    if text not in ("1", "0", "true", "false"):
+        place.fail(element, f"{name} of <{element.tag}> must be true or false, got {text!r}")
+    return text in ("1", "true")
+
+
 def read_numbers(place: Place, element: XmlElement, count: int, *, positive: bool = False) -> tuple[float, ...]:
     """The numbers in an element."""
     words = (element.text or "").split()
@@ -133,12 +141,15 @@ def read_pose(place: Place, parent: XmlElement) -> PoseIn:
     frame = (element.get("relative_to") or element.get("frame") or "").strip()
     if not (element.text or "").strip():
         return PoseIn(frame, element=element)
-    if element.get("rotation_format", "euler_rpy") == "quat_xyzw":
+    form = element.get("rotation_format", "euler_rpy").strip()
+    if form not in ("euler_rpy", "quat_xyzw"):
+        place.fail(element, f"rotation_format of <pose> must be euler_rpy or quat_xyzw, got {form!r}")
+    if form == "quat_xyzw":
         x, y, z, qx, qy, qz, qw = read_numbers(place, element, 7)
         if not 0.5 < math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw) < 2.0:
             place.fail(element, f"<pose>: {qx:g} {qy:g} {qz:g} {qw:g} is no unit quaternion (x y z w)")
         return PoseIn(frame, Pose3D((x, y, z), (qw, qx, qy, qz)), element)
     x, y, z, *angles = read_numbers(place, element, 6)
-    if element.get("degrees", "false").strip().lower() in ("1", "true"):
+    if read_attribute_flag(place, element, "degrees"):
         angles = [math.radians(angle) for angle in angles]
     return PoseIn(frame, Pose3D.from_rpy((x, y, z), angles), element)

@@ -33,6 +33,12 @@ def box_mesh(size: tuple[float, float, float]) -> Mesh:
     return Mesh(corners * size, _BOX_FACES)
 
 
+def rectangle_mesh(width: float, length: float) -> Mesh:
+    """A rectangle of `width` along x and `length` along y [m] about the origin, without thickness, facing along z."""
+    corners = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
+    return Mesh(corners * (width / 2.0, length / 2.0, 1.0), np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
+
+
 def cylinder_mesh(radius: float, length: float) -> Mesh:
     """A cylinder along z about the origin, of full `length` [m]."""
     return frustum_mesh(radius, radius, length)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Self, TypeAlias, cast
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -56,21 +57,33 @@ class World:
             seen.add(solid.name)
 
     @classmethod
-    def generate(cls, name: str, *, seed: int = 0, **options: Any) -> Self:
+    def generate(cls, name: str, *, seed: int = 0, exclude: str | Sequence[str] = (), **options: Any) -> World:
         """Make a built-in world, e.g. `World.generate("warehouse", seed=7, aisle_width=1.6)`.
+
+        Args:
+            name: Of the generator.
+            seed: For everything random in it.
+            exclude: What to leave out, as in `load`.
+            **options: Of the generator.
 
         Raises:
             UnknownNameError: If there is no such world; the nearest name is offered.
             InputError: If it does not take these options, or a value is out of range.
+
+        Warns:
+            WorldWarning: About words of `exclude` that nothing was left out by.
         """
+        from trundle.worlds.leave_out import leave_out
+
         make = cast("Any", WORLDS.load(name))
         try:
-            return cast("Self", make(seed=seed, **options))
+            made = cast("World", make(seed=seed, **options))
         except TypeError as error:
             raise InputError(f"world {name!r}: {error}") from error
+        return leave_out(made, exclude, f"world {name!r}") if exclude else made
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], **options: Any) -> World:
+    def load(cls, path: str | os.PathLike[str], *, exclude: str | Sequence[str] = (), **options: Any) -> World:
         """Read a world from a file, by its suffix.
 
         | suffix | what | options (see the loader) |
@@ -81,6 +94,14 @@ class World:
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
         | .usd, .usda, .usdc, .usdz | OpenUSD, Isaac Sim's scenes | `worlds.usd.load_usd` |
 
+        Args:
+            path: The file.
+            exclude: What to leave out, as a sequence, or one text with commas: names of solids or of groups above them
+                (`/World/Robot`, `shelf::board`), also with `*` and `?`; kinds, which in USD are semantic labels; and
+                `floor` (what ends within 1 cm above z = 0) and `ceiling` (what starts above 2 m and is wider than
+                high).
+            **options: Of the loader.
+
         Raises:
             WorldError: If the file is missing, of another kind, or cannot be used; the message says which part of it.
             MapError: If a map cannot be used.
@@ -88,11 +109,12 @@ class World:
             MissingExtraError: If the library that reads this kind of file is not installed.
 
         Warns:
-            WorldWarning: Where parts were left out, the world is empty, or it is so large that its unit must be wrong.
+            WorldWarning: Where parts were left out, or what `exclude` says is not there; where the world is empty, or
+                so large that its unit must be wrong.
         """
         from trundle.worlds.load import load_world
 
-        return load_world(path, **options)
+        return load_world(path, exclude=exclude, **options)
 
     @classmethod
     def from_map(

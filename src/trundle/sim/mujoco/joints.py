@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 
 from trundle.errors import RobotError
+from trundle.modelfile import log_warnings
 from trundle.robots import Robot
 from trundle.sim.mujoco.joint import Joint
 from trundle.sim.mujoco.model import robot_spec
@@ -55,6 +56,7 @@ def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
 
 def _compile_without_assets(path: Path) -> mujoco.MjModel:
     """Compile an MJCF file with a small ball in the place of every mesh, as joints do not depend on them."""
+    log_warnings()
     try:
         spec = mujoco.MjSpec.from_file(os.fspath(path))
         _drop_assets(spec)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import logging
 import math
 from typing import Literal, Self
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.modelfile import log_warnings
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
@@ -24,7 +24,6 @@ from trundle.worlds import World
 
 Casters = Literal["trailing", "reversed"]
 
-logger = logging.getLogger(__name__)
 
 _SETTLE_S = 2.0
 _LARGEST_TILT = 0.05
@@ -67,8 +66,7 @@ class MujocoSimulator:
             raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 0.02")
         if casters not in ("trailing", "reversed"):
             raise InputError(f"casters {casters!r} is not a way to stand; use 'trailing' or 'reversed'")
-        # Its own way to warn is a file MUJOCO_LOG.TXT in the working folder.
-        mujoco.set_mju_user_warning(_log_warning)
+        log_warnings()
         self._robot = robot
         self._timestep = timestep
         self._rest = _resting_state(robot, timestep, casters)
@@ -206,10 +204,6 @@ class MujocoSimulator:
             contacts=contacts,
             scans=scans,
         )
-
-
-def _log_warning(message: str | bytes) -> None:
-    logger.warning("MuJoCo: %s", message if isinstance(message, str) else message.decode(errors="replace"))
 
 
 def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, int], tuple[int, int]]:

@@ -12,6 +12,7 @@ from trundle.geometry import FloatArray
 from trundle.sim.convex import FLOOR_TOP, Pieces, take_apart
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds import World
+from trundle.worlds.mjcf import PIECE
 
 FLOOR = "world:floor"
 GROUP_WORLD = 0
@@ -20,8 +21,6 @@ GROUP_CELLS = 1
 
 GROUP_PIECES = 3
 """Pieces of meshes collide and are not shown, as the robot's colliders."""
-
-_PIECE = " / piece "
 
 # The robot's colliders are of type 1 and answer nothing; the world answers type 1 and is of no type. So the robot meets
 # the world, and neither meets itself.
@@ -57,7 +56,7 @@ def add_floor(spec: mujoco.MjSpec) -> None:
 
 def solid_of(geom: str) -> str:
     """Name of the solid that a geom belongs to: the geom's own, or the one whose piece it is."""
-    return geom.rpartition(_PIECE)[0] or geom
+    return geom.rpartition(PIECE)[0] or geom
 
 
 def add_solids(spec: mujoco.MjSpec, world: World, *, ceiling: float = math.inf) -> None:
@@ -104,17 +103,22 @@ def _add_solid(spec: mujoco.MjSpec, solid: Solid) -> mujoco.MjsGeom:
 
 
 def _add_mesh(spec: mujoco.MjSpec, name: str, vertices: FloatArray, faces: npt.NDArray[np.int32] | None = None) -> None:
-    mesh = spec.add_mesh(
-        name=name, uservert=vertices.ravel().tolist(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-    )
+    corners = at_least_four(vertices).ravel().tolist()
+    mesh = spec.add_mesh(name=name, uservert=corners, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
     if faces is not None:
         mesh.userface = faces.ravel().tolist()
+
+
+def at_least_four(vertices: FloatArray) -> FloatArray:
+    """Vertices [m], shape (N, 3), the first repeated where there are fewer than MuJoCo takes."""
+    missing = max(0, 4 - len(vertices))
+    return np.vstack([vertices, np.repeat(vertices[:1], missing, axis=0)])
 
 
 def _add_pieces(spec: mujoco.MjSpec, name: str, pieces: Pieces) -> None:
     first_box = len(pieces.hulls) - pieces.boxes
     for index, (corners, _) in enumerate(pieces.hulls):
-        piece = f"{name}{_PIECE}{index}"
+        piece = f"{name}{PIECE}{index}"
         geom = spec.worldbody.add_geom(name=piece, contype=0, conaffinity=ROBOT_TYPE, group=GROUP_PIECES)
         if index < first_box:
             _add_mesh(spec, piece, corners)

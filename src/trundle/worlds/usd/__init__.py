@@ -29,7 +29,7 @@ def load_usd(
     *,
     geometry: Geometry = "auto",
     exclude: str | Sequence[str] = (),
-    missing: Missing = "warn",
+    missing: Missing = "skip",
     purposes: str | Sequence[Purpose] = ("default", "render"),
     variants: str | Sequence[str] = (),
     meters_per_unit: float | None = None,
@@ -39,7 +39,7 @@ def load_usd(
 
     Stages in any unit and with either axis up come out in metres with z up. Solids are named by their prims' paths
     (`/World/Racks[3]/Shelf` inside the fourth instance of a point instancer) and are of the kind that their semantic
-    label says. A plane prim that lies at z = 0 and faces up is the floor, which every world has, and makes no solid.
+    label says. A plane prim that faces up at z = 0 or below is the floor, which every world has, and makes no solid.
 
     Lists of words may also be one text with commas between them.
 
@@ -50,8 +50,7 @@ def load_usd(
         exclude: What to leave out with all that is below it: prim paths (`/World/Robot`, also with `*` and `?`),
             semantic labels, and the words `floor` (besides the label: what ends within 1 cm above z = 0) and `ceiling`
             (what starts above 2 m and is wider than high).
-        missing: Whether a reference, payload or sublayer that cannot be had is left out with a `WorldWarning` or is an
-            error.
+        missing: What to do where a reference, payload or sublayer cannot be had: "skip" it with a warning, or "error".
         purposes: Which visual geometry counts: `default`, `render`, `proxy`, `guide`.
         variants: Selections that replace the file's own, as `/World/Rack{size=large}`.
         meters_per_unit: Replaces what the stage says.

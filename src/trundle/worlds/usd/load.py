@@ -13,18 +13,15 @@ from pxr import UsdPhysics
 from trundle.errors import InputError, WorldError
 from trundle.solids import Solid
 from trundle.worlds.affine import FlattenedError
+from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
 from trundle.worlds.usd.colors import Colors
-from trundle.worlds.usd.shapes import Shapes, is_floor
+from trundle.worlds.usd.shapes import Shapes, is_floor_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
-from trundle.worlds.usd.walk import SHAPES, Filter, Place, walk
+from trundle.worlds.usd.walk import SHAPES, Place, walk
 from trundle.worlds.usd.words import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
 from trundle.worlds.world import World
 
 MAX_SOLIDS = 1_000_000
-
-_FLOOR_TOP = 0.01
-_CEILING_BOTTOM = 2.0
-"""[m]; what the words `floor` and `ceiling` leave out by its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,14 +57,14 @@ class Options:
         _check("missing", missing, get_args(Missing))
         if up_axis is not None:
             _check("up_axis", up_axis, get_args(UpAxis))
-        for purpose in _words(purposes):
+        for purpose in split_words(purposes):
             _check("a purpose", purpose, get_args(Purpose))
         return cls(
             geometry=geometry,
-            exclude=_words(exclude),
+            exclude=split_words(exclude),
             refuse_missing=missing == "error",
-            purposes=frozenset(_words(purposes)),
-            variants=_words(variants),
+            purposes=frozenset(split_words(purposes)),
+            variants=split_words(variants),
             meters_per_unit=meters_per_unit,
             up_axis=up_axis,
         )
@@ -78,7 +75,7 @@ def load(path: str, options: Options) -> World:
     leave_out = Filter.of(options.exclude)
     with opened(path) as stage:
         select_variants(path, stage, options.variants)
-        report_missing(path, stage, refuse=options.refuse_missing, is_excluded=leave_out.takes_path)
+        report_missing(path, stage, refuse=options.refuse_missing, is_excluded=leave_out.takes_name)
         root = to_metres(path, stage, options.meters_per_unit, options.up_axis)
         places = []
         for place in walk(path, stage, root, leave_out):
@@ -91,16 +88,8 @@ def load(path: str, options: Options) -> World:
         solids = tuple(_solids(path, chosen, leave_out, colliders))
         world = World(Path(path).stem, solids, _seeds(stage))
     _warn_of_emptiness(path, places, chosen, options)
-    if leave_out.unmet:
-        warn(f"{path}: nothing was left out by: {', '.join(leave_out.unmet)}")
+    warn_of_unmet(leave_out, path)
     return world
-
-
-def _words(words: str | Sequence[str]) -> tuple[str, ...]:
-    """Words from a sequence, or from one text with commas between them, as the command line gives it."""
-    if isinstance(words, str):
-        return tuple(word.strip() for word in words.split(",") if word.strip())
-    return tuple(words)
 
 
 def _check(what: str, word: str, choices: Sequence[str]) -> None:
@@ -124,7 +113,7 @@ def _choose(path: str, places: Sequence[Place], options: Options, colliders: boo
     for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
         first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
         warn(f"{path}: prims of type {kind} have no solid form and are left out: {count}, the first is {first}")
-    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor(place)]
+    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor_plane(place)]
 
 
 def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bool) -> Iterator[Solid]:
@@ -142,7 +131,7 @@ def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bo
             taken.add(given)
             name = given
         solid = Solid(name, shape, pose, color=colors.of(place.prim), kind=place.label)
-        if not _is_left_out(solid, leave_out):
+        if not leave_out.takes_solid(solid):
             yield solid
 
 
@@ -153,19 +142,9 @@ def _seeds(stage: Any) -> tuple[tuple[float, float], ...]:
     return tuple((float(x), float(y)) for x, y in values or ())
 
 
-def _is_left_out(solid: Solid, leave_out: Filter) -> bool:
-    if not leave_out.labels & {"floor", "ceiling"}:
-        return False
-    low, high = solid.bounds()
-    if high[2] <= _FLOOR_TOP:
-        return leave_out.takes_label("floor")
-    across = max(high[0] - low[0], high[1] - low[1])
-    return bool(low[2] >= _CEILING_BOTTOM and across > high[2] - low[2]) and leave_out.takes_label("ceiling")
-
-
 def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
     for prim in stage.Traverse():
-        if prim.HasAPI(UsdPhysics.ArticulationRootAPI) and not leave_out.takes_path(str(prim.GetPath())):
+        if prim.HasAPI(UsdPhysics.ArticulationRootAPI) and not leave_out.takes_name(str(prim.GetPath())):
             warn(
                 f"{path}: {prim.GetPath()} is an articulation, a robot perhaps, and becomes a fixed obstacle; "
                 "leave it out by its path if it is not meant to be one"
@@ -173,7 +152,7 @@ def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
 
 
 def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Place], options: Options) -> None:
-    if chosen or all(is_floor(place) for place in places):
+    if chosen or all(is_floor_plane(place) for place in places):
         return
     if options.geometry == "collision":
         reason = f'none of its {len(places)} shapes but the floor is a collider; take geometry="visual"'

@@ -16,6 +16,7 @@ from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
 from trundle.worlds.hull import convex_hull
 from trundle.worlds.polygons import triangulate
+from trundle.worlds.shapes import is_floor
 from trundle.worlds.usd.walk import TIME, Place
 
 Placeable: TypeAlias = Box | Cylinder | Sphere | Mesh
@@ -85,12 +86,13 @@ class Shapes:
         return self._scaled[scaled], pose_of(item.matrix[:3, 3], rotation)
 
 
-def is_floor(item: Place) -> bool:
-    """Whether a plane prim is the plane z = 0 of the map frame, facing up."""
+def is_floor_plane(item: Place) -> bool:
+    """Whether a prim is a plane that is the floor."""
     if item.prim.GetTypeName() != "Plane":
         return False
     normal = item.matrix[:3, :3] @ _TO_AXIS[str(UsdGeom.Plane(item.prim).GetAxisAttr().Get(TIME))][:3, 2]
-    return bool(abs(item.matrix[2, 3]) < 1e-3 and normal[2] > (1.0 - 1e-9) * np.linalg.norm(normal))
+    length = float(np.linalg.norm(normal))
+    return length > 0.0 and is_floor(float(item.matrix[2, 3]), float(normal[2]) / length)
 
 
 def _primitive(prim: Any) -> tuple[Placeable, str]:
@@ -108,8 +110,7 @@ def _primitive(prim: Any) -> tuple[Placeable, str]:
         # Across z and y where it faces x: USD's width is then along z.
         if axis == "X":
             width, length = length, width
-        corners = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * (width / 2.0, length / 2.0, 1.0)
-        return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)), axis
+        return tessellate.rectangle_mesh(width, length), axis
     axis = str(prim.GetAttribute("axis").Get(TIME))
     height = _number(prim.GetAttribute("height"), zero=kind.startswith("Capsule"))
     if kind in ("Cylinder_1", "Capsule_1"):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import fnmatch
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
+from trundle.worlds.leave_out import Filter
 
 TIME = Usd.TimeCode.EarliestTime()
 """When attributes are read: what is not animated has one value, and what is counts as it stands at its start."""
@@ -45,51 +45,6 @@ class Place:
     within: tuple[str, ...] = ()
 
 
-@dataclass(slots=True)
-class Filter:
-    """What is left out, by prim path or semantic label; remembers what it met.
-
-    Attributes:
-        paths: Paths with everything below them, also with `*` and `?`.
-        labels: Semantic labels in lower case.
-        met: Those of both that something was left out by.
-    """
-
-    paths: tuple[str, ...]
-    labels: frozenset[str]
-    met: set[str] = field(default_factory=set)
-
-    @classmethod
-    def of(cls, words: Sequence[str]) -> Filter:
-        """Sort what a user wrote: what starts with a slash is a path."""
-        paths = tuple(word.rstrip("/") or "/" for word in words if word.startswith("/"))
-        return cls(paths, frozenset(word.lower() for word in words if not word.startswith("/")))
-
-    def takes_path(self, path: str) -> bool:
-        """Whether a path, or one above it, is left out."""
-        for pattern in self.paths:
-            if "*" in pattern or "?" in pattern:
-                hit = fnmatch.fnmatchcase(path, pattern) or fnmatch.fnmatchcase(path, f"{pattern}/*")
-            else:
-                hit = path == pattern or (path.startswith(pattern) and path[len(pattern)] in "/[")
-            if hit:
-                self.met.add(pattern)
-                return True
-        return False
-
-    def takes_label(self, label: str) -> bool:
-        """Whether a label is left out."""
-        if label.lower() in self.labels:
-            self.met.add(label.lower())
-            return True
-        return False
-
-    @property
-    def unmet(self) -> list[str]:
-        """What nothing was left out by, in the order of writing."""
-        return [word for word in (*self.paths, *sorted(self.labels)) if word not in self.met]
-
-
 def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator[Place]:
     """Give all geometric prims of a stage, whether they are seen, collide or neither.
 
@@ -103,6 +58,9 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
         WorldError: If a transform is not finite, or a point instancer does not fit together.
     """
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    # What a point instancer places may be kept in a class or an over, so that it is drawn nowhere else.
+    kept = Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
+    prototypes = Usd.TraverseInstanceProxies(kept)
     # Last in, first out: in the file's order.
     stack = [Place(prim, str(prim.GetPath()), root) for prim in _children(stage.GetPseudoRoot(), predicate)]
     while stack:
@@ -115,9 +73,8 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
             continue
         if prim.IsA(UsdGeom.Gprim):
             yield place
-        stack.extend(
-            replace(place, prim=child, name=f"{place.name}/{child.GetName()}") for child in _children(prim, predicate)
-        )
+        below = _children(prim, prototypes if place.within else predicate)
+        stack.extend(replace(place, prim=child, name=f"{place.name}/{child.GetName()}") for child in below)
 
 
 def _children(prim: Any, predicate: Any) -> list[Any]:
@@ -128,10 +85,10 @@ def _children(prim: Any, predicate: Any) -> list[Any]:
 def _arrive(path: str, place: Place, root: FloatArray, leave_out: Filter) -> Place | None:
     """Take a prim's own transform, visibility, purpose, collider and label on top of what is above it."""
     prim = place.prim
-    if leave_out.takes_path(place.name) or leave_out.takes_path(str(prim.GetPath())):
+    if leave_out.takes_name(place.name) or leave_out.takes_name(str(prim.GetPath())):
         return None
-    label = semantic_label(prim) or place.label
-    if label and leave_out.takes_label(label):
+    labels = semantic_labels(prim)
+    if any(leave_out.takes_kind(label) for label in labels):
         return None
     matrix = place.matrix
     if prim.IsA(UsdGeom.Xformable):
@@ -152,7 +109,7 @@ def _arrive(path: str, place: Place, root: FloatArray, leave_out: Filter) -> Pla
         visible=visible,
         purpose=purpose or "default",
         approximation=_approximation(prim, place.approximation),
-        label=label,
+        label=labels[0] if labels else place.label,
     )
 
 
@@ -167,20 +124,18 @@ def _approximation(prim: Any, above: str | None) -> str | None:
     return "none"
 
 
-def semantic_label(prim: Any) -> str:
-    """The first semantic label of a prim: of UsdSemantics, or in the older form of Isaac Sim; "" where it has none."""
+def semantic_labels(prim: Any) -> list[str]:
+    """The semantic labels of a prim itself: of UsdSemantics, or in the older form of Isaac Sim."""
+    found: list[str] = []
     # Not prim.GetAppliedSchemas(), which leaves out what this build of USD does not know.
     for schema in prim.GetPrimTypeInfo().GetAppliedAPISchemas():
         kind, _, instance = schema.partition(":")
         if kind == "SemanticsLabelsAPI":
-            labels = prim.GetAttribute(f"semantics:labels:{instance}").Get(TIME)
-            if labels:
-                return str(labels[0])
+            found += map(str, prim.GetAttribute(f"semantics:labels:{instance}").Get(TIME) or ())
         elif kind == "SemanticsAPI":
             value = prim.GetAttribute(f"semantic:{instance}:params:semanticData").Get(TIME)
-            if value:
-                return str(value)
-    return ""
+            found += [str(value)] if value else []
+    return found
 
 
 def _instances(path: str, stage: Any, place: Place, leave_out: Filter) -> list[Place]:
@@ -224,4 +179,4 @@ def _instances(path: str, stage: Any, place: Place, leave_out: Filter) -> list[P
                 matrix=place.matrix @ local,
             )
         )
-    return [item for item in places if not leave_out.takes_path(item.name)]
+    return [item for item in places if not leave_out.takes_name(item.name)]

@@ -3,7 +3,7 @@
 from typing import Literal, TypeAlias
 
 Geometry: TypeAlias = Literal["auto", "collision", "visual"]
-Missing: TypeAlias = Literal["warn", "error"]
+Missing: TypeAlias = Literal["skip", "error"]
 Purpose: TypeAlias = Literal["default", "render", "proxy", "guide"]
 UpAxis: TypeAlias = Literal["Y", "Z"]
 
