@@ -4,7 +4,10 @@ from pathlib import Path
 import pytest
 
 from support.command_line import Done, Trundle, room
+from support.fake_isaac.fixtures import assets, fake, make_fake
 from trundle.cli.entry import run_command
+
+__all__ = ["assets", "fake", "make_fake", "room_map", "trundle"]
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
+from trundle.cli import isaac, options, output, sources
 from trundle.cli.engine import import_engine
 from trundle.errors import InputError
 
@@ -29,7 +29,8 @@ app = App(
     help_epilogue=(
         "Examples:\n"
         "  trundle drive nova_carter --command 0.4,0,5 --command 0,0.8,5 --command 0.25,-0.5,5\n"
-        "  trundle drive nova_carter --world warehouse --teleop"
+        "  trundle drive nova_carter --world warehouse --teleop\n"
+        "  python.sh -m trundle drive nova_carter --backend isaac --environment warehouse --command 0.4,0,5"
     ),
 )
 
@@ -55,6 +56,7 @@ def drive(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
+    isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """Drive a robot by a list of commands, or by hand; print and record where it went.
 
@@ -80,19 +82,22 @@ def drive(
     if sum((teleop, bool(command), like is not None)) != 1:
         raise InputError("give either --command V,W,SECONDS (as often as you like), or --like RUN, or --teleop")
     commands = [parse_command(text) for text in command or []]
+    given = isaac.simulator_options(isaac_options, backend)
+    isaac.check_window(view, backend)
     machine = Robot.load(robot)
-    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings, exclude))
-    pose = sources.start_pose(place, start)
-    if like is not None:
-        commands, begin = commands_of(like)
-        pose = begin if start is None else pose
     if teleop and not view:
         check_terminal()
     if backend == "mujoco":
         import_engine()
     log = DriveLog()
     with ExitStack() as stack:
-        simulator = stack.enter_context(simulate(place, machine, backend=backend))
+        kept = options.parse_settings(settings, exclude)
+        place = stack.enter_context(isaac.open_place(world, settings=kept, seed=seed, backend=backend, given=given))
+        pose = sources.start_pose(place, start)
+        if like is not None:
+            commands, begin = commands_of(like)
+            pose = begin if start is None else pose
+        simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
         folder = make_run_folder(out, "drive")
         log.add(simulator.reset(pose, seed=seed))
@@ -106,7 +111,8 @@ def drive(
                 drive_in_window(simulator, log, window, period_s=PERIOD_S)
         finally:
             log.save(folder / "drive.csv")
-    _report(log, folder, json=json)
+        # Before the simulator is closed: closing Isaac Sim may end the process.
+        _report(log, folder, json=json)
     return 0
 
 

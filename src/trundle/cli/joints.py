@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from cyclopts import App
+from typing import Annotated, Literal
 
-from trundle.cli import options, output
+from cyclopts import App, Parameter
+
+from trundle.cli import isaac, options, output
 from trundle.cli.engine import import_engine
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
@@ -12,7 +14,12 @@ MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
 app = App(
     name="joints",
     version_flags=[],
-    help_epilogue="Examples:\n  trundle joints nova_carter\n  trundle joints my_robot.usd --json",
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle joints nova_carter\n"
+        "  trundle joints my_robot.usd --json\n"
+        "  python.sh -m trundle joints nova_carter --backend isaac --headless"
+    ),
 )
 
 
@@ -21,14 +28,21 @@ def joints(
     robot: str,
     /,
     *,
+    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose joints: as built here, or there.")] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
+    isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """List a robot's joints: name, type, axis, limits, parent, child, and which ones drive it.
+
+    With --backend isaac: those that Isaac Sim moves, in its order, of the robot's USD.
 
     Args:
         robot: A robot by name, or the path of a robot's YAML, an MJCF, a URDF or a USD file.
     """
+    given = isaac.simulator_options(isaac_options, backend)
+    if backend == isaac.BACKEND:
+        return _joints_in_isaac(robot, given, json=json)
     import_engine()
     from trundle.robots import Robot
     from trundle.sim.mujoco.joints import list_joints
@@ -52,4 +66,24 @@ def joints(
             for joint in found
         ],
     )
+    return 0
+
+
+def _joints_in_isaac(robot: str, given: dict[str, str | float | bool], *, json: bool) -> int:
+    from trundle.geometry import Pose2D
+    from trundle.robots import Robot
+    from trundle.worlds import World
+
+    machine = Robot.load(robot)
+    wheels = (machine.drive.left_joint, machine.drive.right_joint)
+    with isaac.open_simulator(World("empty", ()), machine, Pose2D(0.0, 0.0), given) as simulator:
+        found = [
+            {"index": index, "name": name, "drives": name in wheels}
+            for index, name in enumerate(simulator.joint_names())
+        ]
+        if json:
+            output.print_json(found)
+        else:
+            rows = [(joint["index"], joint["name"], "yes" if joint["drives"] else "no") for joint in found]
+            output.print_table(("index", "name", "drives"), rows)
     return 0

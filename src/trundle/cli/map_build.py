@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
+from trundle.cli import isaac, options, output, sources
 
 app = App(
     name="build",
@@ -16,7 +16,8 @@ app = App(
         "Examples:\n"
         "  trundle map build warehouse -o map.yaml\n"
         "  trundle map build warehouse --seed 7 --set aisle_width=1.6 --resolution 0.025 --out maps\n"
-        "  trundle map build scene.usd --exclude /World/Robot --exclude ceiling"
+        "  trundle map build scene.usd --exclude /World/Robot --exclude ceiling\n"
+        "  trundle map build warehouse_with_forklifts --assets-root Assets/Isaac/5.1 --exclude ceiling"
     ),
 )
 
@@ -31,6 +32,7 @@ def build(
     z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     robot: options.RobotName = "nova_carter",
+    assets_root: str | None = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -42,10 +44,12 @@ def build(
     Cells are free, occupied or unknown: unknown is what cannot be reached from the world's free seeds.
 
     Args:
-        world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to build again.
+        world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to build again. With
+            --assets-root, an environment of Isaac Sim.
         out: The map's YAML, with its image beside it; or a folder for map.yaml.
         resolution: Edge of a cell [m].
         z_min: Lower end of the band of heights that counts [m]; left out: the robot's.
+        assets_root: Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.
         z_max: Upper end of the band of heights that counts [m]; left out: the robot's.
     """
     from trundle.maps import FREE, UNKNOWN, OccupancyGrid
@@ -53,7 +57,8 @@ def build(
 
     low, high = Robot.load(robot).z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
-    place = sources.load_world(world, seed=seed, settings=options.parse_settings(settings, exclude))
+    scene = isaac.find_environment(world, assets_root)
+    place = sources.load_world(str(scene or world), seed=seed, settings=options.parse_settings(settings, exclude))
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     grid = OccupancyGrid.from_world(place, resolution=resolution, z_range=band)
     grid.save(target)

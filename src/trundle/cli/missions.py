@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trundle.cli import output
+from trundle.cli import isaac, output
 from trundle.cli.engine import import_engine
 
 if TYPE_CHECKING:
@@ -43,38 +43,46 @@ def drive(
     from trundle.record.progress import ProgressBar
     from trundle.record.run_folder import RunFolder
 
+    isaac.check_window(view, scenario.backend.name)
     if scenario.backend.name == "mujoco":
         import_engine()
-    with ExitStack() as stack:
-        mission = stack.enter_context(scenario.build())
-        observers: list[Observer] = []
-        if view:
-            from trundle.cli.window import Watcher, open_window
+    # The report comes before the simulator is closed: closing Isaac Sim may end the process.
+    with ExitStack() as opened:
+        if scenario.backend.name == isaac.BACKEND:
+            world = scenario.world.name if scenario.world is not None else None
+            opened.enter_context(isaac.early_application(world, scenario.backend.options))
+        mission = opened.enter_context(scenario.build())
+        with ExitStack() as stack:
+            observers: list[Observer] = []
+            if view:
+                from trundle.cli.window import Watcher, open_window
 
-            observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
-        bar = stack.enter_context(ProgressBar(quiet=quiet))
-        frames = _scene_frames(mission, quiet=quiet) if video else None
-        folder = stack.enter_context(
-            RunFolder(
-                out,
-                name=scenario.title,
-                scenario=mission.scenario,
-                video=video,
-                frames=frames,
-                report=bar.report,
+                observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
+            bar = stack.enter_context(ProgressBar(quiet=quiet))
+            frames = _scene_frames(mission, quiet=quiet) if video else None
+            folder = stack.enter_context(
+                RunFolder(
+                    out,
+                    name=scenario.title,
+                    scenario=mission.scenario,
+                    video=video,
+                    frames=frames,
+                    report=bar.report,
+                )
             )
-        )
-        episode = mission.run(observers=[*observers, bar, folder])
-        if with_place:
-            _add_place(mission, episode, folder.path)
-    _report(episode, folder, json=json)
+            episode = mission.run(observers=[*observers, bar, folder])
+            if with_place:
+                _add_place(mission, episode, folder.path)
+        _report(episode, folder, json=json)
     for error in episode.observer_errors:
         raise error
     return 0 if episode.arrived else 1
 
 
 def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
-    """Give the video's pictures by OpenGL; none where there is no driver: then the video is drawn from above."""
+    """Give the video's pictures by OpenGL; none for one drawn from above: in Isaac Sim, or without a driver."""
+    if mission.scenario.backend.name == isaac.BACKEND:
+        return None
     from trundle.viewer.gl import describe_missing_gl, find_gl
 
     if find_gl() is None:

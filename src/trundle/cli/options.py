@@ -20,7 +20,9 @@ Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the 
 RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or the path of its YAML.")]
 PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
 ControllerName = Annotated[str, Parameter(name="--controller", help="A controller by name.")]
-Backend = Annotated[str, Parameter(name="--backend", help="The simulator: mujoco, kinematic or a plug-in's name.")]
+Backend = Annotated[
+    str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
+]
 Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import missions, options, sources
+from trundle.cli import isaac, missions, options, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ app = App(
         "  trundle run map.yaml --robot nova_carter --start -6,-1,3.14 --goal 5,3\n"
         "  trundle run warehouse --seed 7 --set aisle_width=1.4\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
-        "  trundle run scenario.yaml --backend kinematic --json"
+        "  trundle run scenario.yaml --backend kinematic --json\n"
+        "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
     ),
 )
 
@@ -36,7 +37,9 @@ def run(
     goal: options.Goals = None,
     planner: Annotated[str | None, Parameter(help="A planner by name.")] = None,
     controller: Annotated[str | None, Parameter(help="A controller by name.")] = None,
-    backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic or a plug-in's name.")] = None,
+    backend: Annotated[
+        str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
+    ] = None,
     seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -47,6 +50,7 @@ def run(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
+    isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
@@ -74,7 +78,7 @@ def run(
     if goal:
         goals = [options.parse_goal("--goal", text) for text in goal]
         changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
-    scenario = _read(source, options.parse_settings(settings, exclude), changes)
+    scenario = isaac.adapt(_read(source, options.parse_settings(settings, exclude), changes), isaac_options)
     return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
 
 

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
+from trundle.cli import isaac, options, output, sources
 from trundle.cli.engine import import_engine
+
+if TYPE_CHECKING:
+    from trundle.geometry import Pose2D
+    from trundle.robots import Robot
+    from trundle.worlds import World
 
 app = App(
     name="view",
@@ -16,7 +21,8 @@ app = App(
     help_epilogue=(
         "Examples:\n"
         "  trundle view nova_carter\n"
-        "  trundle view nova_carter --world warehouse --camera overview -o scene.png"
+        "  trundle view nova_carter --world warehouse --camera overview -o scene.png\n"
+        "  python.sh -m trundle view nova_carter --backend isaac --environment warehouse_with_forklifts"
     ),
 )
 
@@ -34,8 +40,10 @@ def view(
     settings: options.Settings = None,
     exclude: options.Exclude = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose window, or renderer.")] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
+    isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """Show a robot, alone or in a world: in a window where there is a screen, else as a picture.
 
@@ -48,36 +56,67 @@ def view(
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
-    import_engine()
     from trundle.robots import Robot
+
+    given = isaac.simulator_options(isaac_options, backend)
+    machine = Robot.load(robot)
+    width, height = parse_size(size)
+    camera = camera or ("robot" if world is None else "overview")
+    if backend == "mujoco":
+        import_engine()
+    with isaac.open_place(
+        world, settings=options.parse_settings(settings, exclude), seed=seed, backend=backend, given=given
+    ) as place:
+        pose = sources.start_pose(place, start)
+        in_window = out is None and not json
+        if backend == isaac.BACKEND:
+            target = None if in_window and not given.get("headless") else _target(out)
+            facts = isaac.show(place, machine, pose, given, camera=camera, size=(width, height), target=target)
+        elif in_window and _show_window(place, machine, pose, quiet=quiet):
+            return 0
+        else:
+            facts = _draw(place, machine, pose, camera, (width, height), _target(out), quiet=quiet)
+    if json:
+        output.print_json(facts)
+    elif facts:
+        output.print_facts({"picture": facts["picture"], "renderer": facts["renderer"]})
+    return 0
+
+
+def _target(out: Path | None) -> Path:
+    return options.output_file(out or Path("scene.png"), "scene.png", (".png",))
+
+
+def _show_window(place: World, machine: Robot, pose: Pose2D, *, quiet: bool) -> bool:
+    """Show it in MuJoCo's window until that is closed; False where there is no screen."""
+    from trundle.viewer.native import NativeWindow, has_screen
+
+    if not has_screen():
+        return False
+    with NativeWindow(place, machine, pose) as window:
+        output.remark("close the window to end", quiet=quiet)
+        window.wait()
+    return True
+
+
+def _draw(
+    place: World, machine: Robot, pose: Pose2D, camera: str, size: tuple[int, int], target: Path, *, quiet: bool
+) -> dict[str, object]:
+    """Write a picture, and say what it is of."""
     from trundle.viewer.offscreen import render
 
-    machine = Robot.load(robot)
-    place = sources.load_place(world, seed=seed, settings=options.parse_settings(settings, exclude))
-    pose = sources.start_pose(place, start)
-    width, height = parse_size(size)
-    if out is None and not json:
-        from trundle.viewer.native import NativeWindow, has_screen
-
-        if has_screen():
-            with NativeWindow(place, machine, pose) as window:
-                output.remark("close the window to end", quiet=quiet)
-                window.wait()
-            return 0
-    target = options.output_file(out or Path("scene.png"), "scene.png", (".png",))
-    picture = render(
-        place, machine, pose, size=(width, height), camera=camera or ("robot" if world is None else "overview")
-    )
+    picture = render(place, machine, pose, size=size, camera=camera)
     picture.save(target)
     if picture.advice:
         output.remark(picture.advice, quiet=quiet)
-    if json:
-        output.print_json(
-            {"picture": target, "renderer": picture.kind, "width": width, "height": height, "advice": picture.advice}
-        )
-    else:
-        output.print_facts({"picture": target, "renderer": picture.kind})
-    return 0
+    width, height = size
+    return {
+        "picture": target,
+        "renderer": picture.kind,
+        "width": width,
+        "height": height,
+        "advice": picture.advice,
+    }
 
 
 def parse_size(text: str) -> tuple[int, int]:

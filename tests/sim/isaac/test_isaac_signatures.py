@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from support.fake_isaac import Refused
+from support.fake_isaac.refused import Refused
 from trundle.geometry import Twist2D
 from trundle.robots import DifferentialDrive
 from trundle.sim.isaac.application import Application

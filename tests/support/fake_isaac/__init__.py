@@ -5,9 +5,3 @@ order or a shape of an array that Isaac Sim would not take is refused here too; 
 would not take it: an import before the application runs, physics before the timeline plays, anything after the end.
 The stage is a real one (usd-core stands in for Kit's own USD).
 """
-
-from support.fake_isaac.assets import make_assets
-from support.fake_isaac.kit import FakeIsaac
-from support.fake_isaac.refused import Refused
-
-__all__ = ["FakeIsaac", "Refused", "make_assets"]

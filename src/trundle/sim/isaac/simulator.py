@@ -205,11 +205,16 @@ class IsaacSimulator:
         Raises:
             SimulationError: If it was closed, or no picture comes.
         """
-        adapter = self._check_open()
-        from trundle.sim.isaac.picture import CAMERA, take_picture
+        self.look(eye, target)
+        from trundle.sim.isaac.picture import take_picture
 
-        adapter.look(np.array(eye), np.array(target), CAMERA)
-        return take_picture(size, adapter.draw)
+        return take_picture(size, self._check_open().draw)
+
+    def look(self, eye: tuple[float, float, float], target: tuple[float, float, float]) -> None:
+        """Put the camera of Isaac Sim's own view at `eye`, looking at `target` [m], map frame."""
+        from trundle.sim.isaac.picture import CAMERA
+
+        self._check_open().look(np.array(eye), np.array(target), CAMERA)
 
     def joint_names(self) -> list[str]:
         """Return the names of the joints that Isaac Sim moves, in its order."""
