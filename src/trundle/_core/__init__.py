@@ -3,6 +3,7 @@
 from trundle._core._kernels import (
     cast_grid_rays,
     cast_outline_rays,
+    cost_field,
     draw_triangles,
     flood_free,
     flood_largest,
@@ -25,6 +26,7 @@ from trundle._core._kernels import (
 __all__ = [
     "cast_grid_rays",
     "cast_outline_rays",
+    "cost_field",
     "draw_triangles",
     "flood_free",
     "flood_largest",

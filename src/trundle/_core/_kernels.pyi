@@ -30,6 +30,12 @@ def grid_search(
     goal: tuple[int, int],
     connectivity: int = 8,
 ) -> tuple[npt.NDArray[np.int32], float]: ...
+def cost_field(
+    costs: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32],
+    goals: npt.NDArray[np.int64],
+    connectivity: int,
+    threads: int,
+) -> npt.NDArray[np.float32]: ...
 def line_costs(
     costs: npt.NDArray[np.uint8],
     weights: npt.NDArray[np.float64],

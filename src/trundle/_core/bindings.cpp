@@ -4,6 +4,7 @@
 namespace nb = nanobind;
 
 void bind_components(nb::module_ &m);
+void bind_cost_field(nb::module_ &m);
 void bind_footprint(nb::module_ &m);
 void bind_grid_search(nb::module_ &m);
 void bind_grid_rays(nb::module_ &m);
@@ -20,6 +21,7 @@ void bind_zbuffer(nb::module_ &m);
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
   bind_components(m);
+  bind_cost_field(m);
   bind_footprint(m);
   bind_grid_search(m);
   bind_grid_rays(m);

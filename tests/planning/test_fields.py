@@ -1,0 +1,181 @@
+"""Cost fields against SciPy's Dijkstra on the graph of the same definition."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from trundle.errors import BlockedPoseError, InputError, OutsideMapError
+from trundle.planning import cost_field
+
+
+def graph(costs: npt.NDArray[np.float64], wall: npt.NDArray[np.bool_], connectivity: int) -> csr_matrix:
+    rows, cols = costs.shape
+    index = np.arange(rows * cols).reshape(rows, cols)
+    starts, ends, weights = [], [], []
+    steps = [(0, 1), (1, 0)] + ([(1, 1), (1, -1)] if connectivity == 8 else [])
+    for dr, dc in steps:
+        for row in range(rows - dr):
+            for col in range(max(0, -dc), cols - max(0, dc)):
+                a, b = (row, col), (row + dr, col + dc)
+                corners = [(row + dr, col), (row, col + dc)] if dr and dc else []
+                if wall[a] or wall[b] or any(wall[corner] for corner in corners):
+                    continue
+                starts.append(index[a])
+                ends.append(index[b])
+                # SciPy takes 0 as no edge.
+                weights.append(max(np.hypot(dr, dc) * (costs[a] + costs[b]) / 2.0, 1e-12))
+    size = rows * cols
+    return csr_matrix((weights, (starts, ends)), shape=(size, size))
+
+
+def by_dijkstra(costs: npt.NDArray[np.generic], goals: list[tuple[int, int]], connectivity: int = 8):
+    walls = {"uint8": 255, "uint16": 65535, "float32": np.inf}
+    wall = costs == walls[costs.dtype.name]
+    plain = np.where(wall, 0.0, costs.astype(np.float64))
+    sources = [row * costs.shape[1] + col for row, col in goals]
+    found = dijkstra(graph(plain, wall, connectivity), directed=False, indices=sources, min_only=True)
+    return found.reshape(costs.shape)
+
+
+def assert_same(field: npt.NDArray[np.float32], expected: npt.NDArray[np.float64]) -> None:
+    np.testing.assert_array_equal(np.isfinite(field), np.isfinite(expected))
+    reached = np.isfinite(expected)
+    np.testing.assert_allclose(field[reached], expected[reached], rtol=5e-7, atol=1e-6)
+
+
+@st.composite
+def grids(draw: st.DrawFn):
+    shape = draw(st.tuples(*[st.one_of(st.integers(1, 9), st.sampled_from([31, 32, 33, 40, 65]))] * 2))
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    dtype = draw(st.sampled_from([np.uint8, np.uint16, np.float32]))
+    top = draw(st.sampled_from([2, 50, 255 if dtype == np.uint8 else 60_000]))
+    costs = random.integers(draw(st.integers(0, 1)), top, shape).astype(dtype)
+    if dtype == np.float32:
+        costs += random.random(shape, dtype=np.float32)
+    wall = np.inf if dtype == np.float32 else np.iinfo(dtype).max
+    costs[random.random(shape) < draw(st.sampled_from([0.0, 0.1, 0.3, 0.45, 0.7]))] = wall
+    free = np.argwhere(costs != wall)
+    if len(free) == 0:
+        costs[0, 0] = 1
+        free = np.array([[0, 0]])
+    goals = free[random.integers(0, len(free), draw(st.integers(1, 4)))]
+    return costs, [tuple(goal) for goal in goals.tolist()]
+
+
+@settings(max_examples=150, deadline=None)
+@given(grids(), st.sampled_from([4, 8]), st.sampled_from([1, 2, 3]))
+def test_every_cell_costs_what_dijkstra_finds(grid, connectivity: int, threads: int) -> None:
+    costs, goals = grid
+    field = cost_field(costs, goals, connectivity=connectivity, threads=threads)
+    assert_same(field, by_dijkstra(costs, goals, connectivity))
+
+
+def maze(seed: int, rows: int, cols: int) -> npt.NDArray[np.uint8]:
+    random = np.random.default_rng(seed)
+    costs = random.integers(1, 200, (rows, cols)).astype(np.uint8)
+    costs[::4, :] = 255
+    for row in range(0, rows, 4):
+        costs[row, random.integers(0, cols, 2)] = 1
+    return costs
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_long_ways_through_many_tiles_are_exact(threads: int) -> None:
+    costs = maze(3, 150, 210)
+    free = np.argwhere(costs != 255)
+    goals = [tuple(free[0].tolist()), tuple(free[-1].tolist())]
+    assert_same(cost_field(costs, goals, threads=threads), by_dijkstra(costs, goals))
+
+
+def test_the_number_of_threads_changes_no_bit() -> None:
+    costs = maze(5, 300, 333).astype(np.float32) + np.float32(0.3)
+    costs[costs > 255] = np.inf
+    goal = np.argwhere(np.isfinite(costs))[1000]
+    first = cost_field(costs, goal, threads=1)
+    for threads in (2, 3, 8):
+        np.testing.assert_array_equal(cost_field(costs, goal, threads=threads), first)
+
+
+def test_an_open_floor_has_octile_distances() -> None:
+    field = cost_field(np.ones((70, 90), dtype=np.uint8), (10, 20))
+    dr, dc = np.abs(np.arange(70) - 10)[:, None], np.abs(np.arange(90) - 20)[None, :]
+    np.testing.assert_allclose(field, np.maximum(dr, dc) + (np.sqrt(2.0) - 1.0) * np.minimum(dr, dc), rtol=5e-7)
+
+
+def test_costs_beyond_32_bits_are_still_exact() -> None:
+    costs = np.full((3, 3000), 65534, dtype=np.uint16)
+    field = cost_field(costs, (1, 0))
+    np.testing.assert_allclose(field[1], 65534.0 * np.arange(3000), rtol=1e-7)
+    costs[:, 2000] = 65535
+    field = cost_field(costs, (1, 0))
+    assert np.isinf(field[:, 2000:]).all()
+    assert field[1, 1999] == np.float32(65534.0 * 1999)
+
+
+def test_free_travel_costs_nothing() -> None:
+    field = cost_field(np.zeros((40, 40), dtype=np.float32), (3, 3))
+    assert (field == 0.0).all()
+
+
+def test_a_mask_is_walls_and_floor() -> None:
+    blocked = np.zeros((5, 9), dtype=bool)
+    blocked[:4, 4] = True
+    field = cost_field(blocked, (0, 0))
+    assert np.isinf(field[0, 4])
+    assert field[0, 8] == pytest.approx(by_dijkstra(np.where(blocked, 255, 1).astype(np.uint8), [(0, 0)])[0, 8])
+
+
+@pytest.mark.parametrize("dtype", [np.int64, np.int32, np.uint32, np.float64])
+def test_other_types_are_converted_once(dtype: type) -> None:
+    costs = np.random.default_rng(1).integers(1, 100, (20, 30))
+    np.testing.assert_array_equal(cost_field(costs.astype(dtype), (0, 0)), cost_field(costs.astype(dtype), [(0, 0)]))
+    np.testing.assert_allclose(
+        cost_field(costs.astype(dtype), (0, 0)), cost_field(costs.astype(np.uint16), (0, 0)), rtol=5e-7
+    )
+
+
+def test_views_of_arrays_are_taken() -> None:
+    costs = np.random.default_rng(2).integers(1, 100, (60, 80)).astype(np.uint8)
+    np.testing.assert_array_equal(cost_field(costs[::2, ::-1], (0, 0)), cost_field(costs[::2, ::-1].copy(), (0, 0)))
+
+
+@pytest.mark.parametrize(
+    ("costs", "message"),
+    [
+        (np.ones(5), r"shape \(rows, cols\)"),
+        (np.ones((0, 5)), r"at least one cell"),
+        (np.full((2, 2), np.nan), r"\(0, 0\) is nan"),
+        (np.array([[1.0, -0.5]]), r"\(0, 1\) is -0.5"),
+        (np.array([[1, -1]]), "from 0 to 65535"),
+        (np.array([[1, 70000]]), "from 0 to 65535"),
+        (np.array([["a"]]), "cannot be used"),
+        (np.ones((2, 2), dtype=complex), "cannot be used"),
+    ],
+)
+def test_bad_costs_are_refused_by_what_is_wrong(costs: npt.NDArray[np.generic], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        cost_field(costs, (0, 0))
+
+
+def test_bad_goals_are_refused_with_their_cell() -> None:
+    costs = np.ones((4, 6), dtype=np.uint8)
+    costs[2, 3] = 255
+    with pytest.raises(OutsideMapError) as outside:
+        cost_field(costs, [(0, 0), (4, 0)])
+    assert outside.value.cell == (4, 0)
+    with pytest.raises(BlockedPoseError) as blocked:
+        cost_field(costs, (2, 3))
+    assert blocked.value.cell == (2, 3)
+    for goals in ([], (1.0, 2.0), (1, 2, 3), [[1, 2, 3]], "ab"):
+        with pytest.raises(InputError, match="goals need whole numbers"):
+            cost_field(costs, goals)
+
+
+@pytest.mark.parametrize("options", [{"connectivity": 6}, {"threads": 0}, {"threads": 5000}])
+def test_bad_options_are_refused(options: dict[str, int]) -> None:
+    with pytest.raises(InputError, match=next(iter(options))):
+        cost_field(np.ones((2, 2), dtype=np.uint8), (0, 0), **options)
