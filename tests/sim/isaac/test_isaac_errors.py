@@ -3,10 +3,10 @@
 import sys
 
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdPhysics
 
 import trundle
-from trundle.errors import InputError, RobotError, SimulationError, UnknownNameError, WorldError
+from trundle.errors import InputError, RobotError, RobotWarning, SimulationError, UnknownNameError, WorldError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Outcome
 from trundle.robots import Robot
@@ -224,3 +224,13 @@ def test_a_fault_in_the_middle_of_loading_closes_the_application(fake, monkeypat
 def test_an_option_that_it_does_not_have(fake):
     with pytest.raises(InputError, match="backend 'isaac'"):
         make(lidar=True)
+
+
+def test_a_wheel_whose_drive_does_not_follow_a_speed_is_warned_of(fake, assets, tmp_path):
+    stage = Usd.Stage.Open(str(assets / "Isaac/Robots/NVIDIA/NovaCarter/nova_carter.usd"))
+    for prim in stage.Traverse():
+        if prim.GetName() == "joint_wheel_left":
+            UsdPhysics.DriveAPI(prim, "angular").GetDampingAttr().Set(0.0)
+    stage.Export(str(tmp_path / "carter.usda"))
+    with pytest.warns(RobotWarning, match="drive of joint_wheel_left has a damping of 0 and a stiffness of 0"):
+        make(robot_usd=str(tmp_path / "carter.usda")).close()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
-from trundle.errors import RobotError, WorldError
+from trundle.errors import RobotError, RobotWarning, WorldError
 from trundle.robots import Robot
 
 _UNITS = {0.01: "centimetres", 0.001: "millimetres"}
@@ -31,15 +32,19 @@ def check_joints(robot: Robot, usd: str, path: str) -> None:
 
     Raises:
         RobotError: If it has not; the message lists those that it has.
+
+    Warns:
+        RobotWarning: If a wheel's joint has no drive that follows a speed.
     """
     import omni.usd
     from pxr import Usd, UsdPhysics
 
     stage: Any = omni.usd.get_context().get_stage()
-    prims = Usd.PrimRange(stage.GetPrimAtPath(path))
-    moving = [
-        prim.GetName() for prim in prims if prim.IsA(UsdPhysics.RevoluteJoint) or prim.IsA(UsdPhysics.PrismaticJoint)
-    ]
+    moving = {
+        prim.GetName(): prim
+        for prim in Usd.PrimRange(stage.GetPrimAtPath(path))
+        if prim.IsA(UsdPhysics.RevoluteJoint) or prim.IsA(UsdPhysics.PrismaticJoint)
+    }
     missing = [name for name in (robot.drive.left_joint, robot.drive.right_joint) if name not in moving]
     if missing:
         raise RobotError(
@@ -47,3 +52,15 @@ def check_joints(robot: Robot, usd: str, path: str) -> None:
             f"{', '.join(sorted(moving)) or 'none that moves'}. Name its wheel joints as left_joint and right_joint in "
             "the robot's YAML"
         )
+    for name in (robot.drive.left_joint, robot.drive.right_joint):
+        drive = UsdPhysics.DriveAPI(moving[name], "angular")
+        stiffness, damping = (
+            float((drive and attribute().Get()) or 0.0) for attribute in (drive.GetStiffnessAttr, drive.GetDampingAttr)
+        )
+        if damping <= 0.0 or stiffness > 0.0:
+            warnings.warn(
+                f"{usd}: the drive of {name} has a damping of {damping:g} and a stiffness of {stiffness:g}: it will "
+                "not follow a commanded speed. Give it a damping (per degree, in UsdPhysics) and no stiffness",
+                RobotWarning,
+                stacklevel=3,
+            )

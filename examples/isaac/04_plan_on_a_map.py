@@ -1,0 +1,21 @@
+"""Step 4 of 5: plan on the environment's map with A*. Needs no simulator.
+
+./python.sh examples/isaac/04_plan_on_a_map.py MAP.YAML
+
+The map is the occupancy map extension's, or trundle's own: where the asset packs are at hand,
+`trundle map build warehouse_with_forklifts --assets-root FOLDER --exclude ceiling` makes it without Isaac Sim.
+"""
+
+import sys
+
+import trundle
+from trundle.mission import sample_mission
+from trundle.record.overlay import draw_plan
+
+navigator = trundle.Navigator(trundle.OccupancyGrid.load(sys.argv[1]), "nova_carter")
+start, goal = sample_mission(navigator.costmap, seed=3)
+navigator.set_goal(goal)
+path = navigator.plan(start)
+print(f"{path.length:.2f} m from {start} to {goal}")
+draw_plan(navigator.costmap, path, navigator.robot).save("overlay.png")
+print("wrote overlay.png")
