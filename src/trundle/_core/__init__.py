@@ -1,6 +1,7 @@
 """The C++ kernels: plain functions on arrays. They release the GIL and check their bounds at this edge."""
 
 from trundle._core._kernels import (
+    BinaryGrid,
     cast_grid_rays,
     cast_outline_rays,
     cost_field,
@@ -21,9 +22,11 @@ from trundle._core._kernels import (
     raster_mesh,
     raster_thin_faces,
     shortcut,
+    walk_corners,
 )
 
 __all__ = [
+    "BinaryGrid",
     "cast_grid_rays",
     "cast_outline_rays",
     "cost_field",
@@ -44,4 +47,5 @@ __all__ = [
     "raster_mesh",
     "raster_thin_faces",
     "shortcut",
+    "walk_corners",
 ]

@@ -1,8 +1,32 @@
 """Signatures of the compiled kernels."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
+class BinaryGrid:
+    def __init__(self, blocked: npt.NDArray[np.uint8], connectivity: int, method: str) -> None: ...
+    def find_way(
+        self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
+    ) -> tuple[int, int, int, bytes]: ...
+    def find_ways(
+        self,
+        starts: npt.NDArray[np.int64],
+        goals: npt.NDArray[np.int64],
+        threads: int,
+        seconds: float | None,
+        cancel: npt.NDArray[np.uint8] | None,
+    ) -> tuple[Any, ...]: ...
+    def update(self, row: int, col: int, values: npt.NDArray[np.uint8]) -> None: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def clutter(self) -> float: ...
+    @property
+    def bytes(self) -> int: ...
+
+def walk_corners(corners: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]: ...
 def inflate(occupancy: npt.NDArray[np.int8], table: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
 def footprint_collides(
     costs: npt.NDArray[np.uint8],

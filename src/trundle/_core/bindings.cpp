@@ -3,6 +3,7 @@
 
 namespace nb = nanobind;
 
+void bind_binary_grid(nb::module_ &m);
 void bind_components(nb::module_ &m);
 void bind_cost_field(nb::module_ &m);
 void bind_footprint(nb::module_ &m);
@@ -20,6 +21,7 @@ void bind_zbuffer(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
+  bind_binary_grid(m);
   bind_components(m);
   bind_cost_field(m);
   bind_footprint(m);

@@ -1,0 +1,231 @@
+// `BinaryGrid` as Python sees it: shortest ways between cells of a map of blocked and free cells.
+#include "binary_grid.hpp"
+
+#include "arrays.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace trundle {
+
+namespace {
+
+using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::device::cpu>;  // any strides
+using CellArray = In<std::int64_t, 2>;
+using Flag = std::optional<In<std::uint8_t, 1>>;
+
+ByteView view_of(const Bytes &array) {
+  return {array.data(), static_cast<std::int64_t>(array.shape(0)), static_cast<std::int64_t>(array.shape(1)),
+          array.stride(0), array.stride(1)};
+}
+
+// The moment that is so many seconds away, and the flag's byte.
+Patience patience_of(std::optional<double> seconds, const Flag &cancel) {
+  Patience patience;
+  if (cancel && cancel->size() > 0) patience.cancel = cancel->data();
+  if (seconds) {
+    const std::chrono::duration<double> most(std::min(*seconds, 1e9));
+    patience.deadline =
+        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
+  }
+  return patience;
+}
+
+GridCell cell_of(std::int64_t row, std::int64_t col) {
+  return {static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)};
+}
+
+// What `find_way` says besides a `SearchStatus`: what is wrong with the start; with the goal it is one more.
+constexpr int kBlocked = -2, kOutside = -4, kNoCell = -6;
+
+int refusal(const BinaryGrid &grid, const std::int64_t (&ends)[4]) {
+  for (int end = 0; end < 2; ++end) {
+    const std::int64_t row = ends[2 * end], col = ends[2 * end + 1];
+    if (!grid.inside(row, col)) return kOutside + end;
+    if (grid.blocked(cell_of(row, col))) return kBlocked + end;
+  }
+  return 0;
+}
+
+// Two whole numbers from a Python sequence; numbers of more than 64 bits become some that lie outside.
+bool read_cell(nb::handle sequence, std::int64_t *cell) {
+  if (!PySequence_Check(sequence.ptr()) || PySequence_Size(sequence.ptr()) != 2) {
+    PyErr_Clear();
+    return false;
+  }
+  for (Py_ssize_t i = 0; i < 2; ++i) {
+    const nb::object item = nb::steal(PySequence_GetItem(sequence.ptr(), i));
+    const nb::object whole = item.is_valid() ? nb::steal(PyNumber_Index(item.ptr())) : nb::object();
+    if (!whole.is_valid()) {
+      PyErr_Clear();
+      return false;
+    }
+    int overflow = 0;
+    cell[i] = PyLong_AsLongLongAndOverflow(whole.ptr(), &overflow);
+  }
+  return true;
+}
+
+}  // namespace
+
+static std::unique_ptr<BinaryGrid> make_grid(Bytes blocked, int connectivity, const std::string &method) {
+  constexpr std::pair<const char *, Method> kMethods[] = {
+      {"auto", Method::kAuto}, {"jps", Method::kJump}, {"jps_plus", Method::kJumpTable}, {"astar", Method::kBucket}};
+  const auto known = std::find_if(std::begin(kMethods), std::end(kMethods), [&](auto &m) { return method == m.first; });
+  if (known == std::end(kMethods)) throw nb::value_error("no such method");
+  if (connectivity != 4 && connectivity != 8) throw nb::value_error("connectivity is 4 or 8");
+  const ByteView view = view_of(blocked);
+  if (view.rows == 0 || view.cols == 0) throw nb::value_error("the map has no cells");
+  if (view.rows > 0x7ffffff0 || view.cols > 0x7ffffff0 || (view.rows + 2) * (view.cols + 2) >= 0xffffffffLL) {
+    throw nb::value_error("the map has more than 2^32 cells");
+  }
+  if (known->second == Method::kJumpTable && std::max(view.rows, view.cols) >= JumpTable::kLongest) {
+    throw nb::value_error("a table takes maps of up to 32766 cells a side");
+  }
+  nb::gil_scoped_release released;
+  return std::make_unique<BinaryGrid>(view, connectivity, known->second);
+}
+
+// Status, straight and diagonal steps, and the corners as bytes of int32: (row, col), (row, col), …
+static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle goal, std::optional<double> seconds,
+                          const Flag &cancel) {
+  std::int64_t ends[4];
+  int status = 0;
+  for (int end = 0; end < 2 && status == 0; ++end) {
+    if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
+  }
+  if (status == 0) status = refusal(grid, ends);
+  if (status != 0) return nb::make_tuple(status, 0, 0, nb::bytes("", 0));
+  GridWay way;
+  {
+    nb::gil_scoped_release released;
+    way = grid.find(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience_of(seconds, cancel));
+  }
+  static_assert(sizeof(GridCell) == 2 * sizeof(std::int32_t), "corners are handed over as they lie");
+  return nb::make_tuple(static_cast<int>(way.status), way.straight, way.diagonal,
+                        nb::bytes(way.corners.data(), way.corners.size() * sizeof(GridCell)));
+}
+
+// Many ways at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
+// then status, straight and diagonal steps and the end of its corners for each query, and the corners of all.
+static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
+                           std::optional<double> seconds, const Flag &cancel) {
+  const std::size_t count = starts.shape(0);
+  if (goals.shape(0) != count || starts.shape(1) != 2 || goals.shape(1) != 2) {
+    throw nb::value_error("starts and goals need the same shape (N, 2)");
+  }
+  if (threads < 1 || threads > 1024) throw nb::value_error("threads must be from 1 to 1024");
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t ends[4] = {starts(i, 0), starts(i, 1), goals(i, 0), goals(i, 1)};
+    const int status = refusal(grid, ends);
+    if (status != 0) return nb::make_tuple(i, status);
+  }
+  std::vector<std::uint8_t> statuses(count);
+  std::vector<std::int64_t> steps(2 * count), ends(count);
+  std::vector<std::int32_t> corners;
+  {
+    nb::gil_scoped_release released;
+    const Patience patience = patience_of(seconds, cancel);
+    std::vector<GridWay> ways(count);
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr failure;
+    std::mutex failing;
+    const auto work = [&] {
+      try {
+        for (std::size_t i = next++; i < count; i = next++) {
+          ways[i] = grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
+        }
+      } catch (...) {
+        std::lock_guard lock(failing);
+        failure = std::current_exception();
+        next = count;
+      }
+    };
+    std::vector<std::thread> others;
+    const std::size_t most = std::min<std::size_t>(static_cast<std::size_t>(threads), count);
+    try {
+      while (others.size() + 1 < most) others.emplace_back(work);
+    } catch (const std::system_error &) {  // no more threads to be had: those that run do the work
+    }
+    work();
+    for (std::thread &other : others) other.join();
+    if (failure) std::rethrow_exception(failure);
+    std::size_t total = 0;
+    for (const GridWay &way : ways) total += way.corners.size();
+    corners.reserve(2 * total);
+    for (std::size_t i = 0; i < count; ++i) {
+      statuses[i] = static_cast<std::uint8_t>(ways[i].status);
+      steps[2 * i] = static_cast<std::int64_t>(ways[i].straight);
+      steps[2 * i + 1] = static_cast<std::int64_t>(ways[i].diagonal);
+      for (const GridCell cell : ways[i].corners) corners.insert(corners.end(), {cell.row, cell.col});
+      ends[i] = static_cast<std::int64_t>(corners.size() / 2);
+    }
+  }
+  const std::size_t total = corners.size() / 2;
+  return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(steps), {count, 2}),
+                        to_numpy(std::move(ends), {count}), to_numpy(std::move(corners), {total, 2}));
+}
+
+// Every cell of a way by its corners (row, col), shape (N, 2).
+static auto walk_corners(In<std::int32_t, 2> corners) {
+  std::vector<std::int32_t> cells;
+  if (corners.shape(1) != 2) throw nb::value_error("corners need shape (N, 2)");
+  for (std::size_t i = 0; i < corners.shape(0); ++i) {
+    const std::int32_t row = corners(i, 0), col = corners(i, 1);
+    if (i == 0) {
+      cells.insert(cells.end(), {row, col});
+      continue;
+    }
+    std::int64_t r = corners(i - 1, 0), c = corners(i - 1, 1);
+    const std::int64_t rows = row - r, cols = col - c, steps = std::max(std::abs(rows), std::abs(cols));
+    if (rows != 0 && cols != 0 && std::abs(rows) != std::abs(cols)) throw nb::value_error("a line is neither straight nor diagonal");
+    for (std::int64_t step = 0; step < steps; ++step) {
+      r += (rows > 0) - (rows < 0), c += (cols > 0) - (cols < 0);
+      cells.insert(cells.end(), {static_cast<std::int32_t>(r), static_cast<std::int32_t>(c)});
+    }
+  }
+  const std::size_t count = cells.size() / 2;
+  return to_numpy(std::move(cells), {count, 2});
+}
+
+static void update(BinaryGrid &grid, std::int64_t row, std::int64_t col, Bytes values) {
+  const ByteView view = view_of(values);
+  if (row < 0 || col < 0 || row > grid.rows() - view.rows || col > grid.cols() - view.cols) {
+    throw nb::value_error("the rectangle lies outside the map");
+  }
+  nb::gil_scoped_release released;
+  grid.update(row, col, view);
+}
+
+static const char *method_name(const BinaryGrid &grid) {
+  const Method method = grid.method();
+  return method == Method::kBucket ? "astar" : method == Method::kJumpTable ? "jps_plus" : "jps";
+}
+
+}  // namespace trundle
+
+void bind_binary_grid(nanobind::module_ &m) {
+  namespace nb = nanobind;
+  nb::class_<trundle::BinaryGrid>(m, "BinaryGrid")
+      .def(nb::new_(&trundle::make_grid), nb::arg("blocked").noconvert(), nb::arg("connectivity"), nb::arg("method"))
+      .def("find_way", &trundle::find_way, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
+           nb::arg("cancel").none())
+      .def("find_ways", &trundle::find_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
+           nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
+      .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())
+      .def_prop_ro("method", &trundle::method_name)
+      .def_prop_ro("clutter", &trundle::BinaryGrid::clutter)
+      .def_prop_ro("bytes", &trundle::BinaryGrid::bytes);
+  m.def("walk_corners", &trundle::walk_corners, nb::arg("corners").noconvert());
+}

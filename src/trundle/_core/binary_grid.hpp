@@ -1,0 +1,199 @@
+// A map of blocked and free cells, ready for searches from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <vector>
+
+#include "bit_grid.hpp"
+#include "bucket_search.hpp"
+#include "free_runs.hpp"
+#include "jump_search.hpp"
+#include "jump_table.hpp"
+
+namespace trundle {
+
+enum class Method { kAuto, kJump, kJumpTable, kBucket };
+
+// A rectangle of bytes, not 0 where a cell is blocked, with any strides.
+struct ByteView {
+  const std::uint8_t *data;
+  std::int64_t rows, cols, row_stride, col_stride;
+  std::uint8_t at(std::int64_t row, std::int64_t col) const { return data[row * row_stride + col * col_stride]; }
+  ByteView transposed() const { return {data, cols, rows, col_stride, row_stride}; }
+};
+
+class BinaryGrid {
+ public:
+  // With more obstacles than this among the free cells, bucket A* is faster than jumps: there are so many ways round.
+  static constexpr double kCluttered = 0.06;
+
+  BinaryGrid(const ByteView &blocked, int connectivity, Method method)
+      : connectivity_(connectivity),
+        asked_(method),
+        lines_(blocked.rows + 2, blocked.cols + 2),
+        turned_(blocked.cols + 2, blocked.rows + 2) {
+    if (blocked.row_stride < blocked.col_stride) {
+      pack(blocked.transposed(), turned_);
+      lines_.transpose(turned_);
+    } else {
+      pack(blocked, lines_);
+      turned_.transpose(lines_);
+    }
+    lines_.count(0, lines_.rows(), free_, euler_);
+    runs_.label(lines_);
+    choose_method();
+  }
+
+  std::int64_t rows() const { return lines_.rows() - 2; }
+  std::int64_t cols() const { return lines_.cols() - 2; }
+  bool inside(std::int64_t row, std::int64_t col) const { return row >= 0 && row < rows() && col >= 0 && col < cols(); }
+
+  Method method() const {
+    std::shared_lock lock(change_);
+    return method_;
+  }
+  bool blocked(GridCell cell) const {
+    std::shared_lock lock(change_);
+    return lines_.blocked(cell.row + 1, cell.col + 1);
+  }
+  // Obstacles that one can go round, per free cell.
+  double clutter() const {
+    std::shared_lock lock(change_);
+    return clutter_now();
+  }
+
+  // Memory that is kept between searches, without what searches in other threads have taken out.
+  std::size_t bytes() const {
+    std::shared_lock lock(change_);
+    std::size_t sum = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
+    if (table_) sum += table_->bytes();
+    std::lock_guard pool(pool_);
+    for (const auto &memory : jump_pool_) sum += memory->bytes();
+    for (const auto &memory : bucket_pool_) sum += memory->bytes();
+    return sum;
+  }
+
+  // Cells inside the map; unreachable where one is blocked. The way from a to b is that from b to a, backwards.
+  GridWay find(GridCell start, GridCell goal, const Patience &patience) const {
+    std::shared_lock lock(change_);
+    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
+    GridWay way;
+    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return way;
+    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return way;
+    const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
+    if (turn) std::swap(from, to);
+    if (method_ == Method::kBucket) {
+      auto memory = borrow(bucket_pool_, masks_->size());
+      way = bucket_search(*masks_, connectivity_, from, to, patience, *memory);
+      give_back(bucket_pool_, std::move(memory));
+    } else {
+      auto memory = borrow(jump_pool_);
+      way = table_ ? jump_search(lines_, *table_, from, to, patience, *memory)
+                   : jump_search(lines_, BitJumps(lines_, turned_), from, to, patience, *memory);
+      give_back(jump_pool_, std::move(memory));
+    }
+    if (turn) std::reverse(way.corners.begin(), way.corners.end());
+    for (GridCell &cell : way.corners) --cell.row, --cell.col;
+    return way;
+  }
+
+  // New values for a rectangle that lies inside.
+  void update(std::int64_t row, std::int64_t col, const ByteView &values) {
+    if (values.rows == 0 || values.cols == 0) return;
+    std::unique_lock lock(change_);
+    const std::int64_t row_end = row + values.rows, col_end = col + values.cols;
+    const auto recount = [&](std::int64_t sign) {
+      std::int64_t free = 0, euler = 0;
+      lines_.count(row, row_end + 1, free, euler);
+      free_ += sign * free, euler_ += sign * euler;
+    };
+    recount(-1);
+    for (std::int64_t r = 0; r < values.rows; ++r) {
+      for (std::int64_t c = 0; c < values.cols; ++c) {
+        const bool blocked = values.at(r, c) != 0;
+        lines_.set(row + r + 1, col + c + 1, blocked);
+        turned_.set(col + c + 1, row + r + 1, blocked);
+      }
+    }
+    recount(1);
+    runs_.label(lines_);
+    if (masks_) masks_->fill(lines_, row, row_end + 2);
+    table_.reset();
+    choose_method();
+  }
+
+ private:
+  static void pack(const ByteView &blocked, BitGrid &grid) {
+    std::vector<std::uint8_t> line(grid.words() * 64, 1);
+    for (std::int64_t row = 0; row < blocked.rows; ++row) {
+      const std::uint8_t *source = blocked.data + row * blocked.row_stride;
+      if (blocked.col_stride == 1) {
+        std::memcpy(line.data() + 1, source, static_cast<std::size_t>(blocked.cols));
+      } else {
+        for (std::int64_t col = 0; col < blocked.cols; ++col) line[col + 1] = source[col * blocked.col_stride];
+      }
+      for (std::size_t w = 0; w < grid.words(); ++w) {
+        std::uint64_t bits = 0;
+        for (std::size_t group = 0; group < 8; ++group) {
+          constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fULL;
+          std::uint64_t eight = 0;
+          for (std::size_t i = 0; i < 8; ++i) eight |= std::uint64_t{line[w * 64 + group * 8 + i]} << (8 * i);
+          const std::uint64_t set = (((eight & kLow) + kLow) | eight) & ~kLow;  // the top bit of bytes that are not 0
+          bits |= ((set >> 7) * 0x0102040810204080ULL >> 56) << (8 * group);
+        }
+        grid.word(row + 1, w) = bits;
+      }
+    }
+  }
+
+  double clutter_now() const {
+    const std::int64_t obstacles = runs_.components() - euler_ / 4;
+    return free_ > 0 ? static_cast<double>(obstacles) / static_cast<double>(free_) : 0.0;
+  }
+
+  void choose_method() {
+    method_ = asked_;
+    if (asked_ == Method::kAuto) method_ = clutter_now() > kCluttered ? Method::kBucket : Method::kJump;
+    if (connectivity_ == 4) method_ = Method::kBucket;
+    if (method_ != Method::kBucket) {
+      masks_.reset();
+      bucket_pool_.clear();
+    } else if (!masks_) {
+      masks_ = std::make_unique<StepMasks>(lines_);
+    }
+    if (method_ == Method::kJumpTable) table_ = std::make_unique<JumpTable>(lines_, turned_);
+  }
+
+  template <typename Memory, typename... Arguments>
+  std::unique_ptr<Memory> borrow(std::vector<std::unique_ptr<Memory>> &pool, Arguments... arguments) const {
+    std::lock_guard lock(pool_);
+    if (pool.empty()) return std::make_unique<Memory>(arguments...);
+    auto memory = std::move(pool.back());
+    pool.pop_back();
+    return memory;
+  }
+  template <typename Memory>
+  void give_back(std::vector<std::unique_ptr<Memory>> &pool, std::unique_ptr<Memory> memory) const {
+    std::lock_guard lock(pool_);
+    pool.push_back(std::move(memory));
+  }
+
+  const int connectivity_;
+  const Method asked_;
+  Method method_ = Method::kJump;
+  BitGrid lines_, turned_;  // rows, and columns
+  FreeRuns runs_;
+  std::int64_t free_ = 0, euler_ = 0;  // cells, and four times the Euler number of the free space
+  std::unique_ptr<StepMasks> masks_;
+  std::unique_ptr<JumpTable> table_;
+  mutable std::shared_mutex change_;
+  mutable std::mutex pool_;
+  mutable std::vector<std::unique_ptr<JumpNodes>> jump_pool_;
+  mutable std::vector<std::unique_ptr<BucketMemory>> bucket_pool_;
+};
+
+}  // namespace trundle

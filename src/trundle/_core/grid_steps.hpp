@@ -1,0 +1,74 @@
+// Steps on a grid: their directions, and what they cost in whole numbers.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <vector>
+
+namespace trundle {
+
+struct GridCell {
+  std::int32_t row, col;
+  bool operator==(const GridCell &other) const { return row == other.row && col == other.col; }
+};
+
+// 8119 / 5741 = √2 to 1e-8. Costs have 48 bits or more: no way on a map of 2³² cells is that dear.
+constexpr std::uint64_t kStraightCost = 5741, kDiagonalCost = 8119;
+
+// Directions by growing angle: E, NE, N, NW, W, SW, S, SE, with rows growing to the north. Even ones are straight.
+constexpr int kStepRow[8] = {0, 1, 1, 1, 0, -1, -1, -1};
+constexpr int kStepCol[8] = {1, 1, 0, -1, -1, -1, 0, 1};
+constexpr int kFromNowhere = 8;
+
+inline std::uint64_t octile_cost(std::int64_t rows, std::int64_t cols) {
+  const auto a = static_cast<std::uint64_t>(std::abs(rows)), b = static_cast<std::uint64_t>(std::abs(cols));
+  return a < b ? (b - a) * kStraightCost + a * kDiagonalCost : (a - b) * kStraightCost + b * kDiagonalCost;
+}
+
+inline std::uint64_t manhattan_cost(std::int64_t rows, std::int64_t cols) {
+  return static_cast<std::uint64_t>(std::abs(rows) + std::abs(cols)) * kStraightCost;
+}
+
+enum class SearchStatus { kFound, kUnreachable, kTimeout, kCancelled };
+
+// When to give up: a moment, and a byte that somebody else may set.
+struct Patience {
+  std::optional<std::chrono::steady_clock::time_point> deadline;
+  const std::uint8_t *cancel = nullptr;
+
+  // Anything but found says why to stop.
+  SearchStatus left() const {
+    if (cancel != nullptr && __atomic_load_n(cancel, __ATOMIC_RELAXED) != 0) return SearchStatus::kCancelled;
+    if (deadline && std::chrono::steady_clock::now() >= *deadline) return SearchStatus::kTimeout;
+    return SearchStatus::kFound;
+  }
+};
+
+// A way by the cells where it turns, with its ends.
+struct GridWay {
+  SearchStatus status = SearchStatus::kUnreachable;
+  std::vector<GridCell> corners;
+  std::uint64_t straight = 0, diagonal = 0;  // steps
+
+  // Add the next cell of a way whose parts are straight or diagonal lines; those that go on in line become one.
+  void add(GridCell cell) {
+    if (!corners.empty()) {
+      const GridCell last = corners.back();
+      const std::int64_t rows = std::abs(cell.row - last.row), cols = std::abs(cell.col - last.col);
+      (rows != 0 && cols != 0 ? diagonal : straight) += static_cast<std::uint64_t>(std::max(rows, cols));
+      if (corners.size() > 1 && in_line(corners[corners.size() - 2], last, cell)) corners.pop_back();
+    }
+    corners.push_back(cell);
+  }
+
+ private:
+  static int sign(std::int32_t value) { return (value > 0) - (value < 0); }
+  static bool in_line(GridCell a, GridCell b, GridCell c) {
+    return sign(b.row - a.row) == sign(c.row - b.row) && sign(b.col - a.col) == sign(c.col - b.col);
+  }
+};
+
+}  // namespace trundle

@@ -1,0 +1,251 @@
+// Jump point search without corner cutting: D. Harabor, A. Grastien, "Improving Jump Point Search" (2014), with blocks
+// of cells scanned together and without the intermediate points of diagonal jumps, JPS (B + P). Diagonal jumps are
+// bounded as in N. Sturtevant, S. Rabin, "Canonical Orderings on Grids" (2016), where they lead away from the goal.
+//
+// `Jumps` says where jumps lead: by scans of the bits, or by a table (JPS+).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "bit_grid.hpp"
+#include "grid_steps.hpp"
+
+namespace trundle {
+
+// The nodes of one search, found by their cells. Emptied without being gone through.
+class JumpNodes {
+ public:
+  struct Node {
+    std::uint64_t reached;  // cost from the start
+    GridCell cell;
+    std::uint32_t parent;
+    std::int32_t arrival;  // direction of the last step
+  };
+  struct Open {
+    std::uint64_t total, reached;
+    std::uint32_t node;
+    // The heap's top is the smallest total, and the one that has come farthest of those.
+    bool operator<(const Open &other) const {
+      return total != other.total ? total > other.total : reached < other.reached;
+    }
+  };
+
+  std::vector<Node> nodes;
+  std::vector<Open> open;
+
+  void clear() {
+    nodes.clear();
+    open.clear();
+    if (++generation_ == 0) {
+      std::fill(slots_.begin(), slots_.end(), Slot{0, 0});
+      generation_ = 1;
+    }
+  }
+
+  std::size_t bytes() const {
+    return slots_.capacity() * sizeof(Slot) + nodes.capacity() * sizeof(Node) + open.capacity() * sizeof(Open);
+  }
+
+  // The node of a cell, and whether it is new.
+  std::pair<std::uint32_t, bool> at(GridCell cell) {
+    if (nodes.size() * 2 >= slots_.size()) grow();
+    for (std::size_t slot = hash(cell);; slot = (slot + 1) & (slots_.size() - 1)) {
+      if (slots_[slot].generation != generation_) {
+        const auto index = static_cast<std::uint32_t>(nodes.size());
+        slots_[slot] = {generation_, index};
+        nodes.push_back({0, cell, index, kFromNowhere});
+        return {index, true};
+      }
+      if (nodes[slots_[slot].node].cell == cell) return {slots_[slot].node, false};
+    }
+  }
+
+ private:
+  struct Slot {
+    std::uint32_t generation, node;
+  };
+
+  std::size_t hash(GridCell cell) const {
+    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.row)) << 32 |
+                              static_cast<std::uint32_t>(cell.col);
+    return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15ULL >> shift_);
+  }
+
+  void grow() {
+    slots_.assign(std::max<std::size_t>(512, slots_.size() * 2), Slot{0, 0});
+    generation_ = 1;
+    shift_ = 64;
+    for (std::size_t size = slots_.size(); size > 1; size /= 2) --shift_;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      std::size_t slot = hash(nodes[i].cell);
+      while (slots_[slot].generation == generation_) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = {generation_, static_cast<std::uint32_t>(i)};
+    }
+  }
+
+  std::vector<Slot> slots_;
+  std::uint32_t generation_ = 0;
+  int shift_ = 64;
+};
+
+// Jumps by scanning the bits of a grid and of its transpose.
+class BitJumps {
+ public:
+  BitJumps(const BitGrid &rows, const BitGrid &cols) : rows_(rows), cols_(cols) {}
+
+  void prefetch(GridCell cell) const {
+    rows_.prefetch(cell.row, cell.col);
+    cols_.prefetch(cell.col, cell.row);
+  }
+
+  // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in a direction.
+  // A diagonal jump that has led so far away that the way to the goal costs more than `least` from here is put off:
+  // where it got to is given as if it were a jump point, and most are never asked for again.
+  template <typename Reach>
+  void jump(int direction, GridCell from, GridCell goal, std::uint64_t least, Reach &&reach) const {
+    switch (direction) {
+      case 0: straight<0>(from, goal, 0, reach); break;
+      case 1: diagonal<1>(from, goal, least, reach); break;
+      case 2: straight<2>(from, goal, 0, reach); break;
+      case 3: diagonal<3>(from, goal, least, reach); break;
+      case 4: straight<4>(from, goal, 0, reach); break;
+      case 5: diagonal<5>(from, goal, least, reach); break;
+      case 6: straight<6>(from, goal, 0, reach); break;
+      default: diagonal<7>(from, goal, least, reach);
+    }
+  }
+
+ private:
+  static constexpr std::uint64_t kAtOnce = 16;  // diagonal steps; measured: 8 to 32 are alike
+
+  template <int Direction>
+  Stop scan(GridCell from) const {
+    if constexpr (Direction == 0) return rows_.scan_up(from.row, from.col);
+    if constexpr (Direction == 4) return rows_.scan_down(from.row, from.col);
+    if constexpr (Direction == 2) return cols_.scan_up(from.col, from.row);
+    if constexpr (Direction == 6) return cols_.scan_down(from.col, from.row);
+  }
+
+  // Returns whether the next cell is free.
+  template <int Direction, typename Reach>
+  bool straight(GridCell from, GridCell goal, std::uint64_t diagonal, Reach &reach) const {
+    constexpr bool kAcross = Direction % 4 == 0;
+    constexpr int kSign = kAcross ? kStepCol[Direction] : kStepRow[Direction];
+    const Stop stop = scan<Direction>(from);
+    const std::int32_t here = kAcross ? from.col : from.row;
+    const std::int32_t steps = (stop.at - here) * kSign;
+    const bool in_line = kAcross ? from.row == goal.row : from.col == goal.col;
+    const std::int32_t to_goal = ((kAcross ? goal.col : goal.row) - here) * kSign;
+    if (in_line && to_goal > 0 && to_goal <= steps) {
+      reach(goal, static_cast<std::uint64_t>(to_goal), diagonal, Direction);
+    } else if (!stop.blocked) {
+      const GridCell cell = kAcross ? GridCell{from.row, stop.at} : GridCell{stop.at, from.col};
+      reach(cell, static_cast<std::uint64_t>(steps), diagonal, Direction);
+    }
+    return !stop.blocked || steps > 1;
+  }
+
+  template <int Direction, typename Reach>
+  void diagonal(GridCell from, GridCell goal, std::uint64_t least, Reach &reach) const {
+    constexpr int kAlong = kStepCol[Direction] > 0 ? 0 : 4, kUp = kStepRow[Direction] > 0 ? 2 : 6;
+    GridCell cell = from;
+    bool free = !rows_.blocked(cell.row, cell.col + kStepCol[Direction]) &&
+                !rows_.blocked(cell.row + kStepRow[Direction], cell.col);
+    for (std::uint64_t steps = 1; free; ++steps) {
+      cell = {cell.row + kStepRow[Direction], cell.col + kStepCol[Direction]};
+      if (rows_.blocked(cell.row, cell.col)) return;
+      if (steps % kAtOnce == 0 &&
+          steps * kDiagonalCost + octile_cost(cell.row - goal.row, cell.col - goal.col) > least) {
+        reach(cell, 0, steps, Direction);
+        return;
+      }
+      if (steps % 8 == 1) prefetch({cell.row + 12 * kStepRow[Direction], cell.col + 12 * kStepCol[Direction]});
+      if (cell == goal) {
+        reach(goal, 0, steps, Direction);
+        return;
+      }
+      free = straight<kAlong>(cell, goal, steps, reach);
+      free = straight<kUp>(cell, goal, steps, reach) && free;
+    }
+  }
+
+  const BitGrid &rows_, &cols_;
+};
+
+// Directions worth going on in from a cell that was reached by a step of a direction, as bits.
+inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arrival) {
+  if (arrival == kFromNowhere) return 0xff;
+  const auto bit = [](int direction) { return 1u << (direction & 7); };
+  if (arrival & 1) return bit(arrival - 1) | bit(arrival) | bit(arrival + 1);
+  const auto blocked = [&](int direction) {
+    return rows.blocked(cell.row + kStepRow[direction & 7], cell.col + kStepCol[direction & 7]);
+  };
+  unsigned onward = bit(arrival);
+  if (blocked(arrival + 3) && !blocked(arrival + 2)) onward |= bit(arrival + 1) | bit(arrival + 2);
+  if (blocked(arrival - 3) && !blocked(arrival - 2)) onward |= bit(arrival - 1) | bit(arrival - 2);
+  return onward;
+}
+
+// Start and goal are free and joined. The way is the octile optimum.
+template <typename Jumps>
+GridWay jump_search(const BitGrid &rows, const Jumps &jumps, GridCell start, GridCell goal, const Patience &patience,
+                    JumpNodes &memory) {
+  constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
+  memory.clear();
+  const auto estimate = [&](GridCell cell) { return octile_cost(cell.row - goal.row, cell.col - goal.col); };
+  memory.at(start);
+  memory.open.push_back({estimate(start), 0, 0});
+  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::uint64_t best = start == goal ? 0 : kNone;  // cost of the cheapest way to the goal so far
+  GridWay way;
+  for (std::uint32_t turn = 0; !memory.open.empty(); ++turn) {
+    if (turn % kPoll == 0) {
+      way.status = patience.left();
+      if (way.status != SearchStatus::kFound) return way;
+    }
+    std::pop_heap(memory.open.begin(), memory.open.end());
+    const JumpNodes::Open entry = memory.open.back();
+    memory.open.pop_back();
+    const JumpNodes::Node node = memory.nodes[entry.node];
+    if (entry.total >= best) break;
+    if (node.reached != entry.reached) continue;  // reached more cheaply since
+    const auto reach = [&](GridCell cell, std::uint64_t straight, std::uint64_t diagonal, int arrival) {
+      const std::uint64_t reached = node.reached + straight * kStraightCost + diagonal * kDiagonalCost;
+      const std::uint64_t total = reached + estimate(cell);
+      if (total >= best) return;
+      const auto [index, fresh] = memory.at(cell);
+      JumpNodes::Node &known = memory.nodes[index];
+      if (!fresh && known.reached <= reached) return;
+      known = {reached, cell, entry.node, arrival};
+      memory.open.push_back({total, reached, index});
+      std::push_heap(memory.open.begin(), memory.open.end());
+      jumps.prefetch(cell);
+      if (cell == goal) best = total;
+    };
+    for (unsigned left = onward_directions(rows, node.cell, node.arrival); left != 0; left &= left - 1) {
+      jumps.jump(__builtin_ctz(left), node.cell, goal, entry.total - entry.reached, reach);
+    }
+  }
+  way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
+  if (way.status != SearchStatus::kFound) return way;
+  for (std::uint32_t index = memory.at(goal).first;; index = memory.nodes[index].parent) {
+    const GridCell cell = memory.nodes[index].cell;
+    if (!way.corners.empty()) {  // a jump goes diagonally first, so backwards it ends so
+      const GridCell last = way.corners.back();
+      const std::int32_t rows_left = last.row - cell.row, cols_left = last.col - cell.col;
+      const std::int32_t diagonal = std::min(std::abs(rows_left), std::abs(cols_left));
+      const GridCell corner{cell.row + (rows_left > 0 ? diagonal : -diagonal),
+                            cell.col + (cols_left > 0 ? diagonal : -diagonal)};
+      if (diagonal > 0 && !(corner == last)) way.add(corner);
+    }
+    way.add(cell);
+    if (cell == start) break;
+  }
+  std::reverse(way.corners.begin(), way.corners.end());
+  return way;
+}
+
+}  // namespace trundle
