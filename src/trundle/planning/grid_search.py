@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, overload
@@ -212,7 +213,7 @@ class GridSearch:
         starts: npt.ArrayLike,
         goals: npt.ArrayLike,
         *,
-        threads: int = 2,
+        threads: int | None = None,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> GridPaths:
@@ -221,7 +222,7 @@ class GridSearch:
         Args:
             starts: (row, col) of each, whole numbers, shape (N, 2).
             goals: The same.
-            threads: How many threads to use.
+            threads: How many to use; none means as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
             cancel: Give up when this says so; those not found have the status "cancelled".
 
@@ -231,6 +232,8 @@ class GridSearch:
             InputError: If an argument is none of these.
         """
         flag = _check_limits(deadline_s, cancel)
+        if threads is None:
+            threads = min(8, os.cpu_count() or 1)
         if not (isinstance(threads, int) and 1 <= threads <= 1024):
             raise InputError(f"threads must be a whole number from 1 to 1024, got {threads!r}")
         first, last = _as_cells(starts, "starts"), _as_cells(goals, "goals")
