@@ -69,6 +69,14 @@ def test_drive_ends_where_the_commands_lead(trundle, fake):
     assert fake.app_closes == 1
 
 
+def test_plan_takes_the_backend_and_starts_nothing(trundle, fake, hall_map):
+    done = trundle("plan", hall_map, "--backend", "isaac", "--start", "-2.5,-1", "--goal", "2,1.5", "--json")
+    assert done.code == 0, done.err
+    assert done.json["length_m"] > 4.5
+    assert fake.app_starts == 0
+    assert "unknown backend 'isac'" in trundle("plan", hall_map, "--backend", "isac").err
+
+
 def test_run_drives_on_the_environments_map_and_leaves_a_scenario_that_repeats_it(
     trundle,
     make_fake,

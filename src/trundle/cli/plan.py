@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
-from trundle.errors import NoPathError
+from trundle.errors import NoPathError, UnknownNameError
 
 app = App(
     name="plan",
@@ -32,6 +32,7 @@ def plan(
     planner: options.PlannerName = "least_cost",
     seed: options.Seed = 0,
     compat: options.Compat = None,
+    backend: options.Backend = "mujoco",
     out: Annotated[FilePath, Parameter(name=["--out", "-o"])] = FilePath("overlay.png"),
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -42,13 +43,17 @@ def plan(
 
     Args:
         map_file: The YAML of a ROS map.
+        backend: Taken as every step takes it; a plan needs no simulator, and none is started.
         out: The picture, or a folder for overlay.png.
     """
     from trundle.files import atomic_path
     from trundle.maps import OccupancyGrid
     from trundle.navigation import Navigator
     from trundle.record.overlay import draw_plan
+    from trundle.sim import simulator_names
 
+    if backend not in simulator_names():
+        raise UnknownNameError("backend", backend, simulator_names())
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
     target = options.output_file(out, "overlay.png", (".png",))
