@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from trundle.planning.footprint_planner import FootprintPlanner
+from trundle.planning.binary_planner import BinaryPlanner
 
 
-class AStarPlanner(FootprintPlanner):
-    """Ignores costs below 253 and finds the shortest way, then checks and shortens it like `LeastCostPlanner`.
+class AStarPlanner(BinaryPlanner):
+    """Finds the shortest way with A* and a bucket queue, then checks and shortens it like `LeastCostPlanner`.
 
-    `Path.cost` is its length [m]. For the options see `FootprintPlanner`.
+    Cells of 253 and more are blocked, and what the others cost does not count. For the options see `BinaryPlanner`.
     """
 
     def __init__(
@@ -21,8 +21,7 @@ class AStarPlanner(FootprintPlanner):
     ) -> None:
         super().__init__(
             "astar",
-            neutral_cost=1.0,
-            cost_weight=0.0,
+            "astar",
             start_tolerance=start_tolerance,
             goal_tolerance=goal_tolerance,
             max_replans=max_replans,

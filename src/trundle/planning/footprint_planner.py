@@ -137,7 +137,7 @@ class FootprintPlanner:
         # Searched from the lower cell to the higher, so that both directions give the same way.
         turned = (goal.cell, goal.pose.as_tuple()) < (start.cell, start.pose.as_tuple())
         first, last = (goal, start) if turned else (start, goal)
-        cells, _ = _core.grid_search(costs, self._search_weights, first.cell, last.cell)
+        cells = self._find_cells(costmap, costs, first.cell, last.cell)
         if len(cells) == 0:
             return None
         centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
@@ -147,6 +147,15 @@ class FootprintPlanner:
         vertices = _to_map(costmap, points[chosen])
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
+
+    def _find_cells(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: tuple[int, int], goal: tuple[int, int]
+    ) -> npt.NDArray[np.int32]:
+        """Cells (row, col) of the best way from cell to cell over `costs`, shape (N, 2), N = 0 where there is none.
+
+        `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
+        """
+        return _core.grid_search(costs, self._search_weights, start, goal)[0]
 
     def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
         first = np.array(query.start.pose.as_tuple())

@@ -16,6 +16,8 @@ PLANNERS = Registry(
     {
         "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
         "astar": "trundle.planning.astar:AStarPlanner",
+        "jps": "trundle.planning.jps:JpsPlanner",
+        "jps_plus": "trundle.planning.jps:JpsPlusPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
     },
 )
