@@ -2,6 +2,7 @@
 
 import sys
 
+import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdPhysics
 
@@ -189,7 +190,7 @@ def test_a_stage_without_a_floor(make_fake):
 
 def test_physics_that_broke_down(fake):
     with make() as sim:
-        fake.on_step = lambda _: setattr(fake.body, "position", [float("nan"), 0.0, 0.0])
+        fake.body.world_pose = lambda: (np.full(3, np.nan), np.array([1.0, 0.0, 0.0, 0.0]))
         with pytest.raises(SimulationError, match=r"broke down.*smaller --physics-dt than 0.005 s"):
             sim.step(Twist2D(), 0.05)
 

@@ -80,6 +80,20 @@ def test_the_start_pose_is_written_on_the_robots_prim_above_the_ground(fake):
     assert orientation == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
 
 
+@pytest.mark.parametrize("generation", [5, 6])
+def test_an_articulation_whose_root_is_not_base_link_is_told_of_at_base_link(make_fake, generation):
+    make_fake(generation, root=Pose2D(-0.2, 0.05, 0.3))
+    with Application(headless=True):
+        check_simulator(lambda world, robot: IsaacSimulator(world, robot))
+
+
+def test_a_robot_that_is_not_where_it_was_put_is_an_error(make_fake):
+    fake = make_fake(6, root=Pose2D(3.0, 0.0))
+    with pytest.raises(SimulationError, match=r"its root is 3.00 m away"):
+        IsaacSimulator(EMPTY, trundle.Robot.load("nova_carter"), headless=True)
+    assert fake.app_closes == 1
+
+
 @pytest.mark.parametrize("physics_dt", [0.0025, 0.005, 0.01])
 def test_a_control_period_has_as_many_physics_steps_as_fit(fake, physics_dt):
     with IsaacSimulator(EMPTY, trundle.Robot.load("nova_carter"), headless=True, physics_dt=physics_dt) as sim:

@@ -139,19 +139,15 @@ class Behaviour:
     def do_World_clear_instance(self):
         self.world_exists = False
 
-    def do_World_scene(self, world):
-        return self._bare("isaacsim.core.api", "Scene")
-
-    def do_Scene_add(self, scene, obj):
-        self.body.in_scene = True
-        return obj
-
     def do_World_reset(self, world, soft):
-        if self.body is None or not self.body.in_scene:
-            raise Refused("a reset takes hold of what is in the scene alone, and the robot is not")
         self._stop()
         self._play()
-        self.body.place(*self.body.default)
+        self.body.valid = False  # what is in no scene is not taken hold of
+
+    def do_WheeledRobot_initialize(self, robot, physics_sim_view):
+        if self.timeline != "playing":
+            raise Refused("initialize before physics runs")
+        self.body.valid = True
 
     def do_World_step(self, world, render, step_sim, update_fabric):
         if render:
@@ -239,9 +235,6 @@ class Behaviour:
 
     def do_WheeledRobot_set_world_pose(self, robot, position, orientation):
         self.body.place(position, orientation)
-
-    def do_WheeledRobot_set_default_state(self, robot, position, orientation):
-        self.body.default = (np.array(position), np.array(orientation))
 
     def do_WheeledRobot_set_world_poses(self, robot, positions, orientations, indices):
         self.body.place(positions[0], orientations[0])

@@ -20,9 +20,8 @@ class Body:
         bodies = [prim for prim in prims if prim.HasAPI(pxr.UsdPhysics.RigidBodyAPI)]
         self.reports = False
         self.parts = [str(prim.GetPath()) for prim in bodies]
-        self.valid = self.in_scene = False
-        self.default = (np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-        self.place(*self.default)
+        self.valid = False
+        self.place(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
         self.angles = self.speeds = self.targets = (0.0, 0.0)
 
     def start(self):
@@ -54,14 +53,17 @@ class Body:
         )
 
     def world_pose(self):
-        half = self.yaw / 2.0
-        quaternion = np.array([math.cos(half), 0.0, 0.0, math.sin(half)], dtype=np.float32)
-        return np.array(self.position, dtype=np.float32), quaternion
+        """Of the articulation's root, which lies at `fake.root` in the robot's prim."""
+        root = Pose2D(self.position[0], self.position[1], self.yaw) @ self.fake.root
+        half = root.yaw / 2.0
+        position = np.array([root.x, root.y, self.position[2]], dtype=np.float32)
+        return position, np.array([math.cos(half), 0.0, 0.0, math.sin(half)], dtype=np.float32)
 
     def velocities(self):
         v, w = self.motion.v, self.motion.w
-        linear = np.array([v * math.cos(self.yaw), v * math.sin(self.yaw), 0.0], dtype=np.float32)
-        return linear, np.array([0.0, 0.0, w], dtype=np.float32)
+        root = Pose2D(0.0, 0.0, self.yaw) @ self.fake.root
+        linear = [v * math.cos(self.yaw) - w * root.y, v * math.sin(self.yaw) + w * root.x, 0.0]
+        return np.array(linear, dtype=np.float32), np.array([0.0, 0.0, w], dtype=np.float32)
 
     def contacts(self):
         """Wheels on the floor, and what the footprint overlaps: the robot's prim, the other's prim, and where."""

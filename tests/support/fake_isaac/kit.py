@@ -9,6 +9,7 @@ import typing
 
 from support.fake_isaac.behaviour import Behaviour
 from support.fake_isaac.refused import Refused, check_shape
+from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.sim.isaac.signatures import read_signatures
 
@@ -29,6 +30,7 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
         robot: What drives: the wheels that it really has. Its USD is read for the joints.
         assets: What `get_assets_root_path` gives; none cannot be reached.
         floor: Whether there is a floor under the robot.
+        root: Where the articulation's root lies in the robot's prim.
         kit_path: Where Kit's own USD lies; none means that it is installed.
 
     Attributes:
@@ -36,8 +38,11 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
         on_step: Called with the number of every physics step.
     """
 
-    def __init__(self, generation, *, robot="nova_carter", assets=None, floor=True, kit_path=None):
+    def __init__(
+        self, generation, *, robot="nova_carter", assets=None, floor=True, kit_path=None, root=Pose2D(0.0, 0.0)
+    ):
         self.kit_path = kit_path
+        self.root = root
         self.generation = generation
         self.robot = Robot.load(robot)
         self.assets = assets

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.robots import Robot
 
 
 @dataclass(frozen=True, slots=True)
 class BodyState:
-    """How the robot's base moves, in the world frame.
+    """How the robot's articulation root moves, in the world frame.
 
     Attributes:
         position: [m], shape (3,).
@@ -24,6 +25,23 @@ class BodyState:
     quaternion: FloatArray
     linear: FloatArray
     angular: FloatArray
+
+
+def planar_pose(body: BodyState) -> Pose2D:
+    """Its pose on the floor."""
+    w, x, y, z = (float(number) for number in body.quaternion)
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return Pose2D(float(body.position[0]), float(body.position[1]), yaw)
+
+
+def base_motion(body: BodyState, root: Pose2D) -> tuple[Pose2D, Twist2D]:
+    """Pose and twist of base_link, of an articulation whose root lies at `root` in base_link."""
+    at_root = planar_pose(body)
+    pose = at_root @ root.inverse()
+    w = float(body.angular[2])
+    vx = float(body.linear[0]) - w * (pose.y - at_root.y)
+    vy = float(body.linear[1]) + w * (pose.x - at_root.x)
+    return pose, Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w)
 
 
 class Adapter(Protocol):
@@ -82,7 +100,7 @@ class Adapter(Protocol):
         ...
 
     def body(self) -> BodyState:
-        """Return how the base moves."""
+        """Return how the articulation's root moves."""
         ...
 
     def wheel_positions(self) -> tuple[float, float]:

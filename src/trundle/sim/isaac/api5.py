@@ -37,11 +37,11 @@ class Isaac5Adapter:
         stage_utils.add_reference_to_stage(usd_path=usd, prim_path=path)
 
     def load_robot(self, robot: Robot, path: str, timestep: float) -> None:
-        """Make the world and put the robot into its scene, so that every reset takes hold of its joints anew."""
+        """Make the world; the robot stays out of its scene, whose reset would put it back to a default pose."""
         drive = robot.drive
         self._world = World(physics_dt=timestep, rendering_dt=timestep, stage_units_in_meters=1.0)
-        self._robot: WheeledRobot = self._world.scene.add(
-            WheeledRobot(prim_path=path, name=robot.name, wheel_dof_names=[drive.left_joint, drive.right_joint])
+        self._robot = WheeledRobot(
+            prim_path=path, name=robot.name, wheel_dof_names=[drive.left_joint, drive.right_joint]
         )
         self._controller = _controller(robot)
 
@@ -49,9 +49,9 @@ class Isaac5Adapter:
         """Write a pose on the robot's prim while the timeline stands, and play."""
         self._world.stop()
         self._robot.set_world_pose(position=position, orientation=quaternion)
-        # The reset puts every object of the scene back to its default state.
-        self._robot.set_default_state(position=position, orientation=quaternion)
         self._world.reset()
+        # Whoever is in no scene takes hold of its joints anew after every stop.
+        self._robot.initialize()
 
     def joint_names(self) -> list[str]:
         """Return the names of the articulation's degrees of freedom, in its order."""
@@ -84,7 +84,7 @@ class Isaac5Adapter:
         self._robot.set_joint_velocities(np.zeros(self._robot.num_dof))
 
     def body(self) -> BodyState:
-        """Return how the base moves."""
+        """Return how the articulation's root moves."""
         position, quaternion = self._robot.get_world_pose()
         return BodyState(position, quaternion, self._robot.get_linear_velocity(), self._robot.get_angular_velocity())
 

@@ -98,7 +98,7 @@ class Isaac6Adapter:
         self._robot.set_dof_velocities(0.0)
 
     def body(self) -> BodyState:
-        """Return how the base moves."""
+        """Return how the articulation's root moves."""
         positions, quaternions = self._robot.get_world_poses()
         linear, angular = self._robot.get_velocities()
         return BodyState(positions.numpy()[0], quaternions.numpy()[0], linear.numpy()[0], angular.numpy()[0])

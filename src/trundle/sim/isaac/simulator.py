@@ -14,7 +14,7 @@ import numpy as np
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.geometry import Pose2D, Twist2D, integrate_twist
 from trundle.robots import Robot, WheelSpeeds
-from trundle.sim.isaac.adapter import Adapter, BodyState
+from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, planar_pose
 from trundle.sim.isaac.application import Application, running_application
 from trundle.sim.isaac.assets import environment_path, find_root, given_root, robot_path
 from trundle.sim.isaac.signatures import differences
@@ -146,6 +146,15 @@ class IsaacSimulator:
             np.array([pose.x, pose.y, self._ground_offset]),
             np.array([math.cos(half), 0.0, 0.0, math.sin(half)]),
         )
+        # The prim is base_link; what Isaac Sim tells the pose of is the articulation's root, which need not lie there.
+        body = adapter.body()
+        self._check_sound(body)
+        self._root = pose.inverse() @ planar_pose(body)
+        if math.hypot(self._root.x, self._root.y) > self._robot.circumscribed_radius:
+            raise SimulationError(
+                f"the robot was put at {pose}, and its root is {math.hypot(self._root.x, self._root.y):.2f} m away: is "
+                "the articulation's root a body of the robot, and the robot's prim where base_link is?"
+            )
         self._ramp.reset()
         self._told = Motion(0.0, 0.0, 0.0, 0.0)
         adapter.drive(0.0, 0.0)
@@ -162,8 +171,8 @@ class IsaacSimulator:
         self._odometry = (pose.x, pose.y, pose.yaw)
         if self._application.draws:
             adapter.draw()
-        body = adapter.body()
-        return self._state(_pose(body), Twist2D(0.0, 0.0), WheelSpeeds(0.0, 0.0), touched)
+        pose, _ = base_motion(adapter.body(), self._root)
+        return self._state(pose, Twist2D(0.0, 0.0), WheelSpeeds(0.0, 0.0), touched)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
@@ -190,9 +199,8 @@ class IsaacSimulator:
             adapter.draw()
         body = adapter.body()
         self._check_sound(body)
-        pose = _pose(body)
-        v = float(body.linear[0]) * math.cos(pose.yaw) + float(body.linear[1]) * math.sin(pose.yaw)
-        return self._state(pose, Twist2D(v, float(body.angular[2])), WheelSpeeds(*adapter.wheel_speeds()), touched)
+        pose, twist = base_motion(body, self._root)
+        return self._state(pose, twist, WheelSpeeds(*adapter.wheel_speeds()), touched)
 
     def picture(
         self, eye: tuple[float, float, float], target: tuple[float, float, float], size: tuple[int, int] = (1280, 720)
@@ -346,9 +354,3 @@ class IsaacSimulator:
             odometry=Pose2D(*self._odometry),
             contacts=tuple(touched.values()),
         )
-
-
-def _pose(body: BodyState) -> Pose2D:
-    w, x, y, z = (float(number) for number in body.quaternion)
-    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return Pose2D(float(body.position[0]), float(body.position[1]), yaw)

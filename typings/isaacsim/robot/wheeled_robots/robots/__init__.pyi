@@ -20,6 +20,7 @@ class WheeledRobot:
         position: Annotated[npt.ArrayLike | None, (3,)] = None,
         orientation: Annotated[npt.ArrayLike | None, (4,)] = None,
     ) -> None: ...
+    def initialize(self, physics_sim_view: Any = None) -> None: ...
     @property
     def dof_names(self) -> list[str]: ...
     @property
@@ -28,11 +29,6 @@ class WheeledRobot:
     def get_wheel_positions(self) -> list[float]: ...
     def get_wheel_velocities(self) -> list[float]: ...
     def set_world_pose(
-        self,
-        position: Annotated[npt.ArrayLike | None, (3,)] = None,
-        orientation: Annotated[npt.ArrayLike | None, (4,)] = None,
-    ) -> None: ...
-    def set_default_state(
         self,
         position: Annotated[npt.ArrayLike | None, (3,)] = None,
         orientation: Annotated[npt.ArrayLike | None, (4,)] = None,
