@@ -3,7 +3,7 @@
 from trundle.mission.episode import Episode, Goal, Metrics, Outcome, Trajectory
 from trundle.mission.run import Observer, RunInfo, Step, run
 from trundle.mission.sampling import sample_mission
-from trundle.mission.scenario import Mission, Scenario
+from trundle.mission.scenario import Mission, Scenario, Setting
 
 __all__ = [
     "Episode",
@@ -14,6 +14,7 @@ __all__ = [
     "Outcome",
     "RunInfo",
     "Scenario",
+    "Setting",
     "Step",
     "Trajectory",
     "run",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
@@ -178,8 +178,8 @@ class Scenario(Config):
                 settings[key] = _shorten(settings[key])
         write_text(path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True))
 
-    def build(self) -> Mission:
-        """Make world, robot, map, navigator and simulator, and pick the start and the goal that are not given.
+    def prepare(self) -> Setting:
+        """Make world, robot, map and navigator, and pick the start and the goal that are not given.
 
         Raises:
             UnknownNameError: If a name is not known; the nearest is offered.
@@ -207,8 +207,13 @@ class Scenario(Config):
                 "goals": goals if len(goals) > 1 else None,
             }
         )
-        sim = simulate(world, robot, backend=self.backend.name, **self.backend.options)
-        return Mission(exact, world, robot, grid, navigator, sim, start, goals)
+        return Setting(exact, world, robot, grid, navigator, start, goals)
+
+    def build(self) -> Mission:
+        """Prepare it, and start its simulator; see `prepare` for the errors."""
+        setting = self.prepare()
+        sim = simulate(setting.world, setting.robot, backend=self.backend.name, **self.backend.options)
+        return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
 
     @property
     def title(self) -> str:
@@ -278,8 +283,8 @@ class Scenario(Config):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mission:
-    """A scenario that is ready to run; close it, or use it in a `with` block.
+class Setting:
+    """What a scenario is made into before anything moves.
 
     Attributes:
         scenario: The exact scenario, with the start and the goals that were picked.
@@ -287,7 +292,6 @@ class Mission:
         robot: What drives.
         grid: The map.
         navigator: The autonomy.
-        sim: The simulator.
         start: Where it starts.
         goals: Where it is to go, in order.
     """
@@ -297,9 +301,19 @@ class Mission:
     robot: Robot
     grid: OccupancyGrid
     navigator: Navigator
-    sim: Simulator
     start: Pose2D
     goals: tuple[Goal, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mission(Setting):
+    """A scenario that is ready to run; close it, or use it in a `with` block.
+
+    Attributes:
+        sim: The simulator.
+    """
+
+    sim: Simulator
 
     def run(self, *, observers: Sequence[Observer] = (), stop_on_contact: bool = True) -> Episode:
         """Run it once; see `trundle.run` for the errors."""
