@@ -42,6 +42,60 @@ def test_models_are_robots_or_worlds_as_the_format_asks(trundle: Trundle, tmp_pa
     assert (done.code, done.json["world"]) == (0, "maze"), done.err
 
 
+SCENARIO = "world: {name: maze, seed: 1, options: {rows: 3}}\nrobot: jackal\nbackend: isaac\n"
+
+
+def test_a_scenario_is_written_with_its_robot_at_the_start(trundle: Trundle, tmp_path: Path) -> None:
+    (tmp_path / "trip.yaml").write_text(SCENARIO)
+    done = trundle("export", "trip.yaml", "--to", "usd", "--profile", "isaac", "-o", "out/trip.usda", "--json")
+    assert done.code == 0, done.err
+    assert (done.json["scenario"], done.json["robot"], done.json["world"]) == ("jackal-maze", "jackal", "maze")
+    assert 'def Xform "jackal"' in (tmp_path / "out" / "trip.usda").read_text()
+    assert trundle("export", "trip.yaml", "--to", "mjcf").code == 0
+    assert (tmp_path / "trip.xml").is_file()
+
+
+def test_a_scenario_becomes_a_script_for_isaac_sim(trundle: Trundle, tmp_path: Path) -> None:
+    (tmp_path / "trip.yaml").write_text(SCENARIO)
+    done = trundle("export", "trip.yaml", "--to", "isaac-script", "--environment", "hospital", "--json")
+    assert done.code == 0, done.err
+    assert {path.name for path in tmp_path.iterdir()} == {"trip.yaml", "trip.py", "trip_robot.usd"}
+    compile((tmp_path / "trip.py").read_text(), "trip.py", "exec")
+
+
+def test_a_script_takes_the_world_that_is_a_usd_file_as_it_is(trundle: Trundle, tmp_path: Path) -> None:
+    assert trundle("export", "maze", "--set", "rows=3", "-o", "hall.usda").code == 0
+    (tmp_path / "trip.yaml").write_text("world: hall.usda\nrobot: nova_carter\n")
+    assert trundle("export", "trip.yaml", "-o", "trip.py").code == 0
+    assert 'ENVIRONMENT = "hall.usda"' in (tmp_path / "trip.py").read_text()
+    assert {path.name for path in tmp_path.iterdir()} == {"hall.usda", "trip.yaml", "trip.py"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ("trip.yaml", "--to", "sdf"),
+            "sdf files hold no scenarios; a scenario can be written as isaac-script, mjcf, usd",
+        ),
+        (("trip.yaml", "--to", "usd", "--set", "rows=3"), "this is a scenario"),
+        (("trip.yaml", "--to", "usd", "--profile", "isac"), "Did you mean 'isaac'"),
+        (("trip.yaml", "--to", "isaac-script", "--environment", "hospitl"), "Did you mean 'hospital'"),
+        (("trip.yaml", "--to", "isaac-script", "--profile", "isaac"), "--profile is for a world --to usd"),
+        (("trip.yaml", "--to", "usd", "--environment", "office"), "--environment is for a scenario --to isaac-script"),
+        (("maze", "--to", "isaac-script"), "hold no worlds"),
+    ],
+)
+def test_bad_input_about_scenarios_leaves_nothing(
+    trundle: Trundle, tmp_path: Path, arguments: tuple[str, ...], words: str
+) -> None:
+    (tmp_path / "trip.yaml").write_text(SCENARIO)
+    done = trundle("export", *arguments)
+    assert done.code == 2
+    assert words in done.err
+    assert [path.name for path in tmp_path.iterdir()] == ["trip.yaml"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

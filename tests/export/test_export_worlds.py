@@ -245,5 +245,5 @@ def test_a_map_of_a_band_that_nothing_is_in_says_so(tmp_path):
 
 def test_every_format_says_what_it_can_hold():
     for name, known in FORMATS.items():
-        assert known.world or known.robot, name
+        assert known.world or known.robot or known.scene, name
         assert all(suffix.startswith(".") for suffix in known.suffixes)

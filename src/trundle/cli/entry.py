@@ -25,7 +25,10 @@ VERBS = {
     "joints": ("trundle.cli.joints:app", "List a robot's joints, and which ones drive it."),
     "drive": ("trundle.cli.drive:app", "Drive a robot by hand or by a list of commands."),
     "map": ("trundle.cli.map:app", "Make, check and convert occupancy maps."),
-    "export": ("trundle.cli.export:app", "Write a world or a robot as MJCF, USD, SDF, GLB, URDF or a map."),
+    "export": (
+        "trundle.cli.export:app",
+        "Write a world, a robot or a scenario as MJCF, USD, SDF, GLB, URDF, a map or a script.",
+    ),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),

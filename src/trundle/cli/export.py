@@ -1,4 +1,4 @@
-"""`trundle export`: a world or a robot as a file of another program."""
+"""`trundle export`: a world, a robot or a scenario as a file of another program."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from trundle.cli import options, output, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
+    from trundle.export import Kind, Scene
+    from trundle.mission import Setting
     from trundle.robots import Robot
     from trundle.worlds import World
 
@@ -22,9 +24,21 @@ app = App(
         "  trundle export office --seed 3 --to sdf -o office.sdf\n"
         "  trundle export warehouse --robot nova_carter --to mjcf -o scene.xml\n"
         "  trundle export nova_carter --to urdf -o nova_carter.urdf\n"
-        "  trundle export nova_carter --to usd -o nova_carter.usd"
+        "  trundle export scenario.yaml --to usd --profile isaac -o scene.usd\n"
+        "  trundle export scenario.yaml --to isaac-script -o drive.py"
     ),
 )
+
+_USES: dict[str, tuple[tuple[str, str], ...]] = {
+    "robot": (("world", "mjcf"), ("world", "map")),
+    "resolution": (("world", "map"),),
+    "z_min": (("world", "map"),),
+    "z_max": (("world", "map"),),
+    "profile": (("world", "usd"), ("robot", "usd"), ("scenario", "usd")),
+    "environment": (("scenario", "isaac-script"),),
+    "robot_usd": (("scenario", "isaac-script"),),
+}
+"""What of the options is for which kind of thing in which format."""
 
 
 @app.default
@@ -38,39 +52,62 @@ def export(
     resolution: float | None = None,
     z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
+    profile: str | None = None,
+    environment: str | None = None,
+    robot_usd: str | None = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
-    """Write a world or a robot as a file of another program; what is written loads back to the same solids.
+    """Write a world, a robot or a scenario as a file of another program; worlds load back to the same solids.
 
     Args:
-        source: A world by name or its file, or a robot by name or its YAML or URDF.
-        to: The format by name: mjcf, sdf, usd, glb or map for a world, mjcf, urdf or usd for a robot; left out:
-            as --out ends.
+        source: A world by name or its file, a robot by name or its YAML or URDF, or the YAML of a scenario.
+        to: The format by name: mjcf, sdf, usd, glb or map for a world; mjcf, urdf or usd for a robot; mjcf, usd or
+            isaac-script for a scenario; left out: as --out ends.
         out: The file; left out: the source's name, here.
         robot: For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count.
         resolution: Edge of a map's cell [m]; left out: 0.05.
         z_min: Lower end of the band of heights that counts in a map [m]; left out: 0.10, or the robot's.
         z_max: Upper end of the band of heights that counts in a map [m]; left out: 0.62, or the robot's.
+        profile: For usd: isaac, with what Isaac Sim wants.
+        environment: For isaac-script: an environment of Isaac Sim by name, or a USD file; left out: the scenario's
+            world.
+        robot_usd: For isaac-script: the robot's USD file; left out: Isaac Sim's own, where it has one.
     """
-    from trundle.export import export_robot, export_world
+    from trundle.export import export_robot, export_scene, export_world
     from trundle.robots import Robot
+    from trundle.worlds import World
 
     target, form = choose_file(source, to, out)
+    given = {
+        "robot": robot,
+        "resolution": resolution,
+        "z_min": z_min,
+        "z_max": z_max,
+        "profile": profile,
+        "environment": environment,
+        "robot_usd": robot_usd,
+    }
+    given = {name: value for name, value in given.items() if value is not None}
     thing = load_source(source, form, seed=seed, settings=options.parse_settings(settings, exclude))
+    facts: dict[str, object]
     if isinstance(thing, Robot):
-        if robot is not None or resolution is not None or z_min is not None or z_max is not None:
-            raise InputError("--robot, --resolution, --z-min and --z-max are for worlds, and this is a robot")
-        export_robot(thing, target, to=form)
+        _check_uses(given, "robot", form)
+        export_robot(thing, target, to=form, **given)
+        facts = {"robot": thing.name}
+    elif isinstance(thing, World):
+        _check_uses(given, "world", form)
+        export_world(thing, target, to=form, **_world_options(form, given))
+        facts = {"world": thing.name, "solids": len(thing.solids)}
     else:
-        export_world(thing, target, to=form, **_world_options(form, robot, resolution, z_min, z_max))
-    kind = "robot" if isinstance(thing, Robot) else "world"
-    facts: dict[str, object] = {kind: thing.name, "format": form, "file": target, "bytes": target.stat().st_size}
-    if not isinstance(thing, Robot):
-        facts["solids"] = len(thing.solids)
+        _check_uses(given, "scenario", form)
+        scene, own = _make_scene(thing, form)
+        export_scene(scene, target, to=form, **{**own, **given})
+        facts = {"scenario": scene.name, "robot": scene.robot.name, "world": scene.world.name}
+    facts |= {"format": form, "file": target, "bytes": target.stat().st_size}
     if json:
         output.print_json(facts)
     else:
@@ -99,13 +136,15 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
     return options.output_file(Path(name) if out is None else out, name, suffixes), to
 
 
-def load_source(source: str, form: str, *, seed: int, settings: dict[str, bool | int | float | str]) -> World | Robot:
-    """Load what is to be written: a robot by name, YAML or URDF, else a world.
+def load_source(
+    source: str, form: str, *, seed: int, settings: dict[str, bool | int | float | str]
+) -> World | Robot | Setting:
+    """Load what is to be written: a robot by name, YAML or URDF, a scenario by its YAML, else a world.
 
     An MJCF file is a world, and a URDF file a robot, unless the format holds only the other.
 
     Raises:
-        UnknownNameError: If it is neither; the nearest of both is offered.
+        UnknownNameError: If it is none of these; the nearest of the names is offered.
         InputError: If it cannot be used.
     """
     from trundle.export import FORMATS
@@ -113,32 +152,71 @@ def load_source(source: str, form: str, *, seed: int, settings: dict[str, bool |
     from trundle.worlds import world_names
 
     suffix = Path(source).suffix.lower()
-    is_robot = source in robot_names() or (suffix in (".yaml", ".yml") and not sources.is_map(Path(source)))
-    is_robot |= suffix == ".urdf" and FORMATS[form].robot is not None
-    is_robot |= suffix in (".xml", ".mjcf") and FORMATS[form].world is None
-    if is_robot:
-        if settings:
-            raise InputError("--set and --exclude are for worlds, and this is a robot")
+    kind: Kind = "world"
+    if sources.is_yaml(source) and not sources.is_map(Path(source)):
+        kind = "scenario" if sources.is_scenario(Path(source)) else "robot"
+    elif (
+        source in robot_names()
+        or (suffix == ".urdf" and FORMATS[form].robot is not None)
+        or (suffix in (".xml", ".mjcf") and FORMATS[form].world is None)
+    ):
+        kind = "robot"
+    if kind != "world" and settings:
+        raise InputError(f"--set and --exclude are for worlds, and this is a {kind}")
+    if kind == "robot":
         return Robot.load(source)
+    if kind == "scenario":
+        from trundle.mission import Scenario
+
+        return Scenario.load(source).prepare()
     if source not in world_names() and not sources.looks_like_file(source):
         raise UnknownNameError("world or robot", source, [*world_names(), *robot_names()])
     return sources.load_world(source, seed=seed, settings=settings)
 
 
-def _world_options(
-    form: str, robot: str | None, resolution: float | None, z_min: float | None, z_max: float | None
-) -> dict[str, Any]:
+def _check_uses(given: dict[str, Any], kind: str, form: str) -> None:
+    for name in given:
+        if (kind, form) not in _USES[name]:
+            uses = " or ".join(f"a {thing} --to {known}" for thing, known in _USES[name])
+            raise InputError(f"--{name.replace('_', '-')} is for {uses}, and this is a {kind} --to {form}")
+
+
+def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
+    """Options of a world's format: a robot by name becomes the robot, or for a map its heights."""
     from trundle.robots import Robot
 
-    machine = None if robot is None else Robot.load(robot)
-    if form == "map":
-        low, high = (0.10, 0.62) if machine is None else machine.z_range
-        band = (low if z_min is None else z_min, high if z_max is None else z_max)
-        return {"z_range": band} | ({} if resolution is None else {"resolution": resolution})
-    if resolution is not None or z_min is not None or z_max is not None:
-        raise InputError("--resolution, --z-min and --z-max are for --to map")
-    if machine is None:
-        return {}
-    if form != "mjcf":
-        raise InputError("--robot is for --to mjcf and --to map; export the robot by itself")
-    return {"robot": machine}
+    found = dict(given)
+    robot = Robot.load(found.pop("robot")) if "robot" in found else None
+    if form != "map":
+        return found if robot is None else {**found, "robot": robot}
+    low, high = (0.10, 0.62) if robot is None else robot.z_range
+    found["z_range"] = (found.pop("z_min", low), found.pop("z_max", high))
+    return found
+
+
+def _make_scene(setting: Setting, form: str) -> tuple[Scene, dict[str, Any]]:
+    """Make what is written of a scenario, with the way to its goals where the format has one, and the format's options.
+
+    Raises:
+        PlanningError: If there is no way.
+    """
+    from trundle.export import Scene
+    from trundle.geometry import Pose2D
+    from trundle.path import Path as Plan
+
+    scenario = setting.scenario
+    if form != "isaac-script":
+        return Scene(scenario.title, setting.world, setting.robot, setting.start), {}
+    paths: list[Plan] = []
+    pose: Pose2D = setting.start
+    for goal in setting.goals:
+        setting.navigator.set_goal(goal)
+        paths.append(setting.navigator.plan(pose))
+        pose = paths[-1].goal
+    own: dict[str, Any] = {}
+    if scenario.world is not None and sources.is_usd(scenario.world.name) and not scenario.world.options:
+        own["environment"] = scenario.world.name
+    if scenario.backend.name == "isaac":
+        names = ("environment", "robot_usd")
+        own |= {name: value for name, value in scenario.backend.options.items() if name in names}
+    return Scene(scenario.title, setting.world, setting.robot, setting.start, tuple(paths)), own

@@ -33,6 +33,25 @@ def is_map(path: Path) -> bool:
     return isinstance(node, yaml.MappingNode) and any(key.value == "image" for key, _ in node.value)
 
 
+def is_scenario(path: Path) -> bool:
+    """Whether a YAML file is a scenario: it has a `world:` or a `map:` key.
+
+    Raises:
+        InputError: If it cannot be read as YAML.
+    """
+    import yaml
+
+    from trundle.yamlfile import compose
+
+    node = compose(path)
+    return isinstance(node, yaml.MappingNode) and any(key.value in ("world", "map") for key, _ in node.value)
+
+
+def is_usd(text: str) -> bool:
+    """Whether an argument is a USD file."""
+    return text.lower().endswith((".usd", ".usda", ".usdc", ".usdz"))
+
+
 def looks_like_file(text: str) -> bool:
     """Whether an argument means a file and not a name."""
     from trundle.worlds.load import is_world_file

@@ -6,12 +6,16 @@ import importlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Literal, TypeAlias, cast
 
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
 from trundle.export.plain import check_encodable
+from trundle.export.scene import Scene
 from trundle.robots import Robot
 from trundle.worlds import World
+
+Kind: TypeAlias = Literal["world", "robot", "scenario"]
+"""Of things that are written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,20 +26,37 @@ class Format:
         suffixes: Of its files; the first is the usual one.
         world: `"module:function"` that writes a world, taking the world and the path, or none.
         robot: The same for a robot.
+        scene: The same for a robot in a world.
     """
 
     suffixes: tuple[str, ...]
     world: str | None = None
     robot: str | None = None
+    scene: str | None = None
+
+    def writer(self, kind: Kind) -> str | None:
+        """The function that writes a kind of thing, or none."""
+        return {"world": self.world, "robot": self.robot, "scenario": self.scene}[kind]
 
 
 FORMATS = {
     "glb": Format((".glb",), world="trundle.export.glb:export_world"),
+    "isaac-script": Format((".py",), scene="trundle.export.isaac_script:export_scene"),
     "map": Format((".yaml", ".yml"), world="trundle.export.map:export_world"),
-    "mjcf": Format((".xml", ".mjcf"), "trundle.export.mjcf:export_world", "trundle.export.mjcf:export_robot"),
+    "mjcf": Format(
+        (".xml", ".mjcf"),
+        "trundle.export.mjcf:export_world",
+        "trundle.export.mjcf:export_robot",
+        "trundle.export.mjcf:export_scene",
+    ),
     "sdf": Format((".sdf", ".world"), world="trundle.export.sdf:export_world"),
     "urdf": Format((".urdf",), robot="trundle.export.urdf:export_robot"),
-    "usd": Format((".usd", ".usda", ".usdc"), "trundle.export.usd:export_world", "trundle.export.usd:export_robot"),
+    "usd": Format(
+        (".usd", ".usda", ".usdc"),
+        "trundle.export.usd:export_world",
+        "trundle.export.usd:export_robot",
+        "trundle.export.usd:export_scene",
+    ),
 }
 """By name."""
 
@@ -65,7 +86,7 @@ def export_world(world: World, path: str | os.PathLike[str], *, to: str | None =
         world: The world.
         path: The file; what was there is replaced whole or not at all.
         to: The format by name; none means the one of the path's suffix.
-        options: Of the format: `robot` for mjcf; `resolution` and `z_range` for map.
+        options: Of the format: `robot` for mjcf; `resolution` and `z_range` for map; `profile` for usd.
 
     Returns:
         The path.
@@ -87,7 +108,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None =
         robot: The robot.
         path: The file; what was there is replaced whole or not at all.
         to: The format by name; none means the one of the path's suffix.
-        options: Of the format; none has any at present.
+        options: Of the format: `profile` for usd.
 
     Returns:
         The path.
@@ -101,15 +122,37 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None =
     return _export("robot", robot, path, to, options)
 
 
-def _export(kind: str, thing: object, path: str | os.PathLike[str], to: str | None, options: dict[str, Any]) -> Path:
+def export_scene(scene: Scene, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
+    """Write a robot in a world, at its start, to a file; as `isaac-script` also the way that it shall go.
+
+    Args:
+        scene: What is written.
+        path: The file; what was there is replaced whole or not at all.
+        to: The format by name; none means the one of the path's suffix.
+        options: Of the format: `profile` for usd; `environment` and `robot_usd` for isaac-script.
+
+    Returns:
+        The path.
+
+    Raises:
+        UnknownNameError: If there is no such format; the nearest is offered.
+        WorldError: If the format cannot hold the world.
+        InputError: If the format holds no scenarios, the path has another format's suffix, or an option is not known.
+        OutputError: If the file cannot be written.
+        MissingExtraError: If a library that it needs is not installed.
+    """
+    return _export("scenario", scene, path, to, options)
+
+
+def _export(kind: Kind, thing: object, path: str | os.PathLike[str], to: str | None, options: dict[str, Any]) -> Path:
     file = Path(path)
     name = format_of(file) if to is None else to
     if name not in FORMATS:
         raise UnknownNameError("format", name, FORMATS)
     chosen = FORMATS[name]
-    target = chosen.world if kind == "world" else chosen.robot
+    target = chosen.writer(kind)
     if target is None:
-        able = ", ".join(sorted(key for key, known in FORMATS.items() if getattr(known, kind)))
+        able = ", ".join(sorted(key for key, known in FORMATS.items() if known.writer(kind)))
         raise InputError(f"{name} files hold no {kind}s; a {kind} can be written as {able}")
     if file.suffix.lower() not in chosen.suffixes:
         raise InputError(f"{file}: a file in the format {name} ends in {' or '.join(chosen.suffixes)}")
@@ -117,8 +160,9 @@ def _export(kind: str, thing: object, path: str | os.PathLike[str], to: str | No
         raise OutputError(f"cannot write {file}: it is a folder")
     if isinstance(thing, World) and not thing.solids and name not in ("mjcf", "usd"):
         raise WorldError(f"world {thing.name!r} has no solids: there is nothing to write to {file}")
-    if isinstance(thing, World):
-        check_encodable([thing.name, *(solid.name for solid in thing.solids)])
+    world = thing.world if isinstance(thing, Scene) else thing
+    if isinstance(world, World):
+        check_encodable([world.name, *(solid.name for solid in world.solids)])
     module, _, function = target.partition(":")
     write = cast("Any", getattr(importlib.import_module(module), function))
     try:

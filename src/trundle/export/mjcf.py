@@ -12,12 +12,14 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, WorldError
 from trundle.export.plain import check_xml_names, plain_solids
+from trundle.export.scene import Scene
 from trundle.export.xmltext import add, numbers, to_text
 from trundle.files import write_text
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose3D
 from trundle.robots import Robot
 from trundle.sim.convex import Pieces, take_apart
 from trundle.sim.mujoco.model import build_spec, robot_spec
+from trundle.sim.mujoco.robot_parts import BASE
 from trundle.sim.mujoco.world_parts import FLOOR, GROUP_PIECES, at_least_four
 from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds import World
@@ -68,6 +70,20 @@ def export_robot(robot: Robot, path: Path) -> None:
         OutputError: If the file cannot be written.
     """
     _write_spec(robot_spec(robot, floor=True), path)
+
+
+def export_scene(scene: Scene, path: Path) -> None:
+    """Write the whole model that trundle simulates, with the robot at its start.
+
+    Raises:
+        WorldError: If the world cannot be held.
+        OutputError: If the file cannot be written.
+    """
+    spec = build_spec(scene.world, scene.robot)
+    start = Pose3D.planar(scene.start.x, scene.start.y, 0.0, scene.start.yaw)
+    base = spec.body(BASE)
+    base.pos, base.quat = start.position, start.quaternion
+    _write_spec(spec, path)
 
 
 def _write_spec(spec: mujoco.MjSpec, path: Path) -> None:

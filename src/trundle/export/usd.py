@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import os
+from typing import Literal, TypeAlias
 
+from trundle.errors import UnknownNameError
+from trundle.export.scene import Scene
 from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.usd import need_usd
 
+Profile: TypeAlias = Literal["isaac"]
+"""What a stage is fitted for besides UsdPhysics."""
 
-def export_world(world: World, path: str | os.PathLike[str]) -> None:
+PROFILES: tuple[Profile, ...] = ("isaac",)
+
+
+def export_world(world: World, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
     """Write a world as a USD stage: every solid a collider of its name and colour, on a ground plane at z = 0.
 
     `World.load` gives back the same solids, seeds, colours and kinds, to single precision where they are meshes and to
@@ -18,19 +26,26 @@ def export_world(world: World, path: str | os.PathLike[str]) -> None:
     Args:
         world: What to write.
         path: A .usd (binary), .usdc (binary) or .usda (text) file.
+        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, and light.
 
     Raises:
+        UnknownNameError: If there is no such profile.
         OutputError: If the file cannot be written, or its name ends otherwise.
         MissingExtraError: If usd-core is not installed.
     """
-    need_usd("writing USD")
+    _check(profile)
     from trundle.export.usd_stage import save
     from trundle.export.usd_world import world_stage
 
-    save(world_stage(world), path)
+    stage = world_stage(world)
+    if profile == "isaac":
+        from trundle.export.usd_isaac import fit_for_isaac
+
+        fit_for_isaac(stage)
+    save(stage, path)
 
 
-def export_robot(robot: Robot, path: str | os.PathLike[str]) -> None:
+def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
     """Write a robot as a USD stage with an articulation whose root is its chassis.
 
     Bodies have the masses and inertias that trundle simulates with. Joints lie under `joints`, have the robot's names,
@@ -41,13 +56,59 @@ def export_robot(robot: Robot, path: str | os.PathLike[str]) -> None:
     Args:
         robot: What to write.
         path: A .usd (binary), .usdc (binary) or .usda (text) file.
+        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, and a robot that stands clear of the ground.
 
     Raises:
+        UnknownNameError: If there is no such profile.
         OutputError: If the file cannot be written, or its name ends otherwise.
         MissingExtraError: If usd-core is not installed.
     """
-    need_usd("writing USD")
+    _check(profile)
     from trundle.export.usd_robot import robot_stage
     from trundle.export.usd_stage import save
 
-    save(robot_stage(robot), path)
+    stage = robot_stage(robot)
+    if profile == "isaac":
+        from trundle.export.usd_isaac import fit_for_isaac, lift
+
+        fit_for_isaac(stage)
+        lift(stage.GetDefaultPrim())
+    save(stage, path)
+
+
+def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
+    """Write a robot in a world as one USD stage: the world as `export_world` writes it, and in it the robot.
+
+    The robot is a prim of its own name beside the solids, with its base_link on the ground at the start. Its paths are
+    not written.
+
+    Args:
+        scene: What to write.
+        path: A .usd (binary), .usdc (binary) or .usda (text) file.
+        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, light, and a robot that stands clear of the
+            ground.
+
+    Raises:
+        UnknownNameError: If there is no such profile.
+        OutputError: If the file cannot be written, or its name ends otherwise.
+        MissingExtraError: If usd-core is not installed.
+    """
+    _check(profile)
+    from trundle.export.usd_scene import scene_stage
+    from trundle.export.usd_stage import save
+
+    if profile == "isaac":
+        from trundle.export.usd_isaac import fit_for_isaac
+        from trundle.sim.isaac.simulator import GROUND_OFFSET
+
+        stage = scene_stage(scene, height=GROUND_OFFSET)
+        fit_for_isaac(stage)
+    else:
+        stage = scene_stage(scene)
+    save(stage, path)
+
+
+def _check(profile: str | None) -> None:
+    if profile is not None and profile not in PROFILES:
+        raise UnknownNameError("profile", profile, PROFILES)
+    need_usd("writing USD")

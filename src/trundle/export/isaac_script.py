@@ -1,0 +1,146 @@
+"""A scenario as one Python file for Isaac Sim, for people who want no dependency: the plan, and a follower for it."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from importlib import metadata, resources
+from pathlib import Path
+from string import Template
+from typing import TypeAlias
+
+from trundle.control.sections import cut_sections, path_vertices
+from trundle.errors import InputError
+from trundle.export.scene import Scene
+from trundle.export.usd import export_robot, export_world
+from trundle.files import write_text
+from trundle.path import Path as Plan
+from trundle.sim.isaac.assets import ROBOTS, environment_path, robot_path
+from trundle.sim.isaac.simulator import GROUND_OFFSET, TIMESTEP
+
+Stretch: TypeAlias = tuple[float, float, list[tuple[float, float]]]
+"""Turn in place by [rad], to a heading [rad], then drive along corners [m]; perhaps none."""
+
+_STOP_TO_TURN = 0.35
+"""At bends sharper than this [rad] the follower stops and turns: it has no footprint to see whether a curve is free."""
+
+_LOOKAHEAD = 0.4
+_STEPS = 4
+_POINTS_A_LINE = 6
+
+
+def export_scene(scene: Scene, path: Path, *, environment: str | None = None, robot_usd: str | None = None) -> None:
+    """Write a script that loads the environment and the robot, follows the plan and stops at the goal.
+
+    It runs in Isaac Sim 5.1 and 6.x. A world that is no USD file is written beside it, `<stem>_world.usd`, and so is a
+    robot that Isaac Sim has not, `<stem>_robot.usd`.
+
+    Args:
+        scene: What is written; it needs a path.
+        path: The script.
+        environment: One of Isaac Sim's by name, or a USD file; none means the scene's world.
+        robot_usd: The robot's USD file; none means Isaac Sim's own where it has one.
+
+    Raises:
+        InputError: If there is no path, or a file is missing.
+        UnknownNameError: If there is no such environment.
+        OutputError: If a file cannot be written.
+        MissingExtraError: If a USD file is to be written and usd-core is not installed.
+    """
+    if not scene.paths:
+        raise InputError(f"{path}: a script needs a path, and nothing was planned")
+    text = _fill(scene, path, _environment(scene, path, environment), _robot(scene, path, robot_usd))
+    write_text(path, text)
+
+
+def _environment(scene: Scene, path: Path, environment: str | None) -> str:
+    if environment is not None:
+        return environment_path(environment) or _from_here(environment, path)
+    file = path.with_name(f"{path.stem}_world.usd")
+    export_world(scene.world, file, profile="isaac")
+    return file.name
+
+
+def _robot(scene: Scene, path: Path, robot_usd: str | None) -> str:
+    if robot_usd is not None or scene.robot.name in ROBOTS:
+        return robot_path(scene.robot.name, robot_usd) or _from_here(str(robot_usd), path)
+    file = path.with_name(f"{path.stem}_robot.usd")
+    export_robot(scene.robot, file, profile="isaac")
+    return file.name
+
+
+def _from_here(usd: str, path: Path) -> str:
+    """A USD file as the script names it: from its folder where it lies below that, else in full."""
+    if "://" in usd:
+        return usd
+    file, folder = Path(usd).resolve(), path.resolve().parent
+    return Path(os.path.relpath(file, folder)).as_posix() if file.is_relative_to(folder) else file.as_posix()
+
+
+def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
+    robot, start, goal = scene.robot, scene.start, scene.paths[-1].goal
+    drive, limits = robot.drive, robot.limits
+    fastest = (2.0 * limits.linear_speed + limits.angular_speed * drive.track_width) / (2.0 * drive.wheel_radius)
+    length = sum(plan.length for plan in scene.paths)
+    route = [stretch for plan in scene.paths for stretch in plan_stretches(plan)]
+    turned = sum(abs(turn) for turn, _, _ in route)
+    needed = length / limits.linear_speed + turned / limits.angular_speed
+    template = resources.files("trundle.export") / "isaac_script.template"
+    return Template(template.read_text(encoding="utf-8")).substitute(
+        title=_plain(
+            f"{robot.name} in {scene.world.name} from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f}), "
+            f"{length:.1f} m."
+        ),
+        version=metadata.version("trundle"),
+        file=_plain(path.name),
+        environment=_text(environment),
+        robot=_text(robot_usd),
+        wheel_joints=f"[{_text(drive.left_joint)}, {_text(drive.right_joint)}]",
+        wheel_radius=drive.wheel_radius,
+        track_width=drive.track_width,
+        max_wheel_speed=round(drive.max_wheel_speed or fastest, 3),
+        max_speed=limits.linear_speed,
+        max_turn=limits.angular_speed,
+        acceleration=limits.linear_acceleration,
+        turn_acceleration=limits.angular_acceleration,
+        start=f"({start.x:.4f}, {start.y:.4f}, {start.yaw:.4f})",
+        ground_offset=GROUND_OFFSET,
+        lookahead=_LOOKAHEAD,
+        physics_dt=TIMESTEP,
+        steps=_STEPS,
+        time_limit=math.ceil(3.0 * needed + 30.0),
+        route="\n".join(_route_lines(route)),
+    )
+
+
+def plan_stretches(plan: Plan) -> Iterator[Stretch]:
+    """Cut a path into what is driven without stopping, each with the turn in place before it."""
+    vertices = path_vertices(plan)
+    sections = cut_sections(vertices, [abs(vertex.turn) > _STOP_TO_TURN for vertex in vertices])
+    turn = vertices[0].turn
+    for section in sections:
+        yield turn, section.headings[0], section.points
+        turn = section.end_turn
+    yield turn, plan.goal.yaw, []
+
+
+def _route_lines(route: list[Stretch]) -> Iterator[str]:
+    for turn, heading, points in route:
+        numbers = [f"({x:.3f}, {y:.3f})" for x, y in points]
+        yield f"    ({turn:.4f}, {heading:.4f}, [{']),' if not numbers else ''}"
+        for index in range(0, len(numbers), _POINTS_A_LINE):
+            yield f"        {', '.join(numbers[index : index + _POINTS_A_LINE])},"
+        if numbers:
+            yield "    ]),"
+
+
+def _text(value: str) -> str:
+    """A Python literal with double quotes."""
+    quoted = repr(value)
+    return f'"{quoted[1:-1]}"' if quoted[0] == "'" and '"' not in value else quoted
+
+
+def _plain(value: str) -> str:
+    """Words that can stand in a docstring."""
+    return "".join(letter if letter.isprintable() and letter not in '\\"' else "_" for letter in value)

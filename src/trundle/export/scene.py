@@ -1,0 +1,29 @@
+"""`Scene`: a robot in a world, and the way that it shall go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.worlds import World
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a scenario comes to before anything moves.
+
+    Attributes:
+        name: Of the file that is written, for people.
+        world: Where it drives.
+        robot: What drives.
+        start: Where its base_link stands, map frame.
+        paths: The plans to its goals, in order; none where nothing was planned.
+    """
+
+    name: str
+    world: World
+    robot: Robot
+    start: Pose2D
+    paths: tuple[Path, ...] = ()

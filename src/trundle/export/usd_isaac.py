@@ -1,0 +1,76 @@
+"""What Isaac Sim wants of a stage besides UsdPhysics: settings of PhysX, light, and a robot that stands clear.
+
+PhysX's schemas are not in usd-core. Their names and attributes are written all the same: Isaac Sim reads them by name.
+Names and types are those of Omniverse PhysX' PhysxSchema.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdPhysics, UsdShade
+
+from trundle.sim.isaac.simulator import GROUND_OFFSET, TIMESTEP
+
+POSITION_ITERATIONS, VELOCITY_ITERATIONS = 32, 1
+"""Of PhysX's solver for the robot: written down, so that no version's default counts."""
+
+_SLEEP_THRESHOLD = 0.0
+"""Kinetic energy by mass below which a robot falls asleep [m²/s²]: it never does."""
+
+
+def fit_for_isaac(stage: Any) -> None:
+    """Add what Isaac Sim wants to the stage of a world, a robot or both."""
+    prims = list(stage.Traverse())
+    for prim in prims:
+        if prim.IsA(UsdPhysics.Scene):
+            _set_scene(prim)
+        if prim.HasAPI(UsdPhysics.ArticulationRootAPI):
+            _set_articulation(prim)
+        if prim.IsA(UsdShade.Material) and not prim.GetAttribute("physxMaterial:frictionCombineMode"):
+            _write(prim, "PhysxMaterialAPI", "physxMaterial:frictionCombineMode", Sdf.ValueTypeNames.Token, "average")
+    if any(prim.IsA(UsdPhysics.Scene) for prim in prims):
+        _add_light(stage)
+
+
+def lift(prim: Any) -> None:
+    """Put a robot a little above the ground: one that starts in the floor falls through it."""
+    UsdGeom.Xformable(prim).AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, GROUND_OFFSET))
+
+
+def _set_scene(prim: Any) -> None:
+    types = Sdf.ValueTypeNames
+    _write(prim, "PhysxSceneAPI", "physxScene:timeStepsPerSecond", types.UInt, round(1.0 / TIMESTEP))
+    _write(prim, "PhysxSceneAPI", "physxScene:solverType", types.Token, "TGS", uniform=True)
+    # One robot is faster on the processor, and the same from run to run.
+    _write(prim, "PhysxSceneAPI", "physxScene:enableGPUDynamics", types.Bool, False)
+    _write(prim, "PhysxSceneAPI", "physxScene:broadphaseType", types.Token, "MBP", uniform=True)
+
+
+def _set_articulation(prim: Any) -> None:
+    types = Sdf.ValueTypeNames
+    name = "PhysxArticulationAPI"
+    _write(prim, name, "physxArticulation:solverPositionIterationCount", types.Int, POSITION_ITERATIONS)
+    _write(prim, name, "physxArticulation:solverVelocityIterationCount", types.Int, VELOCITY_ITERATIONS)
+    _write(prim, name, "physxArticulation:enabledSelfCollisions", types.Bool, False)
+    _write(prim, name, "physxArticulation:sleepThreshold", types.Float, _SLEEP_THRESHOLD)
+
+
+def _write(prim: Any, schema: str, name: str, kind: Any, value: object, *, uniform: bool = False) -> None:
+    if schema not in prim.GetPrimTypeInfo().GetAppliedAPISchemas():
+        prim.AddAppliedSchema(schema)
+    variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
+    prim.CreateAttribute(name, kind, False, variability).Set(value)
+
+
+def _add_light(stage: Any) -> None:
+    """An opened stage has no light but its own: without one the window stays black."""
+    root = stage.GetDefaultPrim().GetPath()
+    lights = UsdGeom.Scope.Define(stage, root.AppendChild("Lights")).GetPath()
+    sky = UsdLux.DomeLight.Define(stage, lights.AppendChild("Sky"))
+    sky.CreateIntensityAttr(500.0)
+    sun = UsdLux.DistantLight.Define(stage, lights.AppendChild("Sun"))
+    sun.CreateIntensityAttr(1500.0)
+    sun.CreateAngleAttr(0.53)
+    # A distant light shines along its -z.
+    sun.AddRotateXYZOp().Set(Gf.Vec3f(35.0, -25.0, 0.0))

@@ -1,0 +1,38 @@
+"""A robot in a world as one USD stage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pxr import Gf, Sdf, UsdGeom
+
+from trundle.export.scene import Scene
+from trundle.export.usd_robot import robot_stage
+from trundle.export.usd_stage import PrimNames
+from trundle.export.usd_world import world_stage
+from trundle.geometry import Pose3D
+
+
+def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:
+    """Make the stage of a world with the robot in it, at its start.
+
+    Args:
+        scene: What is written.
+        height: That base_link stands above the floor [m].
+    """
+    stage = world_stage(scene.world)
+    root = stage.GetDefaultPrim()
+    names = PrimNames()
+    for taken in (*root.GetAllChildrenNames(), "Lights"):
+        names.take(taken)
+    robot = robot_stage(scene.robot)
+    source = robot.GetDefaultPrim()
+    path = root.GetPath().AppendChild(names.take(source.GetName()))
+    # Joints, materials and filtered pairs point within the robot, and follow it.
+    Sdf.CopySpec(robot.GetRootLayer(), source.GetPath(), stage.GetRootLayer(), path)
+    start = scene.start
+    w, x, y, z = Pose3D.planar(start.x, start.y, height, start.yaw).quaternion
+    placed = UsdGeom.Xformable(stage.GetPrimAtPath(path))
+    placed.AddTranslateOp().Set(Gf.Vec3d(start.x, start.y, height))
+    placed.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
+    return stage
