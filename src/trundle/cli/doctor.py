@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output
+from trundle.cli import isaac, options, output
 from trundle.cli.engine import import_engine
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.doctor import DriveCheck
-    from trundle.robots import DifferentialDrive
+    from trundle.robots import DifferentialDrive, Robot
 
 app = App(
     name="doctor",
@@ -32,16 +32,20 @@ app = App(
 def doctor(
     *,
     backend: Annotated[str | None, Parameter(help="Check this simulator too, from start to end.")] = None,
+    isaac_options: isaac.IsaacOptions | None = None,
     json: options.Json = False,
     quiet: Annotated[bool, Parameter(name="--quiet", negative="", help="Print only what does not pass.")] = False,
 ) -> int:
     """Check what this machine has, and a simulator if one is named. Exit code 1 where a point fails."""
     from trundle.doctor.machine import check_backend, check_machine
 
+    given = isaac.simulator_options(isaac_options, backend or "none")
     if backend in (None, "mujoco"):
         import_engine()
     found = []
-    for check in itertools.chain(check_machine(), check_backend(backend) if backend else ()):
+    for check in itertools.chain(
+        check_machine(backend), check_backend(backend, robot="nova_carter", **given) if backend else ()
+    ):
         found.append(check)
         if not json and not (quiet and check.status == "pass"):
             print(f"{check.status:<7}  {check.name:<9}  {check.detail}", flush=True)
@@ -59,6 +63,7 @@ def robot(
     backend: options.Backend = "mujoco",
     wheel_radius: float | None = None,
     track_width: float | None = None,
+    isaac_options: isaac.IsaacOptions | None = None,
     json: options.Json = False,
 ) -> int:
     """Drive a straight, a spin and a circle, and say what the robot's motion tells of its wheels.
@@ -70,6 +75,7 @@ def robot(
         wheel_radius: Check a controller that is configured with this one [m], and not with the robot's own.
         track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
     """
+    simulator_options = isaac.simulator_options(isaac_options, backend)
     if backend == "mujoco":
         import_engine()
     from trundle.doctor.drive_check import check_drive
@@ -84,15 +90,19 @@ def robot(
         if not 0.0 < value < math.inf:
             raise InputError(f"--{key.replace('_', '-')} {value:g}: give a positive number of metres")
     configured = machine.drive.model_copy(update=changes)
-    with simulate(World("empty", ()), machine, backend=backend) as simulator:
+    with simulate(World("empty", ()), machine, backend=backend, **simulator_options) as simulator:
         check = check_drive(simulator, configured=configured)
+        _report(check, machine, backend, configured, json=json)
+    return 1 if check.findings else 0
+
+
+def _report(check: DriveCheck, robot: Robot, backend: str, configured: DifferentialDrive, *, json: bool) -> None:
     if json:
         output.print_json(
-            {"robot": machine.name, "backend": backend, "configured": configured.model_dump(), **_plain(check)}
+            {"robot": robot.name, "backend": backend, "configured": configured.model_dump(), **_plain(check)}
         )
     else:
         _print(check, configured)
-    return 1 if check.findings else 0
 
 
 def _plain(check: DriveCheck) -> dict[str, object]:

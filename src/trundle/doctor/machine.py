@@ -13,7 +13,8 @@ from typing import Any, Literal
 import numpy as np
 
 from trundle.errors import TrundleError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.solids import Box, Solid
 
 Status = Literal["pass", "fail", "missing"]
 
@@ -51,49 +52,61 @@ _LIBRARIES = (
     _Library("trimesh", "trimesh", "mesh files", 'pip install "trundle[mesh]"'),
 )
 
+ISAAC = "isaac"
 
-def check_machine() -> Iterator[MachineCheck]:
-    """Check Python, the kernels, the libraries and the graphics, one after the other."""
+_BOX = Solid("box", Box((0.5, 2.0, 1.0)), Pose3D((0.0, -5.0, 0.5)))
+"""Far from where the robot is checked; it drives into it for the contacts."""
+
+
+def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
+    """Check Python, the kernels, the libraries and the graphics, one after the other.
+
+    Args:
+        backend: What it is to run; for `isaac` nothing is imported that must not come before Isaac Sim starts.
+    """
     found = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
     yield MachineCheck("python", "pass" if sys.version_info >= (3, 11) else "fail", found)
     yield _attempt("kernels", _check_kernels)
+    if backend == ISAAC:
+        yield _attempt("isaac sim", _check_isaac)
+        yield _check_no_other_usd()
+        return
     for library in _LIBRARIES:
         yield _check_library(library)
     yield _check_graphics()
 
 
 def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -> Iterator[MachineCheck]:
-    """Check that a backend starts, steps, drives as configured, carries a mission to its goal, and ends.
+    """Check that a backend starts, steps, drives as configured, carries a mission to its goal, sees contacts, and ends.
 
     Args:
         backend: Its name.
-        robot: What to drive, on an empty floor.
+        robot: What to drive, on a floor with one box on it.
         options: Of the backend.
 
     Yields:
         One point after the other; the first that makes the others useless is the last.
     """
-    from trundle.doctor.drive_check import check_drive
     from trundle.robots import Robot
     from trundle.sim import simulate
     from trundle.worlds import World
 
     machine = Robot.load(robot)
     try:
-        simulator = simulate(World("empty", ()), machine, backend=backend, **options)
+        simulator = simulate(World("box", (_BOX,), seeds=((0.0, 0.0),)), machine, backend=backend, **options)
     except (TrundleError, ImportError, OSError) as error:
         yield MachineCheck("start", "fail", str(error))
         return
     with simulator:
-        yield MachineCheck("start", "pass", f"{backend} with {machine.name} on an empty floor")
+        yield MachineCheck("start", "pass", f"{backend} with {machine.name} on a floor with a box")
+        if backend == ISAAC:
+            yield _attempt("interface", lambda: _check_interface(simulator))
+        yield _attempt("drive", lambda: _check_drive(simulator))
         yield _attempt("step", lambda: _check_step(simulator))
-        drive: list[str] = []
-        try:
-            drive = [finding.message for finding in check_drive(simulator).findings]
-        except TrundleError as error:
-            drive = [str(error)]
-        yield MachineCheck("drive", "fail" if drive else "pass", "; ".join(drive) or "drives as configured")
         yield _attempt("mission", lambda: _check_mission(simulator))
+        yield _attempt("contact", lambda: _check_contact(simulator))
+        if hasattr(simulator, "picture"):
+            yield _attempt("picture", lambda: _check_picture(simulator))
     yield _attempt("close", lambda: _check_close(simulator))
 
 
@@ -133,6 +146,45 @@ def _check_graphics() -> MachineCheck:
     return MachineCheck("graphics", "pass", f"pictures without a screen by {kind.upper()}")
 
 
+def _check_isaac() -> str:
+    from trundle.sim.isaac.application import check_installation, installed_version
+
+    check_installation()
+    return f"Isaac Sim {installed_version() or 'of a version that it tells once it runs'} for this Python"
+
+
+def _check_no_other_usd() -> MachineCheck:
+    for name in ("usd-core", "usd-exchange"):
+        try:
+            found = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+        return MachineCheck(
+            "usd",
+            "fail",
+            f"{name} {found} is installed beside Isaac Sim's own USD, and keeps it from starting: pip uninstall {name}",
+        )
+    return MachineCheck("usd", "pass", "no other USD beside Isaac Sim's own")
+
+
+def _check_interface(simulator: Any) -> str:
+    from trundle.sim.isaac.signatures import differences
+
+    found = differences(simulator.application.generation)
+    if found:
+        raise TrundleError("this Isaac Sim differs from what trundle expects: " + "; ".join(found))
+    return f"all that trundle calls is there; joints: {', '.join(simulator.joint_names())}"
+
+
+def _check_drive(simulator: Any) -> str:
+    from trundle.doctor.drive_check import check_drive
+
+    check = check_drive(simulator)
+    if check.findings:
+        raise TrundleError("; ".join(finding.message for finding in check.findings))
+    return f"as configured: radius {check.wheel_radius:.4f} m, track {check.track_width:.4f} m, slip {check.slip:.1%}"
+
+
 def _check_step(simulator: Any) -> str:
     simulator.reset(Pose2D(1.0, -0.5, 0.7))
     state = simulator.step(Twist2D(0.2, 0.0), 0.05)
@@ -151,6 +203,25 @@ def _check_mission(simulator: Any) -> str:
     if not episode.arrived:
         raise TrundleError(f"a mission over 2.2 m of free floor ended as {episode.outcome.value}: {episode.message}")
     return f"2.2 m of free floor in {episode.metrics.time_s:.1f} s"
+
+
+def _check_contact(simulator: Any) -> str:
+    ahead = float(simulator.robot.outline[:, 0].max())
+    x, y, _ = _BOX.pose.position
+    state = simulator.reset(Pose2D(x - 0.25 - ahead - 0.3, y))
+    for _ in range(60):
+        state = simulator.step(Twist2D(0.2, 0.0), 0.05)
+        if state.contacts:
+            return f"driving into a box is seen as a contact with {state.contacts[0].other}"
+    raise TrundleError("driving into a box is not seen: runs would not end at collisions")
+
+
+def _check_picture(simulator: Any) -> str:
+    simulator.reset(Pose2D(0.0, 0.0))
+    picture = simulator.picture((3.0, 3.0, 2.0), (0.0, 0.0, 0.3), (320, 180))
+    if picture.std() < 1.0:
+        raise TrundleError("the camera's picture is of one colour: nothing is drawn")
+    return "the camera sees the scene"
 
 
 def _check_close(simulator: Any) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
+from trundle.errors import MissingExtraError
 from trundle.geometry import FloatArray
 from trundle.solids import Mesh
 
@@ -13,7 +13,14 @@ def convex_hull(points: FloatArray) -> Mesh | None:
     """The convex hull of points [m], shape (N, 3), as a closed mesh with its faces outwards.
 
     Points in a plane give a flat mesh without thickness; points on a line have no hull: none.
+
+    Raises:
+        MissingExtraError: If SciPy is not installed.
     """
+    try:
+        from scipy.spatial import ConvexHull, QhullError
+    except ImportError as error:
+        raise MissingExtraError("a convex hull", "SciPy", 'pip install "trundle[usd]"') from error
     centre = points.mean(axis=0)
     _, extents, axes = np.linalg.svd(points - centre, full_matrices=False)
     if len(extents) < 2 or extents[1] <= 1e-9 * extents[0]:

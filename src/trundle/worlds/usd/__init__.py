@@ -17,11 +17,10 @@ def need_usd(purpose: str) -> None:
     Raises:
         MissingExtraError: If it is not installed; the message has the install line.
     """
-    for module, package in (("pxr.Usd", "usd-core"), ("scipy.spatial", "SciPy")):
-        try:
-            importlib.import_module(module)
-        except ImportError as error:
-            raise MissingExtraError(purpose, package, 'pip install "trundle[usd]"') from error
+    try:
+        importlib.import_module("pxr.Usd")
+    except ImportError as error:
+        raise MissingExtraError(purpose, "usd-core", 'pip install "trundle[usd]"') from error
 
 
 def load_usd(
