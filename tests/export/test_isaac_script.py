@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from support.fake_isaac import FakeIsaac, make_assets
+from support.fake_isaac.fixtures import assets, fake, make_fake
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, UnknownNameError
 from trundle.export import Scene, export_scene
@@ -22,22 +22,9 @@ from trundle.path import Path as Plan
 from trundle.robots import Robot
 from trundle.worlds import World
 
+__all__ = ["assets", "fake", "make_fake"]
+
 START, AHEAD = (1.0, 0.0, 0.0), (2.5, 0.0)
-
-
-@pytest.fixture(scope="module")
-def assets(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("assets")
-    make_assets(folder)
-    return folder
-
-
-@pytest.fixture(params=[5, 6], ids=["5.1", "6.x"])
-def fake(request, assets, monkeypatch):
-    made = FakeIsaac(request.param, assets=assets).install(monkeypatch)
-    yield made
-    made.uninstall()
-    assert not made.runs
 
 
 def plan(robot, world, start, *goals):
@@ -92,14 +79,22 @@ def test_it_drives_in_an_environment_of_isaac_sim(fake, monkeypatch, tmp_path, a
     assert abs(poses[-1][2]) == pytest.approx(3.14, abs=0.03)
 
 
-def test_a_robot_that_isaac_sim_has_not_is_written_beside_it(monkeypatch, tmp_path, assets):
+@pytest.mark.parametrize("generation", [5, 6])
+def test_the_articulations_root_may_lie_anywhere_in_the_robot(generation, make_fake, monkeypatch, tmp_path):
+    fake = make_fake(generation, root=Pose2D(-0.3, 0.1, 0.5))
+    world = World.load(fake.assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd")
+    scene = plan(Robot.load("nova_carter"), world, (-2.5, -1.0, 0.0), (2.0, 1.5, -1.57))
+    path = export_scene(scene, tmp_path / "drive.py", environment="warehouse")
+    poses = run_script(path, fake, monkeypatch, "--headless")
+    assert poses[-1] == pytest.approx((2.0, 1.5, -1.57), abs=0.06)
+
+
+def test_a_robot_that_isaac_sim_has_not_is_written_beside_it(make_fake, monkeypatch, tmp_path):
     setting = Scenario.make(world="maze", seed=1, robot="jackal").prepare()
     scene = plan_on(setting.navigator, setting.world, setting.start, setting.goals)
     path = export_scene(scene, tmp_path / "drive.py")
     assert {file.name for file in tmp_path.iterdir()} == {"drive.py", "drive_robot.usd", "drive_world.usd"}
-    fake = FakeIsaac(6, robot="jackal").install(monkeypatch)
-    poses = run_script(path, fake, monkeypatch, "--headless")
-    fake.uninstall()
+    poses = run_script(path, make_fake(6, robot="jackal"), monkeypatch, "--headless")
     assert math.dist(poses[-1][:2], setting.goals[-1][:2]) < 0.06
 
 

@@ -206,6 +206,8 @@ class Behaviour:
         if self.stage is None or not self.stage.GetPrimAtPath(path):
             raise Refused(f"no prim at {path}")
         self.body = Body(self, path, wheel_dof_names)
+        if places.get("positions") is not None:
+            self.body.place(places["positions"][0], places["orientations"][0])
 
     def do_WheeledRobot_dof_names(self, robot):
         return list(self.body.dofs)
