@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 import trundle
 from trundle.errors import InputError, RobotError, RobotWarning, SimulationError, UnknownNameError, WorldError
@@ -228,7 +228,9 @@ def test_an_option_that_it_does_not_have(fake):
 
 
 def test_a_wheel_whose_drive_does_not_follow_a_speed_is_warned_of(fake, assets, tmp_path):
-    stage = Usd.Stage.Open(str(assets / "Isaac/Robots/NVIDIA/NovaCarter/nova_carter.usd"))
+    # A copy: the layer that a path names is shared by all who open it.
+    layer = Sdf.Layer.OpenAsAnonymous(str(assets / "Isaac/Robots/NVIDIA/NovaCarter/nova_carter.usd"))
+    stage = Usd.Stage.Open(layer)
     for prim in stage.Traverse():
         if prim.GetName() == "joint_wheel_left":
             UsdPhysics.DriveAPI(prim, "angular").GetDampingAttr().Set(0.0)
