@@ -1,0 +1,154 @@
+"""Fuzz the searches over binary grids: whatever is asked, an answer that all methods agree on or a typed error.
+
+python tests/fuzz/fuzz_grid_search.py --seconds 60     under scripts/sanitize.sh's environment to see memory misused
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+from trundle.errors import InputError, PlanningError
+from trundle.planning import Cancellation, GridPaths, GridSearch
+
+SIZES = (1, 2, 3, 5, 8, 31, 60, 61, 62, 63, 64, 65, 66, 120, 126, 127, 128, 129, 200)
+SPOILED: tuple[Any, ...] = (
+    None,
+    -1,
+    2**31,
+    2**63,
+    -(2**63),
+    2**70,
+    0.5,
+    "1",
+    (),
+    (1,),
+    (1, 2, 3),
+    b"ab",
+    [None, 1],
+    {},
+)
+METHODS = ("auto", "jps", "jps_plus", "astar")
+
+
+def make_map(generator: random.Random) -> np.ndarray:
+    """A map of any kind of density, often a view of a larger one."""
+    rows, cols = generator.choice(SIZES), generator.choice(SIZES)
+    rng = np.random.default_rng(generator.randrange(2**32))
+    step_row, step_col = generator.choice((1, 1, -1, 2)), generator.choice((1, 1, -1, 3))
+    base = rng.random((rows * abs(step_row), cols * abs(step_col))) < generator.choice((0.0, 0.02, 0.1, 0.3, 0.6, 1.0))
+    if generator.random() < 0.3:
+        base[:: generator.choice((2, 4, 9))] = True
+        base[:, :: generator.choice((3, 7, 64))] = False
+    view = base[::step_row, ::step_col]
+    view = view.T if generator.random() < 0.3 else view
+    return view if generator.random() < 0.5 else view.astype(np.uint8) * generator.choice((1, 128, 255))
+
+
+def pick(generator: random.Random, shape: tuple[int, int], spoil: float) -> Any:
+    """A cell, at the border more often than not, and sometimes something else."""
+    if generator.random() < spoil:
+        return generator.choice(SPOILED)
+    cell: list[Any] = [generator.choice((0, count - 1, generator.randrange(count))) for count in shape]
+    if generator.random() < spoil:
+        cell[generator.randrange(2)] = generator.choice((*SPOILED, *shape))
+    return generator.choice((tuple, list))(cell)
+
+
+def ask(searches: list[GridSearch], start: Any, goal: Any, **limits: Any) -> None:
+    """Every search gives the same length, or the same error."""
+    answers: set[Any] = set()
+    for search in searches:
+        try:
+            path = search.shortest_path(start, goal, **limits)
+        except (InputError, PlanningError) as error:
+            answers.add((type(error), str(error)))
+            continue
+        cells = path.cells
+        if path.status == "found":
+            assert len(cells) > 0
+            answers.add(round(path.length, 6))
+        else:
+            assert len(cells) == 0
+            answers.add(path.status)
+    assert len(answers) == 1, answers
+
+
+def one_round(generator: random.Random) -> None:
+    """One map, searched, changed and searched again."""
+    blocked = make_map(generator)
+    connectivity = generator.choice((4, 8, 8, 8))
+    searches = [GridSearch(blocked, connectivity, method=m) for m in (METHODS if connectivity == 8 else ("auto",))]
+    shape = searches[0].shape
+    current = np.array(blocked != 0)
+    for _ in range(generator.randrange(1, 5)):
+        for _ in range(generator.randrange(1, 8)):
+            ask(searches, pick(generator, shape, 0.1), pick(generator, shape, 0.1))
+        update(generator, searches, current)
+    ask([GridSearch(current, connectivity), *searches], pick(generator, shape, 0.0), pick(generator, shape, 0.0))
+    ends = [[pick(generator, shape, 0.01) for _ in range(generator.choice((0, 1, 3, 20)))] for _ in range(2)]
+    cancel = Cancellation()
+    if generator.random() < 0.2:
+        cancel.cancel()
+    for search in searches:
+        try:
+            paths = search.plan_many(*ends, threads=generator.choice((1, 2, 3)), deadline_s=1e3, cancel=cancel)
+        except (InputError, PlanningError):
+            continue
+        assert isinstance(paths, GridPaths)
+        assert len(list(paths)) == len(ends[0])
+
+
+def update(generator: random.Random, searches: list[GridSearch], current: np.ndarray) -> None:
+    """A rectangle of new values, or one that all refuse."""
+    spans: list[Any] = []
+    for count in current.shape:
+        first = generator.randrange(count + 1)
+        spans.append(generator.choice((slice(first, generator.randrange(first, count + 1)), slice(first, None))))
+    place = current[spans[0], spans[1]]
+    rng = np.random.default_rng(generator.randrange(2**32))
+    values: Any = rng.random(place.shape) < generator.choice((0.0, 0.2, 0.5, 1.0))
+    values = generator.choice((values, values.astype(np.uint8), np.asfortranarray(values), True, False))
+    spoiled = generator.random() < 0.1
+    if spoiled:
+        bad = (*SPOILED, slice(0, 9999), slice(3, 1), (5, 2), slice(None, None, 2))
+        spans[generator.randrange(2)] = generator.choice(bad)
+    refused = 0
+    for search in searches:
+        try:
+            search.update(spans[0], spans[1], values)
+        except (InputError, PlanningError):
+            refused += 1
+    assert refused == (len(searches) if spoiled else 0)
+    if not spoiled:
+        place[:] = values
+
+
+def run(*, seed: int, count: int | None = None, seconds: float | None = None) -> int:
+    """Play rounds until the count or the time is reached; return how many there were."""
+    started, done = time.monotonic(), 0
+    while (count is None or done < count) and (seconds is None or time.monotonic() - started < seconds):
+        try:
+            one_round(random.Random(seed * 1_000_003 + done))
+        except BaseException:
+            print(f"seed {seed}, round {done}", file=sys.stderr)
+            raise
+        done += 1
+    return done
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    print(f"{run(seed=options.seed, seconds=options.seconds)} rounds, all methods of one mind")
+
+
+if __name__ == "__main__":
+    main()
