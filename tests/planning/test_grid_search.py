@@ -225,6 +225,38 @@ def test_an_updated_search_is_a_new_one(rows, cols, kind, method, seed):
         assert (found.status == "found").tolist() == joined.tolist()
 
 
+@settings(max_examples=15, deadline=None)
+@given(
+    shape=st.sampled_from([(40, 64), (66, 30), (1, 130), (63, 63)]),
+    kind=st.sampled_from(["cells", "boxes", "rooms", "coarse"]),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_labels_stay_right_over_many_small_changes(shape, kind, seed):
+    rng = np.random.default_rng(seed)
+    blocked = make_map(*shape, kind, seed)
+    search = GridSearch(blocked, method="jps")
+    for _ in range(60):
+        row, col = (int(rng.integers(count)) for count in shape)
+        place = blocked[row : row + int(rng.integers(1, 4)), col : col + int(rng.integers(1, 4))]
+        place[:] = rng.random(place.shape) < rng.choice([0.0, 0.5, 1.0])
+        search.update((row, row + place.shape[0]), (col, col + place.shape[1]), place)
+        labels, count = ndimage.label(~blocked)
+        if count == 0:
+            continue
+        free = np.argwhere(~blocked)
+        starts, goals = free[rng.integers(len(free), size=(2, 60))]
+        # From around the change, too, where labels were mended.
+        near = free[np.abs(free - (row, col)).max(axis=1).argsort()[:40]]
+        starts, goals = (
+            np.concatenate([starts, near]),
+            np.concatenate([goals, free[rng.integers(len(free), size=len(near))]]),
+        )
+        joined = labels[tuple(starts.T)] == labels[tuple(goals.T)]
+        assert (search.plan_many(starts, goals, threads=1).status == "found").tolist() == joined.tolist()
+        obstacles = ndimage.label(np.pad(blocked, 1, constant_values=True), np.ones((3, 3)))[1] - 1
+        assert search.clutter == pytest.approx(obstacles / len(free))
+
+
 def test_a_door_that_shuts_and_opens_again():
     blocked = np.zeros((5, 9), bool)
     blocked[:, 4] = True

@@ -43,7 +43,7 @@ class BinaryGrid {
       pack(blocked, lines_);
       turned_.transpose(lines_);
     }
-    lines_.count(0, lines_.rows(), free_, euler_);
+    lines_.count(0, lines_.rows(), 0, lines_.words(), free_, euler_);
     runs_.label(lines_);
     choose_method();
   }
@@ -105,13 +105,10 @@ class BinaryGrid {
   void update(std::int64_t row, std::int64_t col, const ByteView &values) {
     if (values.rows == 0 || values.cols == 0) return;
     std::unique_lock lock(change_);
-    const std::int64_t row_end = row + values.rows, col_end = col + values.cols;
-    const auto recount = [&](std::int64_t sign) {
-      std::int64_t free = 0, euler = 0;
-      lines_.count(row, row_end + 1, free, euler);
-      free_ += sign * free, euler_ += sign * euler;
-    };
-    recount(-1);
+    const Window changed{row + 1, row + 1 + values.rows, col + 1, col + 1 + values.cols};
+    const bool local = changed.grown().area() <= kLocal;
+    const std::vector<std::uint32_t> before = local ? parts_of(lines_, changed.grown()) : std::vector<std::uint32_t>();
+    recount(changed, -1);
     for (std::int64_t r = 0; r < values.rows; ++r) {
       for (std::int64_t c = 0; c < values.cols; ++c) {
         const bool blocked = values.at(r, c) != 0;
@@ -119,14 +116,24 @@ class BinaryGrid {
         turned_.set(col + c + 1, row + r + 1, blocked);
       }
     }
-    recount(1);
-    runs_.label(lines_);
-    if (masks_) masks_->fill(lines_, row, row_end + 2);
+    recount(changed, 1);
+    if (!local || !runs_.patch(lines_, changed, before)) runs_.label(lines_);
+    if (masks_) masks_->fill(lines_, changed.row - 1, changed.row_end + 1);
     table_.reset();
     choose_method();
   }
 
  private:
+  static constexpr std::size_t kLocal = 1 << 16;  // cells up to which the labels are mended around a change
+
+  // Takes the squares of 2 x 2 cells with changed ones out of the count, or adds them.
+  void recount(const Window &changed, std::int64_t sign) {
+    std::int64_t free = 0, euler = 0;
+    lines_.count(changed.row - 1, changed.row_end, static_cast<std::size_t>(changed.col - 1) / 64,
+                 static_cast<std::size_t>(changed.col_end - 1) / 64 + 1, free, euler);
+    free_ += sign * free, euler_ += sign * euler;
+  }
+
   static void pack(const ByteView &blocked, BitGrid &grid) {
     std::vector<std::uint8_t> line(grid.words() * 64, 1);
     for (std::int64_t row = 0; row < blocked.rows; ++row) {

@@ -90,12 +90,13 @@ class BitGrid {
     return {static_cast<std::int32_t>(at * (64 / kLine)) + bit, (m >> bit & 1) != 0};
   }
 
-  // Adds up the free cells of rows [first, end), and four times the Euler number of the free space (its parts less the
-  // obstacles within) as far as squares of 2 x 2 cells count whose lower row is one of them. S. Gray, "Local Properties
-  // of Binary Images in Two Dimensions" (1971), for 4-connected free space.
-  void count(std::int64_t first, std::int64_t end, std::int64_t &free, std::int64_t &euler) const {
-    for (std::int64_t row = std::max<std::int64_t>(first, 0); row < std::min(end, rows_ - 1); ++row) {
-      for (std::size_t w = 0; w < words_; ++w) {
+  // Adds up the free cells of rows and words [first, end), and four times the Euler number of the free space (its parts
+  // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them. S. Gray,
+  // "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected free space.
+  void count(std::int64_t row_first, std::int64_t row_end, std::size_t word_first, std::size_t word_end,
+             std::int64_t &free, std::int64_t &euler) const {
+    for (std::int64_t row = std::max<std::int64_t>(row_first, 0); row < std::min(row_end, rows_ - 1); ++row) {
+      for (std::size_t w = word_first; w < std::min(word_end, words_); ++w) {
         const bool last = w + 1 == words_;
         const std::uint64_t a = ~word(row, w), c = ~word(row + 1, w);
         const std::uint64_t b = a >> 1 | (last ? 0 : ~word(row, w + 1) << 63);
