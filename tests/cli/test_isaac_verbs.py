@@ -1,6 +1,7 @@
 """The steps with `--backend isaac`, on the stand-in: view, joints, drive, run, and the map of an environment."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -196,33 +197,6 @@ def test_without_isaac_sim_the_message_says_how_to_start(trundle, room_map, monk
     assert "python.sh -m trundle" in done.err
 
 
-CHILD = """
-import importlib.abc, sys
-from pathlib import Path
-sys.path.insert(0, sys.argv[1])
-BLOCKED = ("mujoco", "viser", "av", "trimesh", "glfw", "OpenGL")
-
-class Blocker(importlib.abc.MetaPathFinder):
-    fake = None
-    def find_spec(self, name, path=None, target=None):
-        top = name.partition(".")[0]
-        if top in BLOCKED or (top == "pxr" and not (self.fake and self.fake.runs)):
-            raise ImportError(f"{name} must not be imported here")
-
-blocker = Blocker()
-sys.meta_path.insert(0, blocker)
-import pytest
-from support.fake_isaac.kit import FakeIsaac
-from trundle.cli.entry import run_command
-fake = blocker.fake = FakeIsaac(int(sys.argv[2]), assets=Path(sys.argv[3]))
-fake.install(pytest.MonkeyPatch())
-code = run_command(sys.argv[4:])
-assert not [name for name in sys.modules if name.partition(".")[0] in BLOCKED]
-assert fake.app_starts == fake.app_closes == 1
-sys.exit(code)
-"""
-
-
 @pytest.mark.parametrize("generation", [5, 6])
 @pytest.mark.parametrize("kind", ["map", "usd"])
 def test_a_run_needs_neither_mujoco_nor_viser_nor_usd_core(assets, tmp_path, generation, kind):
@@ -237,10 +211,11 @@ def test_a_run_needs_neither_mujoco_nor_viser_nor_usd_core(assets, tmp_path, gen
     video = () if with_video else ("--no-video",)
     options = ("--backend", "isaac", "--headless", "--out", "run", "--json", *video)
     done = subprocess.run(
-        [sys.executable, "-c", CHILD, TESTS, str(generation), assets, "run", *source, *options],
+        [sys.executable, "-m", "support.fake_isaac", str(generation), assets, "-", "run", *source, *options],
         capture_output=True,
         text=True,
         cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(TESTS)},
         check=False,
     )
     assert done.returncode == 0, done.stderr

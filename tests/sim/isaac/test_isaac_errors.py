@@ -7,12 +7,21 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 import trundle
-from trundle.errors import InputError, RobotError, RobotWarning, SimulationError, UnknownNameError, WorldError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.errors import (
+    InputError,
+    MissingExtraError,
+    RobotError,
+    RobotWarning,
+    SimulationError,
+    UnknownNameError,
+    WorldError,
+)
+from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.mission import Outcome
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.isaac import IsaacSimulator, application
+from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())
@@ -237,3 +246,17 @@ def test_a_wheel_whose_drive_does_not_follow_a_speed_is_warned_of(fake, assets, 
     stage.Export(str(tmp_path / "carter.usda"))
     with pytest.warns(RobotWarning, match="drive of joint_wheel_left has a damping of 0 and a stiffness of 0"):
         make(robot_usd=str(tmp_path / "carter.usda")).close()
+
+
+def test_nobody_is_told_to_install_usd_core_beside_isaac_sims_own(fake, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "pxr.Usd", None)
+    (tmp_path / "hall.usd").touch()
+    with pytest.raises(MissingExtraError, match=r"in another Python than Isaac Sim's"):
+        World.load(tmp_path / "hall.usd")
+
+
+def test_a_world_is_written_without_scipy(fake, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.spatial", None)
+    walls = World("walls", (Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((3.0, 0.0, 0.5))),))
+    with simulate(walls, "nova_carter", backend="isaac", headless=True) as sim:
+        assert sim.step(Twist2D(), 0.05).time == 0.05

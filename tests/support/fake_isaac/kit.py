@@ -11,6 +11,7 @@ from support.fake_isaac.behaviour import Behaviour
 from support.fake_isaac.refused import Refused, check_shape
 from trundle.geometry import Pose2D
 from trundle.robots import Robot
+from trundle.sim.isaac import application
 from trundle.sim.isaac.signatures import read_signatures
 
 ADAPTER_MODULES = ("api5", "api6", "contacts", "picture")
@@ -70,14 +71,23 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
         for name in ("ISAAC_PATH", "ISAACSIM_PATH", "EXP_PATH", "TRUNDLE_ISAAC_ASSETS"):
             monkeypatch.delenv(name, raising=False)
         monkeypatch.setattr(sys, "meta_path", [self, *sys.meta_path])
-        monkeypatch.setattr("trundle.sim.isaac.application.PYTHONS", dict.fromkeys((5, 6), sys.version_info[:2]))
+        monkeypatch.setattr(application, "PYTHONS", dict.fromkeys((5, 6), sys.version_info[:2]))
         for name in list(sys.modules):
             if self._is_ours(name) or name in [f"trundle.sim.isaac.{module}" for module in ADAPTER_MODULES]:
                 monkeypatch.delitem(sys.modules, name)
+        monkeypatch.setitem(sys.modules, "pxr.PhysicsSchemaTools", self._tools())
+        return self
+
+    def install_for_good(self):
+        """Make it importable in a process that does nothing else."""
+        sys.meta_path.insert(0, self)
+        sys.modules["pxr.PhysicsSchemaTools"] = self._tools()
+        application.PYTHONS.update(dict.fromkeys((5, 6), sys.version_info[:2]))
+
+    def _tools(self):
         tools = types.ModuleType("pxr.PhysicsSchemaTools")
         tools.intToSdfPath = lambda number: self.paths[number]
-        monkeypatch.setitem(sys.modules, "pxr.PhysicsSchemaTools", tools)
-        return self
+        return tools
 
     def uninstall(self):
         """Forget what was imported of it, and what was imported with it."""

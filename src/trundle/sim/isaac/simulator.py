@@ -288,7 +288,7 @@ class IsaacSimulator:
 
         self._folder = tempfile.TemporaryDirectory(prefix="trundle-")
         path = Path(self._folder.name) / "world.usd"
-        export_world(world, path)
+        export_world(world, path, profile="isaac")
         return str(path)
 
     def _wait_for_loading(self, adapter: Adapter) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import os
 from collections.abc import Sequence
 
@@ -17,10 +18,13 @@ def need_usd(purpose: str) -> None:
     Raises:
         MissingExtraError: If it is not installed; the message has the install line.
     """
+    install = 'pip install "trundle[usd]"'
+    if importlib.util.find_spec("isaacsim") is not None:
+        install += " in another Python than Isaac Sim's, which brings its own USD and does not start beside this one"
     try:
         importlib.import_module("pxr.Usd")
     except ImportError as error:
-        raise MissingExtraError(purpose, "usd-core", 'pip install "trundle[usd]"') from error
+        raise MissingExtraError(purpose, "usd-core", install) from error
 
 
 def load_usd(
