@@ -9,11 +9,13 @@ A mesh is taken apart into its connected parts. Then
   triangles become boxes instead: they are cut into layers of `LAYER`, each is rasterised as a map is, and the cells are
   merged. The boxes enclose the mesh and are up to a cell larger; a warning names it, with both volumes.
 
-What lies above the ceiling that is given, over the robot's head, or ends at the floor is left out.
+What lies above the ceiling that is given, over the robot's head, or ends at the floor is left out. A log line of level
+INFO says which meshes became plates.
 """
 
 from __future__ import annotations
 
+import logging
 import math
 import warnings
 from collections.abc import Iterable
@@ -28,6 +30,8 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.maps.rasterise import HeightBand, SolidRaster
 from trundle.solids import Mesh, Solid
 from trundle.worlds.from_map import merge_cells
+
+logger = logging.getLogger(__name__)
 
 MOST_PLATES = 2_000
 """Of one mesh."""
@@ -119,6 +123,7 @@ def take_apart(solids: Iterable[Solid], *, ceiling: float) -> dict[str, Pieces]:
         plates += len(parts.faces)
         if len(parts.faces) <= MOST_PLATES and plates <= MOST_TOGETHER:
             exact.add(name)
+    _log_plates({name: len(found[name].faces) for name in exact})
     pieces: dict[str, Pieces] = {}
     for name, parts in found.items():
         if name in exact:
@@ -137,6 +142,18 @@ def take_apart(solids: Iterable[Solid], *, ceiling: float) -> dict[str, Pieces]:
         )
         pieces[name] = Pieces(_in_reach(parts.hulls, ceiling) + boxes, boxes=len(boxes))
     return pieces
+
+
+def _log_plates(plates: dict[str, int]) -> None:
+    concave = sorted(name for name, count in plates.items() if count)
+    if concave:
+        names = ", ".join(map(repr, concave[:3])) + (f" and {len(concave) - 3} more" if len(concave) > 3 else "")
+        logger.info(
+            "meshes that are not convex collide as they are, each triangle a plate of %g mm: %s, %d plates in all",
+            1e3 * THICKNESS,
+            names,
+            sum(plates.values()),
+        )
 
 
 def _split(solid: Solid, mesh: Mesh, ceiling: float) -> _Parts:
