@@ -422,6 +422,22 @@ def test_colliders_or_looks_are_the_users_choice(write):
     assert looks == ["/Rack/Look", "/Rack/Off", "/Rack/Group/Ball"]
 
 
+def test_what_is_seen_far_from_any_collider_is_said(write):
+    def cube(name: str, x: float, z: float = 0.5, collides: bool = False, size: str = "1, 1, 1") -> str:
+        api = '(prepend apiSchemas = ["PhysicsCollisionAPI"])' if collides else ""
+        return f"""def Cube "{name}" {api} {{ double size = 1
+            double3 xformOp:translate = ({x}, 0, {z}); float3 xformOp:scale = ({size})
+            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]; }}"""
+
+    stage = cube("Ground", 0, -0.5, True, "99, 99, 1") + cube("Rack", 0, collides=True) + cube("Look", 0.2)
+    stage += cube("Lamp", 4, 3.0) + cube("Paint", 4, -0.5)
+    assert len(load_usd(write(stage)).solids) == 2
+    forgotten = stage + cube("Wall", 5) + cube("Door", 7)
+    with pytest.warns(WorldWarning, match="2 shapes that are seen are no colliders and near none.*first is /Wall"):
+        load_usd(write(forgotten))
+    assert len(load_usd(write(forgotten), geometry="collision").solids) == 2
+
+
 def test_a_floor_collider_alone_does_not_hide_what_is_seen(write):
     path = write("""
 def Plane "Ground" (prepend apiSchemas = ["PhysicsCollisionAPI"]) { uniform token axis = "Z"; }
