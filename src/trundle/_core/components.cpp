@@ -1,4 +1,4 @@
-// Connected components of a mask, and the gaps in it: what a map's checks are made of.
+// Connected components of a mask, and the gaps in it: what missions are picked from and maps are checked by.
 #include "arrays.hpp"
 
 #include <algorithm>
