@@ -161,9 +161,9 @@ def _split(solid: Solid, mesh: Mesh, ceiling: float) -> _Parts:
     hulls: list[Piece] = []
     rest: list[IntArray] = [np.zeros((0, 3), dtype=np.int64)]
     for part in _connected(faces, len(points)):
-        corners = np.unique(part)
+        corners = _sort_distinct(part)
         if _is_convex(points, part, corners):
-            hulls.append(Piece(points[corners], np.searchsorted(corners, _edges(part))))
+            hulls.append(Piece(points[corners], np.searchsorted(corners, mesh_edges(part))))
         else:
             rest.append(part)
     others = np.vstack(rest)
@@ -194,9 +194,18 @@ def _weld(points: FloatArray, faces: npt.NDArray[np.integer]) -> tuple[FloatArra
     return places, joined[whole]
 
 
-def _edges(faces: IntArray) -> IntArray:
-    pairs = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    return np.unique(pairs, axis=0)
+def mesh_edges(faces: npt.NDArray[np.integer]) -> IntArray:
+    """Edges of triangles as pairs of their corners, each once and sorted, shape (N, 2)."""
+    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
+    base = int(ends.max()) + 1
+    keys = _sort_distinct(ends[:, 0] * base + ends[:, 1])
+    return np.column_stack([keys // base, keys % base])
+
+
+def _sort_distinct(numbers: IntArray) -> IntArray:
+    """Each number once, sorted; np.unique would import numpy.ma on its first call, 15 to 40 ms."""
+    ordered = np.sort(numbers, axis=None)
+    return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])]
 
 
 def _connected(faces: IntArray, count: int) -> list[IntArray]:
@@ -225,7 +234,7 @@ def _is_convex(points: FloatArray, faces: IntArray, corners: IntArray) -> bool:
     edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     keys = edges[:, 0] * len(points) + edges[:, 1]
     turned = edges[:, 1] * len(points) + edges[:, 0]
-    if len(np.unique(keys)) != len(keys) or not np.array_equal(np.sort(keys), np.sort(turned)):
+    if len(_sort_distinct(keys)) != len(keys) or not np.array_equal(np.sort(keys), np.sort(turned)):
         return False
     triangles = points[faces]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

@@ -156,7 +156,7 @@ class _HalfCells:
     def narrowest(self, gap: Mask, start: Mask, end: Mask) -> tuple[float, tuple[float, float]] | None:
         """Width in cells, and the (row, col) where, of the widest way from start to end; None where there is none."""
         start_nodes, end_nodes = _nodes(start, closed=False), _nodes(end, closed=False)
-        values = np.unique(self._levels[self._levels > 0])
+        values = np.flatnonzero(np.bincount(self._levels[self._levels > 0]))
         low, high, best = 0, len(values) - 1, None
         while low <= high:
             middle = (low + high) // 2
