@@ -6,6 +6,7 @@ from trundle._core._kernels import (
     draw_triangles,
     flood_free,
     flood_largest,
+    floor_planes,
     footprint_clearance,
     footprint_collides,
     grid_search,
@@ -18,7 +19,9 @@ from trundle._core._kernels import (
     raster_discs,
     raster_hexahedra,
     raster_mesh,
+    raster_mesh_over_floor,
     raster_thin_faces,
+    raster_thin_faces_over_floor,
     shortcut,
 )
 
@@ -28,6 +31,7 @@ __all__ = [
     "draw_triangles",
     "flood_free",
     "flood_largest",
+    "floor_planes",
     "footprint_clearance",
     "footprint_collides",
     "grid_search",
@@ -40,6 +44,8 @@ __all__ = [
     "raster_discs",
     "raster_hexahedra",
     "raster_mesh",
+    "raster_mesh_over_floor",
     "raster_thin_faces",
+    "raster_thin_faces_over_floor",
     "shortcut",
 ]
