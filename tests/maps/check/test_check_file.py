@@ -59,6 +59,42 @@ def test_all_mistakes_are_told_at_once(good):
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "place", "fix"),
+    [
+        ("negate: 0\n", "", ":1:1:", "write `negate: 0`"),
+        ("negate: 0", "\tnegate: 0", ":5:1:", "spaces for the tab"),
+        ("negate: 0", "negate:\t0", ":5:8:", "spaces for the tab"),
+        (": ", ":", ":1:1:", "a space after the colon"),
+        ("image: map.png", "image: mpa.png", ":1:8:", "image: map.png"),
+        ("image: map.png", "image: map.pgm", ":1:8:", "image: map.png"),
+        ("image: map.png", "image: map.jpg", ":1:8:", "image: map.png"),
+        ("resolution: 0.05", "resolution: [0.05]", ":3:13:", "0.05"),
+        ("free_thresh: 0.196", "free_thresh: 0.196\n---\nimage: map.png", ":8:1:", "one document"),
+    ],
+)
+def test_each_mistake_has_its_place_and_its_fix(good, old, new, place, fix):
+    (good.parent / "map.jpg").write_bytes(b"\xff\xd8\xff\xe0")
+    (finding,) = check_map(rewrite(good, old, new)).findings
+    assert (finding.kind, finding.severity) == ("yaml", "error")
+    assert place in finding.message
+    assert fix in finding.fix
+
+
+def test_a_yaw_in_degrees_is_warned_of(good):
+    text = good.read_text()
+    good.write_text(text.replace(", 0.0]", ", 90]"))
+    finding = next(finding for finding in check_map(good).findings if finding.kind == "yaml")
+    assert finding.severity == "warning"
+    assert finding.fix == "write 1.5708"
+
+
+def test_a_key_of_another_tool_is_a_remark(good):
+    (finding,) = check_map(rewrite(good, "negate: 0", "negate: 0\nauthor: me")).findings
+    assert (finding.kind, finding.severity) == ("yaml", "info")
+    assert ":6:1: the key 'author'" in finding.message
+
+
+@pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ("mode: trinary", "Mode: trinary", "'mode' is probably meant"),
