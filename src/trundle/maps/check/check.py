@@ -157,7 +157,14 @@ def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None
         made = apply_match(placed.grid, made.data, placed.match)
         kinds |= {finding.kind for finding in placed.findings}
     if made.origin.yaw != 0.0:
-        made = resample_axis_aligned(made)
+        made = _free_of_specks(resample_axis_aligned(made))
     if grid.origin.yaw != 0.0 and made.origin.yaw == 0.0:
         kinds.add("yaw_ignored")
     return (made, tuple(sorted(kinds))) if kinds else (None, ())
+
+
+def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
+    """A map that was turned, without the specks of free cells that thicker obstacles leave between them."""
+    chart = Chart(grid)
+    check_islands(chart)
+    return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid
