@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from maps.test_mesh_oracle import mesh_of, random_body
+from support.mesh_oracle import mesh_of, random_body
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import Pose3D
 from trundle.maps import HeightField, OccupancyGrid
