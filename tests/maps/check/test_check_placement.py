@@ -255,6 +255,14 @@ def test_a_noisy_map_of_a_part_that_lies_right_raises_nothing(name):
     assert report.unverified == ()
 
 
+def test_what_a_noisy_map_lacks_is_filled_with_its_walls():
+    survey = surveyed(map_of(warehouse()), 1)
+    report = check_grid(redrawn(survey, survey.data[::-1]), world=warehouse())
+    assert {"flipped", "unseen", "leak"} <= report.kinds()
+    again = check_grid(report.corrected, world=warehouse()).kinds()
+    assert not again & {*PLACEMENT_KINDS, "unseen", "leak", "unknown_hole"}
+
+
 def test_a_turned_map_of_a_round_room_is_not_put_right_by_guess():
     report = check_grid(turned(map_of(round_room()), 20.0), world=round_room())
     assert placement(report) == {"rotated"}
