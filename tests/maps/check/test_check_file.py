@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from support.planted_maps import map_of, room, same
+from support.planted_maps import changed, map_of, room, same
 from trundle.errors import MapError
 from trundle.maps.check import KINDS, check_map
 
@@ -155,3 +155,24 @@ def test_a_movingai_map_is_checked(tmp_path):
     assert check_map(tmp_path / "a.map").findings == ()
     (tmp_path / "b.map").write_text("type octile\nheight 3\nmap\n")
     assert check_map(tmp_path / "b.map").kinds() == {"yaml"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kind"),
+    [
+        ("free_thresh: 0.196", "free_thresh: 0.25", "unknown_loads_free"),
+        (
+            "occupied_thresh: 0.65\nfree_thresh: 0.196",
+            "occupied_thresh: 0.196\nfree_thresh: 0.65",
+            "thresholds_inverted",
+        ),
+        (", 0.0]", ", 1.5707963267948966]", "yaw_ignored"),
+    ],
+)
+def test_what_is_put_right_is_gone_from_the_file_that_is_written(good, tmp_path, old, new, kind):
+    changed(map_of(room()), (-2.0, 3.0, -1.0, 4.0, -1)).save(good)
+    report = check_map(rewrite(good, old, new))
+    assert kind in report.kinds()
+    assert kind in report.corrected_kinds
+    report.corrected.save(tmp_path / "right.yaml")
+    assert check_map(tmp_path / "right.yaml").kinds() == {"unknown_hole"}
