@@ -227,5 +227,10 @@ def test_values_out_of_range_are_refused_by_name(name, options, message):
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_an_unknown_option_is_an_input_error(name):
-    with pytest.raises(InputError, match="colour"):
+    with pytest.raises(InputError, match=rf"world '{name}': 'colour' is no option for it.*; there are: .*exclude"):
         World.generate(name, colour=3)
+
+
+def test_the_nearest_option_is_offered():
+    with pytest.raises(InputError, match=r"'hegdes' is no option for it \(did you mean 'hedges'\?\)"):
+        World.generate("lot", hegdes=False)

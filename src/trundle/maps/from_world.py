@@ -171,27 +171,30 @@ def _lay_out(
         corner = corners[0] - margin
         count = np.maximum(np.ceil((corners[1] + margin - corner - DEPTH) / resolution), 1)
     if not np.isfinite(count).all() or count[0] * count[1] > max_cells:
-        where = f" ({_find_outlier(world)})" if bounds is None else ""
+        where = f" ({find_outlier(world.solids)})" if bounds is None else ""
         raise MapError(
             f"a map of {count[0]:.0f} x {count[1]:.0f} cells of {resolution} m is more than {max_cells} cells: use a "
             f"larger resolution or smaller bounds, or look for a solid that is far away by mistake{where}"
         )
     if bounds is None and max(count) * resolution > FAR:
         remarks.append(
-            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: {_find_outlier(world)}. "
-            "If that is a mistake, check its unit and its pose, or give bounds"
+            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: "
+            f"{find_outlier(world.solids)}. If that is a mistake, check its unit and its pose, or give bounds"
         )
     return _Layout(resolution, (float(corner[0]), float(corner[1])), (int(count[1]), int(count[0])))
 
 
-def _find_outlier(world: SolidWorld) -> str:
+def find_outlier(solids: Sequence[Solid]) -> str:
     """Which solid reaches farthest from the middle of the others, for messages."""
-    lows, highs = solids_bounds(world.solids)
-    middle = np.median((lows + highs)[:, :2] / 2.0, axis=0)
+    lows, highs = solids_bounds(solids)
+    # With the world's origin, so that of two solids the one that is far from it is told.
+    middle = np.median(np.vstack([(lows + highs)[:, :2] / 2.0, np.zeros((1, 2))]), axis=0)
     reach = np.maximum(middle - lows[:, :2], highs[:, :2] - middle).max(axis=1)
     index = int(np.argmax(reach))
     low, high = lows[index], highs[index]
-    return f"{world.solids[index].name!r} reaches farthest, x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g} m"
+    return (
+        f"{solids[index].name!r} reaches farthest, x {low[0]:.9g} to {high[0]:.9g}, y {low[1]:.9g} to {high[1]:.9g} m"
+    )
 
 
 def _mark_solids(
