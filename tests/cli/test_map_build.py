@@ -43,6 +43,28 @@ def test_a_map_of_a_map_is_that_map(trundle: Trundle, room_map: Path, tmp_path: 
     assert ((before.data[1:-1, 1:-1] == 0) == (after.data[row, col] == 0)).all()
 
 
+def test_a_maps_height_and_unknown_cells_are_as_its_options_say(trundle: Trundle, tmp_path: Path) -> None:
+    cells = np.zeros((20, 30), dtype=np.int8)
+    cells[5, 5:10], cells[12:15, 20:25] = 100, -1
+    OccupancyGrid(cells, 0.05).save(tmp_path / "given.yaml")
+    found = {}
+    for name, options in {
+        "walls": (),
+        "free": ("--set", "unknown=free"),
+        "low": ("--set", "height=0.05", "--z-min", "0.02"),
+    }.items():
+        done = trundle("map", "build", "given.yaml", *options, "--bounds", "0,0,1.5,1", "--json")
+        assert done.code == 0, done.err
+        found[name] = done.json["occupied_cells"]
+    assert found == {"walls": 5 + 15, "free": 5, "low": 5 + 15}
+    with pytest.warns(MapWarning, match="the solids span heights 0 to 0.05 m"):
+        trundle("map", "build", "given.yaml", "--set", "height=0.05")
+    for option, words in (("hight=1", "did you mean 'height'?"), ("unknown=wall", "'solid' or 'free'")):
+        done = trundle("map", "build", "given.yaml", "--set", option)
+        assert done.code == 2
+        assert words in done.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

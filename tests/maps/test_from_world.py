@@ -257,6 +257,24 @@ def test_a_mesh_is_cut_to_the_band():
     assert extent(occupied((mesh, Pose3D()), z_range=(0.0, 0.28))) == (-0.3, 0.0, 0.3, 0.05)
 
 
+def test_overhangs_and_steps_are_obstacles_where_they_reach_into_the_band():
+    # A table: its top is above a low robot's band, its legs are in it. A door's lintel; a kerb; a threshold.
+    table = (Box((1.0, 0.6, 0.05)), Pose3D.planar(0.0, 0.0, 0.725))
+    leg = (Box((0.05, 0.05, 0.7)), Pose3D.planar(0.475, 0.275, 0.35))
+    lintel = (Box((0.2, 0.9, 0.4)), Pose3D.planar(-1.5, 0.0, 2.2))
+    kerb = (Box((4.0, 0.2, 0.15)), Pose3D.planar(0.0, 1.5, 0.075))
+    threshold = (Box((0.1, 0.9, 0.02)), Pose3D.planar(1.5, 0.0, 0.01))
+    solids = (table, leg, lintel, kerb, threshold)
+    assert count(occupied(*solids, z_range=(0.1, 0.62))) == 1 + 80 * 4
+    assert count(occupied(*solids, z_range=(0.1, 1.5))) == 20 * 12 + 80 * 4
+    assert count(occupied(*solids, z_range=(0.1, 2.5))) == 20 * 12 + 80 * 4 + 4 * 18
+    assert count(occupied(*solids, z_range=(0.16, 0.62))) == 1  # A robot that climbs kerbs.
+    assert count(occupied(*solids, z_range=(0.01, 0.62))) == 1 + 80 * 4 + 2 * 18
+    # At the band's edge a micrometre decides.
+    assert count(occupied(table, leg, z_range=(0.1, 0.7))) == 1
+    assert count(occupied(table, leg, z_range=(0.1, 0.7 + 3e-6))) == 20 * 12
+
+
 WALLS = [
     Solid("south", Box((4.0, 0.1, 1.0)), Pose3D.planar(0.0, -1.95, 0.5)),
     Solid("north", Box((4.0, 0.1, 1.0)), Pose3D.planar(0.0, 1.95, 0.5)),
