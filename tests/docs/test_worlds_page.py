@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 
 from trundle.cli.entry import run_command
+from trundle.cli.options import parse_settings
 from trundle.errors import RobotWarning
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
@@ -23,6 +24,7 @@ from trundle.worlds.meshes import load_mesh
 from trundle.worlds.mjcf import load_mjcf
 from trundle.worlds.sdf import load_sdf
 from trundle.worlds.usd import load_usd
+from trundle.worlds.world import WORLDS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "worlds.md").read_text()
@@ -120,3 +122,14 @@ def test_the_robot_of_the_page_works_in_every_verb(tmp_path, monkeypatch, capsys
     capsys.readouterr()
     assert run_command(["view", "cart.urdf", "-o", "v.png"]) == 2
     assert "It turns at: motor_a, motor_b" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", world_names())
+def test_every_generator_is_listed_with_its_options_as_they_are_by_default(name: str) -> None:
+    row = next(line for line in section("Generated").splitlines() if line.startswith(f"| `{name}` |"))
+    options = dict(re.findall(r"`(\w+)=([^`]*)`", row))
+    signature = inspect.signature(WORLDS.load(name)).parameters
+    assert set(options) == set(signature) - {"seed"}
+    # As the command line reads them, they make the world that is made without them.
+    settings = parse_settings([f"{key}={value}" for key, value in options.items()])
+    assert World.generate(name, seed=3, **settings) == World.generate(name, seed=3)
