@@ -686,6 +686,32 @@ def test_garbage_is_one_clear_error(tmp_path, name):
         load_usd(tmp_path / name)
 
 
+@pytest.mark.parametrize("place", ["name", "metadata", "comment"])
+def test_bytes_that_are_no_text_are_one_clear_error(tmp_path, place):
+    text = {
+        "name": HEAD + 'def Cube "A?" {\n}\n',
+        "metadata": HEAD + 'def Cube "A" (\n doc = ?\n) {\n}\n',
+        "comment": HEAD + 'def Cub? "A" {\n}\n def x',
+    }[place]
+    (tmp_path / "scene.usda").write_bytes(text.encode().replace(b"?", b"\xc3\x28\xff"))
+    with pytest.raises(WorldError, match=r"scene\.usda: not a USD file"):
+        load_usd(tmp_path / "scene.usda")
+
+
+@pytest.mark.parametrize(
+    ("prim", "said"),
+    [
+        ('def Cube "Bad" { doubl size = 1; }', "/Bad: size must be a number"),
+        ('def Plane "Bad" { toke axis = "Y"; }', "/Bad: axis must be X, Y or Z"),
+        ('def Cone "Bad" { uniform token axis = "W"; }', "/Bad: axis must be X, Y or Z, got W"),
+        (f'def Mesh "Bad" {{ {TETRA.replace("point3f[] points", "point3ff[] points")} }}', "/Bad: points"),
+    ],
+)
+def test_values_of_a_type_that_there_is_not_are_refused_by_name(write, prim, said):
+    with pytest.raises(WorldError, match=said):
+        load_usd(write(prim))
+
+
 def test_a_syntax_error_has_its_line(write):
     with pytest.raises(WorldError, match=r"scene\.usda:7:"):
         load_usd(write('def Cube "A" {\n  what is this\n}'))
