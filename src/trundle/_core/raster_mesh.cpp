@@ -92,8 +92,12 @@ void fill_section(Raster &raster, const std::vector<Segment> &section) {
   if (first >= end || first_col >= end_col) return;
   const std::int64_t width = end_col - first_col + 1, step = std::max<std::int64_t>(1, kBandCells / width);
   std::vector<std::int32_t> turns;
+  std::vector<std::uint8_t> open;  // Rows that have a cell to fill: what a row of occupied cells encloses is of no account.
   for (std::int64_t low = first; low < end; low += step) {
     const std::int64_t high = std::min(end, low + step);
+    open.resize(static_cast<std::size_t>(high - low));
+    for (std::int64_t row = low; row < high; ++row)
+      open[static_cast<std::size_t>(row - low)] = !raster.is_row_full(row, first_col, end_col);
     turns.assign(static_cast<std::size_t>((high - low) * width), 0);
     for (const Segment &s : section) {
       const bool rises = s.to.y > s.from.y;
@@ -103,12 +107,14 @@ void fill_section(Raster &raster, const std::vector<Segment> &section) {
       if (row >= row_end) continue;
       const double slope = (b.x - a.x) / (b.y - a.y);
       for (; row < row_end; ++row) {
+        if (!open[static_cast<std::size_t>(row - low)]) continue;
         const double x = a.x + (static_cast<double>(row) + 0.5 - a.y) * slope;
         const std::int64_t col = std::clamp(centres.first(x, raster.cols()), first_col, end_col);
         turns[static_cast<std::size_t>((row - low) * width + col - first_col)] += rises ? -1 : 1;
       }
     }
     for (std::int64_t row = low; row < high; ++row) {
+      if (!open[static_cast<std::size_t>(row - low)]) continue;
       const std::int32_t *turn = turns.data() + (row - low) * width;
       std::int32_t winding = 0;
       for (std::int64_t col = first_col; col < end_col; ++col) {
