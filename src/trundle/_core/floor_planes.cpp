@@ -48,8 +48,9 @@ struct Patch {
   double height(double s, double t) const {
     return (1.0 - t) * ((1.0 - s) * h00 + s * h10) + t * ((1.0 - s) * h01 + s * h11);
   }
-  double rise(double s, double t) const {  // Convex in s and t, so steepest in a corner of a part.
-    return std::hypot((1.0 - t) * (h10 - h00) + t * (h11 - h01), (1.0 - s) * (h01 - h00) + s * (h11 - h10));
+  double squared_rise(double s, double t) const {  // Convex in s and t, so steepest in a corner of a part.
+    const double x = (1.0 - t) * (h10 - h00) + t * (h11 - h01), y = (1.0 - s) * (h01 - h00) + s * (h11 - h10);
+    return x * x + y * y;
   }
   bool known() const { return std::isfinite(h00) && std::isfinite(h10) && std::isfinite(h01) && std::isfinite(h11); }
 };
@@ -69,33 +70,46 @@ class Field {
   std::size_t rows_, cols_;
 };
 
-void fit_plane(const Field &field, const Span &x, const Span &y, double *plane) {
-  std::fill_n(plane, kPlane, std::numeric_limits<double>::quiet_NaN());
-  if (!field.covers(x, y)) return;
+using Plane = std::array<double, kPlane>;
+
+const Plane kNoFloor = [] {
+  Plane plane;
+  plane.fill(std::numeric_limits<double>::quiet_NaN());
+  return plane;
+}();
+
+Plane fit_plane(const Field &field, const Span &x, const Span &y) {
+  if (!field.covers(x, y)) return kNoFloor;
   const std::int64_t left = x.first, right = x.end - 1, bottom = y.first, top = y.end - 1;
-  const double h00 = field.patch(bottom, left).height(x.from(left), y.from(bottom));
-  const double h10 = field.patch(bottom, right).height(x.to(right), y.from(bottom));
-  const double h01 = field.patch(top, left).height(x.from(left), y.to(top));
-  const double h11 = field.patch(top, right).height(x.to(right), y.to(top));
+  const Patch first = field.patch(bottom, left), last = field.patch(top, right);
+  if (!first.known() || !last.known()) return kNoFloor;
+  const bool single = left == right && bottom == top;
+  const double h00 = first.height(x.from(left), y.from(bottom)), h11 = last.height(x.to(right), y.to(top));
+  const double h10 = (single ? first : field.patch(bottom, right)).height(x.to(right), y.from(bottom));
+  const double h01 = (single ? first : field.patch(top, left)).height(x.from(left), y.to(top));
   const double middle = 0.25 * (h00 + h10 + h01 + h11);
   const double along_x = 0.5 * (h10 + h11 - h00 - h01), along_y = 0.5 * (h01 + h11 - h00 - h10);
   double least = std::numeric_limits<double>::infinity(), most = -least, steepest = 0.0;
-  for (std::int64_t row = y.first; row < y.end; ++row)
-    for (std::int64_t col = x.first; col < x.end; ++col) {
-      const Patch patch = field.patch(row, col);
-      if (!patch.known()) return;
+  for (std::int64_t row = bottom; row <= top; ++row)
+    for (std::int64_t col = left; col <= right; ++col) {
+      const Patch patch = single ? first : field.patch(row, col);
+      if (!patch.known()) return kNoFloor;
       for (const double s : {x.from(col), x.to(col)})
         for (const double t : {y.from(row), y.to(row)}) {
+          steepest = std::max(steepest, patch.squared_rise(s, t));
+          if (single) continue;
           const double at_x = (static_cast<double>(col) + s - x.low) / (x.high - x.low) - 0.5;
           const double at_y = (static_cast<double>(row) + t - y.low) / (y.high - y.low) - 0.5;
           const double off = patch.height(s, t) - middle - along_x * at_x - along_y * at_y;
           least = std::min(least, off);
           most = std::max(most, off);
-          steepest = std::max(steepest, patch.rise(s, t));
         }
     }
-  const std::array<double, kPlane> values = {middle, along_x, along_y, least, most, steepest};
-  std::copy(values.begin(), values.end(), plane);
+  if (single) {  // The plane runs above two corners as far as below the others.
+    most = 0.25 * std::abs(h00 - h10 - h01 + h11);
+    least = -most;
+  }
+  return {middle, along_x, along_y, least, most, std::sqrt(steepest)};
 }
 
 }  // namespace
@@ -111,13 +125,19 @@ static nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double
   {
     nb::gil_scoped_release released;
     const Field field(heights);
-    const auto span = [&](std::int64_t index, double start) {
-      return Span((static_cast<double>(index) - start) / spacing, (static_cast<double>(index) + 1.0 - start) / spacing);
+    const auto spans = [&](std::int64_t count, double start) {
+      std::vector<Span> found;
+      found.reserve(static_cast<std::size_t>(count));
+      for (std::int64_t i = 0; i < count; ++i)
+        found.emplace_back((static_cast<double>(i) - start) / spacing, (static_cast<double>(i) + 1.0 - start) / spacing);
+      return found;
     };
+    const std::vector<Span> across = spans(cols, x), up = spans(rows, y);
     for (std::int64_t row = 0; row < rows; ++row)
       for (std::int64_t col = 0; col < cols; ++col) {
         double *plane = planes.data() + static_cast<std::size_t>(row * cols + col) * kPlane;
-        fit_plane(field, span(col, x), span(row, y), plane);
+        const Plane fitted = fit_plane(field, across[static_cast<std::size_t>(col)], up[static_cast<std::size_t>(row)]);
+        std::copy(fitted.begin(), fitted.end(), plane);
         plane[5] /= spacing * resolution;
       }
   }

@@ -48,6 +48,18 @@ struct Part {
   }
 };
 
+// The least and the most height of a part [m].
+struct Heights {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+
+  explicit Heights(const Part &part) {
+    for (std::size_t i = 0; i < part.count; ++i) {
+      least = std::min(least, part.corners[i].z);
+      most = std::max(most, part.corners[i].z);
+    }
+  }
+};
+
 // Cells, the floor below them, and the band above it.
 class FloorRaster {
  public:
@@ -95,12 +107,8 @@ class FloorRaster {
   double middle(std::int64_t row, std::int64_t col) const { return plane(row, col)[0] + 0.5 * (low_ + high_); }
 
   bool may_touch(const Part &part) const {
-    double least = part.corners[0].z, most = least;
-    for (std::size_t i = 1; i < part.count; ++i) {
-      least = std::min(least, part.corners[i].z);
-      most = std::max(most, part.corners[i].z);
-    }
-    return part.count > 0 && most >= lowest_ + low_ && least <= highest_ + high_ && raster_.near(part.box());
+    const Heights heights(part);
+    return heights.most >= lowest_ + low_ && heights.least <= highest_ + high_ && raster_.near(part.box());
   }
 
   // Whether a part over a cell reaches into the band there; never where the floor is unknown.
@@ -116,8 +124,18 @@ class FloorRaster {
     return most >= low_ + p[3] && least <= high_ + p[4];
   }
 
-  // Visit the cells that a part reaches into, in y as `up` and in x as `across` says; false where a row that it reaches
-  // into, or all of it, got no cell.
+  // What the heights of a part over a cell say alone: whether all of it is out of the band, or in it.
+  bool is_out(const Heights &part, std::int64_t row, std::int64_t col) const {
+    const double *p = plane(row, col), swing = 0.5 * (std::abs(p[1]) + std::abs(p[2]));
+    return !(part.most >= p[0] - swing + low_ + p[3] && part.least <= p[0] + swing + high_ + p[4]);
+  }
+  bool is_in(const Heights &part, std::int64_t row, std::int64_t col) const {
+    const double *p = plane(row, col), swing = 0.5 * (std::abs(p[1]) + std::abs(p[2]));
+    return part.least >= p[0] + swing + low_ + p[3] && part.most <= p[0] - swing + high_ + p[4];
+  }
+
+  // Visit the cells in which a part reaches into the band, in y as `up` and in x as `across` says, with the part's strip in
+  // their row; false where a row that the part reaches into, or all of it, has no cell.
   template <typename Visit>
   bool visit(const Part &part, const Reach &up, const Reach &across, const Visit &mark) const {
     const Box2 box = part.box();
@@ -129,8 +147,15 @@ class FloorRaster {
       const Box2 here = strip.box();
       const std::int64_t first_col = across.first(here.low.x, raster_.cols()), end_col = across.end(here.high.x, raster_.cols());
       whole &= first_col < end_col;
-      for (std::int64_t col = first_col; col < end_col; ++col)
-        mark(row, col, strip.within(&Point3::x, static_cast<double>(col) + across.strip_low(), static_cast<double>(col) + across.strip_high()));
+      const Heights heights(strip);
+      for (std::int64_t col = first_col; col < end_col; ++col) {
+        if (is_out(heights, row, col)) continue;
+        // A convex strip reaches into all of its columns, so where all of it is in the band it need not be cut.
+        if (is_in(heights, row, col) || in_band(strip.within(&Point3::x, static_cast<double>(col) + across.strip_low(),
+                                                             static_cast<double>(col) + across.strip_high()),
+                                                row, col))
+          mark(row, col, strip);
+      }
     }
     return whole;
   }
@@ -224,8 +249,7 @@ static nb::tuple raster_mesh_over_floor(Cells cells, Planes planes, Vertices ver
       if (!place_face(placed, i, face, part) || !raster.near(part.box())) continue;
       if (closed) winding.add(face);
       if (!floor.may_touch(part)) continue;
-      const bool whole = floor.visit(part, reach, reach, [&](std::int64_t row, std::int64_t col, const Part &piece) {
-        if (!floor.in_band(piece, row, col)) return;
+      const bool whole = floor.visit(part, reach, reach, [&](std::int64_t row, std::int64_t col, const Part &) {
         raster.cell(row, col) = kOccupied;
         there = true;
       });
@@ -260,15 +284,14 @@ static void raster_thin_faces_over_floor(Cells cells, Planes planes, Vertices ve
     // Along itself a face must reach into a cell: beyond its ends there is nothing behind it.
     const bool needle = along_x && solid.first(box.low.x, raster.cols()) >= solid.end(box.high.x, raster.cols());
     const Reach &up = along_x ? raster.surface() : solid, &across = along_x && !needle ? solid : raster.surface();
-    floor.visit(part, up, across, [&](std::int64_t row, std::int64_t col, const Part &piece) {
-      const Box2 here = piece.box();
-      if (piece.count == 0 || !floor.in_band(piece, row, col)) return;
+    floor.visit(part, up, across, [&](std::int64_t row, std::int64_t col, const Part &strip) {
       std::int64_t behind_row = row, behind_col = col;  // Only the cells in front of the face look behind it.
       if (along_x) {
         const auto line = static_cast<std::int64_t>(std::llround(box.low.y));
         if (row != (normal_y > 0.0 ? line : line - 1)) return;
         behind_row = normal_y > 0.0 ? line - 1 : line;
       } else {
+        const Box2 here = strip.box();
         if (!flat(here.low.x, here.high.x)) return;
         const auto line = static_cast<std::int64_t>(std::llround(here.low.x));
         if (col != (normal_x > 0.0 ? line : line - 1)) return;
