@@ -217,7 +217,7 @@ def "Rack" (references = @gone.usd@) {}
 
 def test_a_usd_scene_becomes_a_map_without_what_is_left_out(trundle: Trundle, tmp_path: Path) -> None:
     (tmp_path / "scene.usda").write_text(USD)
-    done = trundle("map", "build", "scene.usda", "--exclude", "/Robot", "--exclude", "/Rack", "--json")
+    done = trundle("map", "build", "scene.usda", "--exclude", "/Robot", "--exclude", "/Rack", "--margin", "1", "--json")
     assert done.code == 0, done.err
     assert done.json["occupied_cells"] == 20 * 20
     assert done.err == ""

@@ -48,6 +48,7 @@ def extent(grid: OccupancyGrid) -> tuple[float, float, float, float]:
     return tuple(round(float(number), 9) for number in (*low, *high))
 
 
+@pytest.mark.filterwarnings("ignore:no cell of the map is free")
 @settings(max_examples=200, deadline=None)
 @given(x=st.integers(-20_000, 20_000), y=st.integers(-20_000, 20_000), coverage=st.sampled_from(["any", "centre"]))
 def test_a_grid_aligned_box_has_exactly_its_cells_wherever_it_is(x, y, coverage):
@@ -329,6 +330,7 @@ def test_seeds_that_cannot_be_are_refused(seeds, message):
         OccupancyGrid.from_world(Room(WALLS), seeds=seeds)
 
 
+@pytest.mark.filterwarnings("ignore:no cell of the map is free")
 def test_bounds_are_the_worlds_moved_out_to_whole_cells():
     room = Room([Solid("box", Box((0.9, 0.3, 1.0)), Pose3D.planar(0.17, -3.02, 0.5))])
     grid = OccupancyGrid.from_world(room)
@@ -387,6 +389,12 @@ def test_a_world_without_solids_or_without_any_in_the_band_is_told():
     with pytest.warns(MapWarning, match=r"heights 2 to 3 m \(the solids span heights 0 to 1 m\)") as caught:
         OccupancyGrid.from_world(World("walls", tuple(WALLS)), z_range=(2.0, 3.0))
     assert caught[0].filename == __file__
+
+
+def test_a_map_without_a_free_cell_is_told():
+    with pytest.warns(MapWarning, match="no cell of the map is free"):
+        grid = occupied((Box((9.0, 9.0, 1.0)), Pose3D.planar(0.0, 0.0, 0.5)))
+    assert (grid.data == 100).all()
 
 
 def test_the_floor_may_lie_elsewhere():

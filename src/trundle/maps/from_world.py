@@ -101,15 +101,17 @@ def rasterise_world(
     points = _choose_seeds(world, seeds, layout)
     if floor is None:
         cells = _mark_solids(world, layout, band, coverage, style, remarks)
-        _free_from_seeds(cells, points, layout, f"between heights {band.low:g} and {band.high:g} m")
+        free = _free_from_seeds(cells, points, layout, f"between heights {band.low:g} and {band.high:g} m")
     else:
         cells, no_floor = _mark_over_floor(world, layout, band, coverage, floor, slope, remarks)
         _check_seeds_have_floor(points, no_floor, layout)
         # What is not known stops the flood, and stays unknown.
         cells[no_floor] = OCCUPIED
         above = f"between {band.low:g} and {band.high:g} m above the floor, or where it is steeper than {slope:g} rad"
-        _free_from_seeds(cells, points, layout, above)
+        free = _free_from_seeds(cells, points, layout, above)
         cells[no_floor] = UNKNOWN
+    if free == 0 and not remarks:
+        remarks.append("no cell of the map is free: solids fill all of it. Check z_range, floor_z, bounds and the unit")
     for remark in remarks:
         warnings.warn(remark, MapWarning, stacklevel=3)
     shift = resolution / 2.0 if half_cell_origin else 0.0
@@ -297,15 +299,15 @@ def _cells_of(points: FloatArray, layout: _Layout) -> npt.NDArray[np.int64]:
     return np.floor((points - layout.corner) / layout.resolution).astype(np.int64)
 
 
-def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _Layout, where: str) -> None:
+def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _Layout, where: str) -> int:
+    """Flood from the seeds, or fill the largest area; returns how many cells became free."""
     if len(points) == 0:
-        flood_largest(cells)
-        return
+        return flood_largest(cells)
     seeds = np.ascontiguousarray(_cells_of(points, layout)[:, ::-1])
     for (x, y), (row, col) in zip(points, seeds, strict=True):
         if cells[row, col] == OCCUPIED:
             raise MapError(f"the seed ({x:g}, {y:g}) lies in an obstacle {where}; give a point that is free")
-    flood_free(cells, seeds)
+    return flood_free(cells, seeds)
 
 
 def _nothing_there(world: SolidWorld, heights: str) -> str:

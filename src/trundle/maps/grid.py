@@ -143,8 +143,8 @@ class OccupancyGrid(GridFrame):
                 obstacle or where there is no floor, or the floor is known nowhere.
 
         Warns:
-            MapWarning: If no solid reaches into the band within the bounds, a mesh in the band is not closed, or the
-                world is more than 2 km wide, or parts of the map have no known floor.
+            MapWarning: If no solid reaches into the band within the bounds, no cell is free, a mesh in the band is not
+                closed, the world is more than 2 km wide, or parts of the map have no known floor.
         """
         from trundle.maps.from_world import rasterise_world
 
