@@ -1,6 +1,6 @@
 """Make map_check.png: a map with planted mistakes, and what `trundle map check` says of it.
 
-python docs/images/map_check.py FOLDER
+python docs/pictures/map_check.py FOLDER
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ def plant(grid: OccupancyGrid) -> OccupancyGrid:
 
 
 def main() -> int:
-    """Write the map and the mended one into the folder, and the picture beside this script."""
+    """Write the map and the mended one into the folder, and the picture into docs/images."""
     folder = Path(sys.argv[1])
     world = World.generate("warehouse", seed=7)
     plant(OccupancyGrid.from_world(world)).save(folder / "slam.yaml")
     arguments = ["--world", "warehouse", "--seed", "7", "--robot", "nova_carter", "--start", "-12,-2"]
-    picture = Path(__file__).with_suffix(".png")
+    picture = Path(__file__).parents[1] / "images" / "map_check.png"
     return run_command(
         ["map", "check", str(folder / "slam.yaml"), *arguments, "--fix", str(folder / "right.yaml"), "-o", str(picture)]
     )
