@@ -12,14 +12,16 @@ from types import ModuleType
 from typing import Any
 
 
-def interleaved_times(contestants: Mapping[str, Callable[[], Any]], rounds: int) -> dict[str, list[float]]:
+def interleaved_times(
+    contestants: Mapping[str, Callable[[], Any]], rounds: int, clock: Callable[[], float] = time.perf_counter
+) -> dict[str, list[float]]:
     """Seconds of each contestant in each of `rounds` turns, after one turn that does not count."""
     times: dict[str, list[float]] = {name: [] for name in contestants}
     for turn in range(rounds + 1):
         for name, run in contestants.items():
-            begin = time.perf_counter()
+            begin = clock()
             run()
-            elapsed = time.perf_counter() - begin
+            elapsed = clock() - begin
             if turn > 0:
                 times[name].append(elapsed)
     return times

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from trundle.costmap import Costmap
     from trundle.errors import InputError, PlanningError, TrundleError
     from trundle.geometry import Pose2D, Twist2D
-    from trundle.maps import OccupancyGrid
+    from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, run
     from trundle.navigation import Navigator
     from trundle.path import Path
@@ -25,6 +25,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Costmap": "trundle.costmap",
     "Episode": "trundle.mission",
+    "HeightField": "trundle.maps",
     "InputError": "trundle.errors",
     "Navigator": "trundle.navigation",
     "OccupancyGrid": "trundle.maps",
@@ -45,6 +46,7 @@ _HOMES = {
 __all__ = [
     "Costmap",
     "Episode",
+    "HeightField",
     "InputError",
     "Navigator",
     "OccupancyGrid",

@@ -107,6 +107,8 @@ def _flatten(where: str, mesh: Any, transform: FloatArray, turn: FloatArray, nam
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     if len(faces) == 0:
         raise WorldError(f"{where} has no faces")
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
+        raise WorldError(f"{where} has corners or faces that are not of three numbers each")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise WorldError(f"{where} has faces that name corners outside 0..{len(vertices) - 1}")
     if not np.isfinite(vertices[np.unique(faces)]).all():

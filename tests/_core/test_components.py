@@ -29,6 +29,19 @@ def test_components_are_those_of_scipy(seed, rows, cols, share, diagonal):
         assert (col, col_end) == (found_cols.min(), found_cols.max() + 1)
 
 
+def test_a_spiral_is_one_area():
+    free = np.zeros((41, 41), dtype=bool)
+    for ring in range(0, 20, 2):
+        free[ring, ring : -ring or None] = free[-1 - ring, ring : -ring or None] = True
+        free[ring : -ring or None, ring] = free[ring : -ring or None, -1 - ring] = True
+        free[ring + 1, ring] = ring == 0
+        free[ring + 2 : ring + 3, ring + 1] = True
+    expected, count = ndimage.label(free)
+    labels, table = label_components(free.view(np.uint8), False)
+    assert len(table) == count
+    assert np.array_equal(labels, expected)
+
+
 def gaps_by_hand(blocked, limit):
     rows, cols = blocked.shape
     padded = np.pad(blocked, 1, constant_values=1)

@@ -1,3 +1,4 @@
+import logging
 import os
 import subprocess
 import sys
@@ -6,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from trundle import __version__
-from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, run_command
+from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, _show_log, run_command
 from trundle.errors import InputError, OutputError
 
 
@@ -168,3 +169,14 @@ def test_a_run_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "1"
+
+
+def test_what_is_logged_is_said_once_on_stderr(capsys, monkeypatch):
+    logger = logging.getLogger("trundle")
+    monkeypatch.setattr(logger, "handlers", [])
+    monkeypatch.setattr(logger, "level", logging.NOTSET)
+    _show_log(logging.INFO)
+    for _ in range(2):
+        logging.getLogger("trundle.sim").info("a mesh is %s", "concave")
+    logging.getLogger("trundle.sim").debug("nobody asked")
+    assert capsys.readouterr().err == "trundle: a mesh is concave\n"

@@ -118,6 +118,37 @@ def test_a_goal_that_cannot_be_reached_is_an_outcome(trundle: Trundle, tmp_path:
     assert done.out.startswith("outcome             no_path: ")
 
 
+def test_a_map_becomes_a_world_as_its_options_say(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    options = ("--set", "height=0.3", "--set", "unknown=free")
+    first = trundle("run", room_map, *options, *SHORT, *QUICK, "-o", "first", "--json")
+    assert first.code == 0, first.err
+    assert "map_options: {height: 0.3, unknown: free}" in (tmp_path / "first" / "scenario.yaml").read_text()
+    again = trundle("run", "first/scenario.yaml", "--no-video", "-o", "again", "--json")
+    assert again.json["time_s"] == first.json["time_s"]
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("hieght=0.3", "did you mean 'height'?"),
+        ("height=0", "map_options.height"),
+        ("unknown=wall", "'solid' or 'free'"),
+    ],
+)
+def test_options_that_a_map_does_not_take(trundle: Trundle, room_map: Path, option: str, words: str) -> None:
+    done = trundle("run", room_map, "--set", option, "--no-video")
+    assert done.code == 2
+    assert words in done.err
+
+
+def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Path) -> None:
+    images = []
+    for options in (("--seed", 4), ("--set", "seed=4"), ("--seed", 5)):
+        assert trundle("map", "build", "maze", *options).code == 0
+        images.append((tmp_path / "map.png").read_bytes())
+    assert images[0] == images[1] != images[2]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -48,6 +48,7 @@ def extent(grid: OccupancyGrid) -> tuple[float, float, float, float]:
     return tuple(round(float(number), 9) for number in (*low, *high))
 
 
+@pytest.mark.filterwarnings("ignore:no cell of the map is free")
 @settings(max_examples=200, deadline=None)
 @given(x=st.integers(-20_000, 20_000), y=st.integers(-20_000, 20_000), coverage=st.sampled_from(["any", "centre"]))
 def test_a_grid_aligned_box_has_exactly_its_cells_wherever_it_is(x, y, coverage):
@@ -257,6 +258,24 @@ def test_a_mesh_is_cut_to_the_band():
     assert extent(occupied((mesh, Pose3D()), z_range=(0.0, 0.28))) == (-0.3, 0.0, 0.3, 0.05)
 
 
+def test_overhangs_and_steps_are_obstacles_where_they_reach_into_the_band():
+    # A table: its top is above a low robot's band, its legs are in it. A door's lintel; a kerb; a threshold.
+    table = (Box((1.0, 0.6, 0.05)), Pose3D.planar(0.0, 0.0, 0.725))
+    leg = (Box((0.05, 0.05, 0.7)), Pose3D.planar(0.475, 0.275, 0.35))
+    lintel = (Box((0.2, 0.9, 0.4)), Pose3D.planar(-1.5, 0.0, 2.2))
+    kerb = (Box((4.0, 0.2, 0.15)), Pose3D.planar(0.0, 1.5, 0.075))
+    threshold = (Box((0.1, 0.9, 0.02)), Pose3D.planar(1.5, 0.0, 0.01))
+    solids = (table, leg, lintel, kerb, threshold)
+    assert count(occupied(*solids, z_range=(0.1, 0.62))) == 1 + 80 * 4
+    assert count(occupied(*solids, z_range=(0.1, 1.5))) == 20 * 12 + 80 * 4
+    assert count(occupied(*solids, z_range=(0.1, 2.5))) == 20 * 12 + 80 * 4 + 4 * 18
+    assert count(occupied(*solids, z_range=(0.16, 0.62))) == 1  # A robot that climbs kerbs.
+    assert count(occupied(*solids, z_range=(0.01, 0.62))) == 1 + 80 * 4 + 2 * 18
+    # At the band's edge a micrometre decides.
+    assert count(occupied(table, leg, z_range=(0.1, 0.7))) == 1
+    assert count(occupied(table, leg, z_range=(0.1, 0.7 + 3e-6))) == 20 * 12
+
+
 WALLS = [
     Solid("south", Box((4.0, 0.1, 1.0)), Pose3D.planar(0.0, -1.95, 0.5)),
     Solid("north", Box((4.0, 0.1, 1.0)), Pose3D.planar(0.0, 1.95, 0.5)),
@@ -311,6 +330,7 @@ def test_seeds_that_cannot_be_are_refused(seeds, message):
         OccupancyGrid.from_world(Room(WALLS), seeds=seeds)
 
 
+@pytest.mark.filterwarnings("ignore:no cell of the map is free")
 def test_bounds_are_the_worlds_moved_out_to_whole_cells():
     room = Room([Solid("box", Box((0.9, 0.3, 1.0)), Pose3D.planar(0.17, -3.02, 0.5))])
     grid = OccupancyGrid.from_world(room)
@@ -369,6 +389,12 @@ def test_a_world_without_solids_or_without_any_in_the_band_is_told():
     with pytest.warns(MapWarning, match=r"heights 2 to 3 m \(the solids span heights 0 to 1 m\)") as caught:
         OccupancyGrid.from_world(World("walls", tuple(WALLS)), z_range=(2.0, 3.0))
     assert caught[0].filename == __file__
+
+
+def test_a_map_without_a_free_cell_is_told():
+    with pytest.warns(MapWarning, match="no cell of the map is free"):
+        grid = occupied((Box((9.0, 9.0, 1.0)), Pose3D.planar(0.0, 0.0, 0.5)))
+    assert (grid.data == 100).all()
 
 
 def test_the_floor_may_lie_elsewhere():

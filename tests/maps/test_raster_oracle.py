@@ -190,3 +190,15 @@ def test_triangles_count_where_they_touch(seed):
     surely, maybe = reached(shape, CLOSE), reached(shapely.buffer(shape, 3 * CLOSE), 0.0)
     assert not (surely & ~cells).any()
     assert not (cells & ~maybe).any()
+
+
+def test_many_large_faces_have_the_cells_of_each_alone():
+    # Where many lie over each other, those in full places are passed over.
+    generator = np.random.default_rng(0)
+    vertices = generator.uniform((-1.2, -1.2, 0.2), (0.3, 0.9, 0.5), (1_200, 3, 3))
+    vertices[::2, :, 0] = 0.8 + 0.1 * vertices[::2, :, 1]  # Half of them upright, in one slanted wall.
+    faces = np.arange(3_600).reshape(-1, 3)
+    together = raster([Solid("all", Mesh(vertices.reshape(-1, 3), faces), Pose3D())])
+    alone = raster([Solid(str(i), Mesh(corners, [(0, 1, 2)]), Pose3D()) for i, corners in enumerate(vertices)])
+    assert np.array_equal(together, alone)
+    assert 0.3 < together.mean() < 0.9

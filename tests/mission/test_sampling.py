@@ -2,17 +2,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
-from scipy import ndimage
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import sample_mission
-from trundle.mission.sampling import label_areas
 
 
 @pytest.fixture(scope="module")
@@ -25,28 +20,6 @@ def closed(rows, cols):
     data[[0, -1], :] = 100
     data[:, [0, -1]] = 100
     return data
-
-
-@settings(deadline=None)
-@given(arrays(np.bool_, st.tuples(st.integers(1, 12), st.integers(1, 12))))
-def test_areas_are_those_of_scipy(free):
-    labels = label_areas(free)
-    expected, count = ndimage.label(free)
-    assert ((labels >= 0) == free).all()
-    pairs = set(zip(labels[free].tolist(), expected[free].tolist(), strict=True))
-    assert len(pairs) == count == len(np.unique(labels[free]))
-
-
-def test_a_spiral_is_one_area():
-    free = np.zeros((41, 41), dtype=bool)
-    for ring in range(0, 20, 2):
-        free[ring, ring : -ring or None] = free[-1 - ring, ring : -ring or None] = True
-        free[ring : -ring or None, ring] = free[ring : -ring or None, -1 - ring] = True
-        free[ring + 1, ring] = ring == 0
-        free[ring + 2 : ring + 3, ring + 1] = True
-    expected, count = ndimage.label(free)
-    assert len(np.unique(label_areas(free))) - 1 == count
-    assert expected.max() == count
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -32,6 +32,10 @@ def test_an_unknown_option_is_refused_with_the_known_ones(tmp_path):
     OccupancyGrid(np.zeros((2, 2), dtype=np.int8), 1.0).save(tmp_path / "m.yaml")
     with pytest.raises(InputError, match=r"'tall' is no option for a \.yaml file; there are: height, unknown, compat"):
         World.load(tmp_path / "m.yaml", tall=2.0)
+    with pytest.raises(InputError, match=r"'path' is no option"):
+        World.load(tmp_path / "m.yaml", path="other")
+    with pytest.raises(InputError, match=r"did you mean 'height'\?"):
+        World.load(tmp_path / "m.yaml", hieght=2.0)
 
 
 def test_an_empty_world_is_said(tmp_path):

@@ -152,6 +152,7 @@ BAD = {
         "it uses KHR_draco_mesh_compression, which cannot be read",
     ),
     "many.glb": (gltf(extensionsUsed=["EXT_mesh_gpu_instancing"]), "it uses EXT_mesh_gpu_instancing"),
+    "flat.obj": ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "flat.obj"),
     "noise.obj": (bytes(range(256)) * 9, "not a .obj file that can be read"),
     "cloud.ply": (PLY.format(0).encode() + b"end_header\n0 0 0\n1 0 0\n0 1 0\n", "no mesh with faces"),
     "bare.dae": ("<COLLADA/>", "not a .dae file that can be read"),

@@ -422,6 +422,22 @@ def test_colliders_or_looks_are_the_users_choice(write):
     assert looks == ["/Rack/Look", "/Rack/Off", "/Rack/Group/Ball"]
 
 
+def test_what_is_seen_far_from_any_collider_is_said(write):
+    def cube(name: str, x: float, z: float = 0.5, collides: bool = False, size: str = "1, 1, 1") -> str:
+        api = '(prepend apiSchemas = ["PhysicsCollisionAPI"])' if collides else ""
+        return f"""def Cube "{name}" {api} {{ double size = 1
+            double3 xformOp:translate = ({x}, 0, {z}); float3 xformOp:scale = ({size})
+            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]; }}"""
+
+    stage = cube("Ground", 0, -0.5, True, "99, 99, 1") + cube("Rack", 0, collides=True) + cube("Look", 0.2)
+    stage += cube("Lamp", 4, 3.0) + cube("Paint", 4, -0.5)
+    assert len(load_usd(write(stage)).solids) == 2
+    forgotten = stage + cube("Wall", 5) + cube("Door", 7)
+    with pytest.warns(WorldWarning, match="2 shapes that are seen are no colliders and near none.*first is /Wall"):
+        load_usd(write(forgotten))
+    assert len(load_usd(write(forgotten), geometry="collision").solids) == 2
+
+
 def test_a_floor_collider_alone_does_not_hide_what_is_seen(write):
     path = write("""
 def Plane "Ground" (prepend apiSchemas = ["PhysicsCollisionAPI"]) { uniform token axis = "Z"; }
@@ -668,6 +684,32 @@ def test_garbage_is_one_clear_error(tmp_path, name):
     (tmp_path / name).write_bytes(np.random.default_rng(1).bytes(5000))
     with pytest.raises(WorldError, match=f"{name}: not a USD file"):
         load_usd(tmp_path / name)
+
+
+@pytest.mark.parametrize("place", ["name", "metadata", "comment"])
+def test_bytes_that_are_no_text_are_one_clear_error(tmp_path, place):
+    text = {
+        "name": HEAD + 'def Cube "A?" {\n}\n',
+        "metadata": HEAD + 'def Cube "A" (\n doc = ?\n) {\n}\n',
+        "comment": HEAD + 'def Cub? "A" {\n}\n def x',
+    }[place]
+    (tmp_path / "scene.usda").write_bytes(text.encode().replace(b"?", b"\xc3\x28\xff"))
+    with pytest.raises(WorldError, match=r"scene\.usda: not a USD file"):
+        load_usd(tmp_path / "scene.usda")
+
+
+@pytest.mark.parametrize(
+    ("prim", "said"),
+    [
+        ('def Cube "Bad" { doubl size = 1; }', "/Bad: size must be a number"),
+        ('def Plane "Bad" { toke axis = "Y"; }', "/Bad: axis must be X, Y or Z"),
+        ('def Cone "Bad" { uniform token axis = "W"; }', "/Bad: axis must be X, Y or Z, got W"),
+        (f'def Mesh "Bad" {{ {TETRA.replace("point3f[] points", "point3ff[] points")} }}', "/Bad: points"),
+    ],
+)
+def test_values_of_a_type_that_there_is_not_are_refused_by_name(write, prim, said):
+    with pytest.raises(WorldError, match=said):
+        load_usd(write(prim))
 
 
 def test_a_syntax_error_has_its_line(write):

@@ -97,6 +97,48 @@ def raster_cylinders(
 def raster_discs(
     cells: npt.NDArray[np.int8], discs: npt.NDArray[np.float64], resolution: float, depth: float, centre: bool
 ) -> None: ...
+def floor_planes(
+    heights: npt.NDArray[np.float64],
+    spacing: float,
+    x: float,
+    y: float,
+    resolution: float,
+    rows: int,
+    cols: int,
+) -> npt.NDArray[np.float64]:
+    """The floor of each cell, shape (rows, cols, 6), NaN where it is not known.
+
+    Height at the cell's centre [m], rise along x and y [m a cell], least and most difference of the floor from that
+    plane [m], steepest slope (rise over run). `spacing` of the samples and the place (x, y) of the first are in cells.
+    """
+
+def raster_mesh_over_floor(
+    cells: npt.NDArray[np.int8],
+    planes: npt.NDArray[np.float64],
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    transform: npt.NDArray[np.float64],
+    low: float,
+    high: float,
+    resolution: float,
+    depth: float,
+    centre: bool,
+) -> tuple[bool, bool, npt.NDArray[np.int32]]:
+    """Mark a mesh between two heights above the floor of `floor_planes`; returns as `raster_mesh`."""
+
+def raster_thin_faces_over_floor(
+    cells: npt.NDArray[np.int8],
+    planes: npt.NDArray[np.float64],
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    transform: npt.NDArray[np.float64],
+    low: float,
+    high: float,
+    resolution: float,
+    depth: float,
+) -> None:
+    """Mark as `raster_thin_faces` does, between two heights above the floor."""
+
 def raster_mesh(
     cells: npt.NDArray[np.int8],
     vertices: npt.NDArray[np.float64],

@@ -11,11 +11,13 @@ void bind_grid_search(nb::module_ &m);
 void bind_grid_rays(nb::module_ &m);
 void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
+void bind_floor_planes(nb::module_ &m);
 void bind_line_of_sight(nb::module_ &m);
 void bind_outline_rays(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 void bind_raster_cylinder(nb::module_ &m);
+void bind_raster_floor(nb::module_ &m);
 void bind_raster_mesh(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
 
@@ -29,11 +31,13 @@ NB_MODULE(_kernels, m) {
   bind_grid_rays(m);
   bind_inflation(m);
   bind_flood(m);
+  bind_floor_planes(m);
   bind_line_of_sight(m);
   bind_outline_rays(m);
   bind_png_filter(m);
   bind_raster(m);
   bind_raster_cylinder(m);
+  bind_raster_floor(m);
   bind_raster_mesh(m);
   bind_zbuffer(m);
 }

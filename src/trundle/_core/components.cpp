@@ -1,5 +1,6 @@
-// Connected components of a mask, and the gaps in it: what a map's checks are made of.
+// Connected components of a mask, and the gaps in it: what missions are picked from and maps are checked by.
 #include "arrays.hpp"
+#include "runs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,24 +10,11 @@ namespace trundle {
 
 namespace {
 
-struct Run {
-  std::int64_t row, begin, end;
-};
-
-std::int32_t find_root(std::vector<std::int32_t> &parent, std::int32_t index) {
-  while (parent[index] != index) {
-    parent[index] = parent[parent[index]];
-    index = parent[index];
-  }
-  return index;
-}
-
 constexpr std::size_t kColumns = 5;  // cells, first row, end row, first column, end column
 
 }  // namespace
 
-// Runs of set cells in rows, joined with those that they touch in the row before (union-find; the smaller index wins,
-// so that components are numbered in the order of their first cells).
+// Components are numbered in the order of their first cells.
 static nb::tuple label_components(In<std::uint8_t, 2> mask, bool diagonal) {
   const auto rows = static_cast<std::int64_t>(mask.shape(0)), cols = static_cast<std::int64_t>(mask.shape(1));
   std::vector<std::int32_t> labels;
@@ -36,13 +24,13 @@ static nb::tuple label_components(In<std::uint8_t, 2> mask, bool diagonal) {
     labels.assign(static_cast<std::size_t>(rows * cols), 0);
     const std::uint8_t *data = mask.data();
     std::vector<Run> runs;
-    std::vector<std::int32_t> parent;
+    RunForest forest;
     const std::int64_t reach = diagonal ? 1 : 0;
-    std::size_t before = 0, before_end = 0;
+    std::size_t before = 0;
     for (std::int64_t row = 0; row < rows; ++row) {
       const std::uint8_t *line = data + row * cols;
       const std::size_t first = runs.size();
-      std::size_t above = before;
+      std::size_t above = 0;
       for (std::int64_t col = 0; col < cols;) {
         if (!line[col]) {
           ++col;
@@ -50,23 +38,16 @@ static nb::tuple label_components(In<std::uint8_t, 2> mask, bool diagonal) {
         }
         const std::int64_t begin = col;
         while (col < cols && line[col]) ++col;
-        if (runs.size() >= 0x7ffffffe) throw std::length_error("too many runs of cells");
-        auto own = static_cast<std::int32_t>(runs.size());
-        runs.push_back({row, begin, col});
-        parent.push_back(own);
-        while (above < before_end && runs[above].end + reach <= begin) ++above;
-        for (std::size_t i = above; i < before_end && runs[i].begin < col + reach; ++i) {
-          const std::int32_t a = find_root(parent, static_cast<std::int32_t>(i)), b = find_root(parent, own);
-          parent[std::max(a, b)] = std::min(a, b);
-        }
+        const Run run{row, begin, col};
+        forest.add(run, runs.data() + before, first - before, before, above, reach);
+        runs.push_back(run);
       }
       before = first;
-      before_end = runs.size();
     }
     std::vector<std::int32_t> number(runs.size(), 0);
     std::int32_t count = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const std::int32_t root = find_root(parent, static_cast<std::int32_t>(i));
+      const std::int32_t root = forest.root(static_cast<std::int32_t>(i));
       const Run &run = runs[i];
       if (number[root] == 0) {
         number[root] = ++count;

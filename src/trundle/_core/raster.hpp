@@ -19,7 +19,8 @@ namespace trundle {
 using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 constexpr std::int8_t kOccupied = 100;
-constexpr std::int64_t kTile = 32;  // Edge of a tile [cells].
+constexpr std::int64_t kTile = 8;       // Edge of a tile [cells].
+constexpr std::int64_t kManyLarge = 1000;  // After as many large polygons others are expected to lie over them.
 // What has no thickness counts where it touches: a negative depth of this many metres.
 constexpr double kTouch = -1e-9;
 
@@ -81,7 +82,6 @@ class Raster {
       throw std::invalid_argument("a raster needs a resolution above twice the depth");
     if (cols_ > std::numeric_limits<std::int32_t>::max()) throw std::invalid_argument("a raster has fewer than 2^31 columns");
     tile_cols_ = (cols_ + kTile - 1) / kTile;
-    seen_.assign(static_cast<std::size_t>((rows_ + kTile - 1) / kTile * tile_cols_), 0);
   }
 
   std::int64_t rows() const { return rows_; }
@@ -119,23 +119,36 @@ class Raster {
     return mark_rows(reach);
   }
 
-  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles.
+  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles, once
+  // there were many such rectangles.
   // Cells only ever become occupied, so each tile remembers how far it was found full, and looking is soon for nothing.
   bool is_full(std::int64_t row, std::int64_t end_row, std::int64_t col, std::int64_t end_col) {
-    if (end_col - col <= 8 && end_row - row <= 8) {
+    if (end_col - col <= kTile && end_row - row <= kTile) {
       for (; row < end_row; ++row)
         for (std::int64_t c = col; c < end_col; ++c)
           if (cells_[row * cols_ + c] != kOccupied) return false;
       return true;
     }
+    if (++large_ < kManyLarge) return false;
+    if (seen_.empty()) seen_.assign(static_cast<std::size_t>((rows_ + kTile - 1) / kTile * tile_cols_), 0);
     for (std::int64_t tile_row = row / kTile; tile_row <= (end_row - 1) / kTile; ++tile_row)
       for (std::int64_t tile_col = col / kTile; tile_col <= (end_col - 1) / kTile; ++tile_col) {
-        std::uint16_t &seen = seen_[static_cast<std::size_t>(tile_row * tile_cols_ + tile_col)];
+        std::uint8_t &seen = seen_[static_cast<std::size_t>(tile_row * tile_cols_ + tile_col)];
         for (; seen < kTile * kTile; ++seen) {
           const std::int64_t r = tile_row * kTile + seen / kTile, c = tile_col * kTile + seen % kTile;
           if (r < rows_ && c < cols_ && cells_[r * cols_ + c] != kOccupied) return false;
         }
       }
+    return true;
+  }
+
+  bool is_row_full(std::int64_t row, std::int64_t col, std::int64_t end_col) const {
+    const std::int8_t *at = cells_ + row * cols_;
+    while (col < end_col) {  // Many cells at once, without branches on each.
+      std::int8_t other = 0;
+      for (const std::int64_t stop = std::min(col + 64, end_col); col < stop; ++col) other |= at[col] ^ kOccupied;
+      if (other) return false;
+    }
     return true;
   }
 
@@ -355,7 +368,8 @@ class Raster {
   Reach solid_, surface_;
   std::int64_t first_ = 0, end_ = 0;
   std::int64_t tile_cols_ = 0;
-  std::vector<std::uint16_t> seen_;
+  std::int64_t large_ = 0;
+  std::vector<std::uint8_t> seen_;
   std::vector<double> left_, right_;
   std::vector<std::int32_t> columns_, most_columns_;
 };

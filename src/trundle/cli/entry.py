@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import os
 import sys
 import warnings
@@ -38,9 +39,27 @@ VERBS = {
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run one command and exit. `arguments` are those after the program's name; none means the process's own."""
+    given = sys.argv[1:] if arguments is None else arguments
     warnings.formatwarning = _format_warning
-    code = run_command(sys.argv[1:] if arguments is None else arguments)
-    sys.exit(code)
+    _show_log(logging.WARNING if "--quiet" in given else logging.INFO)
+    sys.exit(run_command(given))
+
+
+def _show_log(level: int) -> None:
+    """Print what trundle logs on stderr, each message once."""
+    shown: set[str] = set()
+
+    def is_new(record: logging.LogRecord) -> bool:
+        message = record.getMessage()
+        new = message not in shown
+        shown.add(message)
+        return new
+
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("trundle: %(message)s"))
+    handler.addFilter(is_new)
+    logging.getLogger("trundle").addHandler(handler)
+    logging.getLogger("trundle").setLevel(level)
 
 
 def run_command(arguments: Sequence[str]) -> int:

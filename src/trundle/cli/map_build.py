@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from trundle.cli import isaac, options, output, sources
+from trundle.errors import InputError
+
+if TYPE_CHECKING:
+    from trundle.maps.from_world import Bounds
 
 app = App(
     name="build",
@@ -17,6 +21,8 @@ app = App(
         "  trundle map build warehouse -o map.yaml\n"
         "  trundle map build warehouse --seed 7 --set aisle_width=1.6 --resolution 0.025 --out maps\n"
         "  trundle map build scene.usd --exclude /World/Robot --exclude ceiling\n"
+        "  trundle map build hall.glb --free 2,1.5 --bounds -10,-5,30,25\n"
+        "  trundle map build site.sdf --floor floor.npz --max-slope 0.14\n"
         "  trundle map build warehouse_with_forklifts --assets-root Assets/Isaac/5.1 --exclude ceiling"
     ),
 )
@@ -33,6 +39,16 @@ def build(
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     robot: options.RobotName = "nova_carter",
     assets_root: str | None = None,
+    floor_z: Annotated[float, Parameter(allow_leading_hyphen=True)] = 0.0,
+    floor: Path | None = None,
+    max_slope: float | None = None,
+    bounds: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X0,Y0,X1,Y1")] = None,
+    margin: float = 0.0,
+    free: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative="", metavar="X,Y|largest")] = None,
+    coverage: Literal["any", "centre"] = "any",
+    style: Literal["exact", "isaac"] = "exact",
+    half_cell_origin: Annotated[bool, Parameter(negative="")] = False,
+    max_cells: int | None = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -43,27 +59,57 @@ def build(
 
     Cells are free, occupied or unknown: unknown is what cannot be reached from the world's free seeds.
 
+    A height field for --floor is a .npz file, as HeightField.save writes it: heights (samples [m], a row for each y,
+    the lowest first, NaN where unknown), resolution (between samples [m]) and origin (x, y of the first sample [m]).
+
     Args:
         world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to build again. With
             --assets-root, an environment of Isaac Sim.
         out: The map's YAML, with its image beside it; or a folder for map.yaml.
         resolution: Edge of a cell [m].
-        z_min: Lower end of the band of heights that counts [m]; left out: the robot's.
+        z_min: Lower end of the band of heights that counts, above the floor [m]; left out: the robot's.
+        z_max: Upper end of the band of heights that counts, above the floor [m]; left out: the robot's.
         assets_root: Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.
-        z_max: Upper end of the band of heights that counts [m]; left out: the robot's.
+        floor_z: Height of a level floor [m].
+        floor: A height field, of a floor with ramps.
+        max_slope: The steepest part of a height field that is no obstacle [rad]; left out: 0.1745, 10 degrees.
+        bounds: What the map covers [m]; the upper corner is moved out to whole cells; left out: the world.
+        margin: Added around the bounds [m].
+        free: A point that is free and reachable, such as the robot's start [m], or largest, for the largest free area;
+            repeat it for several; left out: the world's own.
+        coverage: Which cells a solid occupies: any that it reaches into, or those whose centre is inside it.
+        style: isaac marks what Isaac Sim's generator does, for comparison.
+        half_cell_origin: Give the centre of the corner cell as the origin, as Isaac Sim does and ROS does not.
+        max_cells: The most cells to accept; left out: 400 million.
     """
-    from trundle.maps import FREE, UNKNOWN, OccupancyGrid
+    from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
     from trundle.robots import Robot
 
     low, high = Robot.load(robot).z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
+    area, seeds = _parse_bounds(bounds), _parse_free(free)
+    heights = HeightField.load(floor) if floor is not None else None
     scene = isaac.find_environment(world, assets_root)
     place = sources.load_world(str(scene or world), seed=seed, settings=options.parse_settings(settings, exclude))
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
-    grid = OccupancyGrid.from_world(place, resolution=resolution, z_range=band)
+    grid = OccupancyGrid.from_world(
+        place,
+        resolution=resolution,
+        z_range=band,
+        floor_z=floor_z,
+        floor=heights,
+        max_slope=max_slope,
+        bounds=area,
+        seeds=seeds,
+        coverage=coverage,
+        style=style,
+        half_cell_origin=half_cell_origin,
+        margin=margin,
+        max_cells=MAX_CELLS if max_cells is None else max_cells,
+    )
     grid.save(target)
     rows, cols = grid.shape
-    free, unknown = int((grid.data == FREE).sum()), int((grid.data == UNKNOWN).sum())
+    reached, unknown = int((grid.data == FREE).sum()), int((grid.data == UNKNOWN).sum())
     width, height = cols * grid.resolution, rows * grid.resolution
     facts = {
         "world": place.name,
@@ -75,9 +121,9 @@ def build(
         "height_m": height,
         "origin": grid.origin.as_tuple(),
         "z_range_m": band,
-        "free_cells": free,
+        "free_cells": reached,
         "unknown_cells": unknown,
-        "occupied_cells": rows * cols - free - unknown,
+        "occupied_cells": rows * cols - reached - unknown,
     }
     if json:
         output.print_json(facts)
@@ -86,9 +132,34 @@ def build(
         {
             "world": place.name,
             "size": f"{width:.2f} x {height:.2f} m ({cols} x {rows} cells of {grid.resolution:g} m)",
-            "heights": f"{band[0]:g} to {band[1]:g} m",
-            "cells": f"{free} free, {facts['occupied_cells']} occupied, {unknown} unknown",
+            "heights": f"{band[0]:g} to {band[1]:g} m above {_describe_floor(floor, floor_z)}",
+            "cells": f"{reached} free, {facts['occupied_cells']} occupied, {unknown} unknown",
             "map": target,
         }
     )
     return 0
+
+
+def _parse_bounds(text: str | None) -> Bounds | None:
+    if text is None:
+        return None
+    x0, y0, x1, y1 = options.parse_numbers("--bounds", text, "X0,Y0,X1,Y1", at_least=4, at_most=4)
+    return (x0, y0), (x1, y1)
+
+
+def _parse_free(texts: list[str] | None) -> list[tuple[float, float]] | None:
+    """Seeds of the flood; none for the largest area, None for the world's own."""
+    if texts is None:
+        return None
+    if "largest" in texts:
+        if len(texts) > 1:
+            raise InputError("--free largest: give it alone, or points X,Y")
+        return []
+    points = [options.parse_numbers("--free", text, "X,Y, or largest,", at_least=2, at_most=2) for text in texts]
+    return [(x, y) for x, y in points]
+
+
+def _describe_floor(floor: Path | None, floor_z: float) -> str:
+    if floor is not None:
+        return f"the floor of {floor}"
+    return "the floor" if floor_z == 0.0 else f"a floor at {floor_z:g} m"

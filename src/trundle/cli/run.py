@@ -20,6 +20,7 @@ app = App(
         "Examples:\n"
         "  trundle run map.yaml --robot nova_carter --start -6,-1,3.14 --goal 5,3\n"
         "  trundle run warehouse --seed 7 --set aisle_width=1.4\n"
+        "  trundle run map.yaml --set height=0.4 --set unknown=free\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
@@ -85,7 +86,9 @@ def run(
 def _read(source: str, settings: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
     """Make a scenario of the first argument, with what the options change."""
     from trundle.mission import Scenario
+    from trundle.mission.scenario import MapOptions
     from trundle.worlds import world_names
+    from trundle.worlds.load import check_options
 
     if source in world_names():
         return Scenario.make(world={"name": source, "options": settings}, **changes)
@@ -93,8 +96,11 @@ def _read(source: str, settings: dict[str, bool | int | float | str], changes: d
         raise UnknownNameError("world", source, world_names())
     if not sources.is_yaml(source) and not source.lower().endswith(".map"):
         return Scenario.make(world={"name": source, "options": settings}, **changes)
-    if settings:
-        raise InputError(f"--set and --exclude are for worlds, by name or file; {source} is a map or a scenario")
     if sources.is_map(Path(source)):
+        if settings:
+            check_options(source, "a map", settings, list(MapOptions.model_fields))
+            changes = {"map_options": settings, **changes}
         return Scenario.make(map=source, **changes)
+    if settings:
+        raise InputError(f"--set and --exclude are for worlds, by name or file; {source} is a scenario")
     return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})

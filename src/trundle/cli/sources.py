@@ -74,7 +74,7 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
     from trundle.worlds import World, world_names
 
     if text in world_names():
-        return World.generate(text, seed=seed, **dict[str, Any](settings))
+        return World.generate(text, **{"seed": seed, **dict[str, Any](settings)})
     if not looks_like_file(text):
         raise UnknownNameError("world", text, world_names())
     if is_yaml(text) and not is_map(Path(text)):

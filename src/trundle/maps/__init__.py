@@ -9,12 +9,14 @@ from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 
 if TYPE_CHECKING:
     from trundle.maps.convert import Conversion, convert_grid
+    from trundle.maps.height_field import HeightField
     from trundle.maps.losses import Loss, find_file_losses
     from trundle.maps.resample import resample_axis_aligned
 
 # What only some need, and imports more.
 _HOMES = {
     "Conversion": "trundle.maps.convert",
+    "HeightField": "trundle.maps.height_field",
     "Loss": "trundle.maps.losses",
     "convert_grid": "trundle.maps.convert",
     "find_file_losses": "trundle.maps.losses",
@@ -27,6 +29,7 @@ __all__ = [
     "OCCUPIED",
     "UNKNOWN",
     "Conversion",
+    "HeightField",
     "Loss",
     "OccupancyGrid",
     "convert_grid",

@@ -57,9 +57,9 @@ def convert_grid(
 ) -> Conversion:
     """Make a map of one or two others, with other cells, an axis-aligned origin, or a part of it.
 
-    No obstacle is lost, unless `prefer` says so: a new cell takes the most careful value of all old ones that it overlaps, in the order free,
-    1 to 64, unknown (also outside the map), 65 to 99, occupied. It is free only if all of its area was. Finer cells
-    that fall on the old ones, quarter turns and cropping keep every value.
+    No obstacle is lost, unless `prefer` says so: a new cell takes the most careful value of all old ones that it
+    overlaps, in the order free, 1 to 64, unknown (also outside the map), 65 to 99, occupied. It is free only if all of
+    its area was. Finer cells that fall on the old ones, quarter turns and cropping keep every value.
 
     Args:
         grid: The map. Its lower-left corner, and without `align` its yaw, stay where they are.

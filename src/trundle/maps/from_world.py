@@ -15,6 +15,8 @@ from trundle._core import flood_free, flood_largest
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.height_field import HeightField
+from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
 from trundle.solids import Solid, solids_bounds
 
@@ -25,6 +27,9 @@ Style: TypeAlias = Literal["exact", "isaac"]
 MIN_RESOLUTION = 1e-4
 FAR = 2_000.0
 """A wider world [m] is warned of: often its unit is not the metre, or a solid is far away by mistake."""
+
+MAX_SLOPE = math.radians(10.0)
+"""The steepest floor that is no obstacle [rad], unless another is given: a little more than a loading ramp's."""
 
 _NAMES_SHOWN = 5
 
@@ -68,6 +73,8 @@ def rasterise_world(
     resolution: float = 0.05,
     z_range: tuple[float, float] = (0.10, 0.62),
     floor_z: float = 0.0,
+    floor: HeightField | None = None,
+    max_slope: float | None = None,
     bounds: Bounds | None = None,
     seeds: Sequence[tuple[float, float]] | None = None,
     coverage: Coverage = "any",
@@ -87,16 +94,47 @@ def rasterise_world(
         raise MapError('style="isaac" marks every cell that is touched: leave coverage at "any"')
     if not (math.isfinite(margin) and margin >= 0.0):
         raise MapError(f"margin must be a number of metres of at least 0, got {margin}")
+    slope = _check_floor(floor, max_slope, floor_z, style)
     band = _choose_band(z_range, floor_z, resolution, style)
     remarks: list[str] = []
     layout = _lay_out(world, resolution, bounds, margin, max_cells, remarks)
     points = _choose_seeds(world, seeds, layout)
-    cells = _mark_solids(world, layout, band, coverage, style, remarks)
-    _free_from_seeds(cells, points, layout, band)
+    if floor is None:
+        cells = _mark_solids(world, layout, band, coverage, style, remarks)
+        free = _free_from_seeds(cells, points, layout, f"between heights {band.low:g} and {band.high:g} m")
+    else:
+        cells, no_floor = _mark_over_floor(world, layout, band, coverage, floor, slope, remarks)
+        _check_seeds_have_floor(points, no_floor, layout)
+        # What is not known stops the flood, and stays unknown.
+        cells[no_floor] = OCCUPIED
+        above = f"between {band.low:g} and {band.high:g} m above the floor, or where it is steeper than {slope:g} rad"
+        free = _free_from_seeds(cells, points, layout, above)
+        cells[no_floor] = UNKNOWN
+    if free == 0 and not remarks:
+        remarks.append("no cell of the map is free: solids fill all of it. Check z_range, floor_z, bounds and the unit")
     for remark in remarks:
         warnings.warn(remark, MapWarning, stacklevel=3)
     shift = resolution / 2.0 if half_cell_origin else 0.0
     return OccupancyGrid(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift))
+
+
+def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: float, style: Style) -> float:
+    """The steepest floor that is no obstacle [rad]."""
+    if floor is None:
+        if max_slope is not None:
+            raise MapError("max_slope is for a floor that is not level: give floor, a HeightField, as well")
+        return 0.0
+    if style == "isaac":
+        raise MapError('style="isaac" knows a level floor alone: leave floor out, or style at "exact"')
+    if floor_z != 0.0:
+        raise MapError(f"floor_z is {floor_z} and a height field is given: the field says how high the floor is")
+    slope = MAX_SLOPE if max_slope is None else float(max_slope)
+    if not 0.0 <= slope < math.pi / 2.0:
+        raise MapError(
+            f"max_slope is an angle in radians from 0 to less than {math.pi / 2.0:.4f}, got {slope:g}; 10 degrees are "
+            f"{math.radians(10.0):.4f}"
+        )
+    return slope
 
 
 def _choose_band(z_range: tuple[float, float], floor_z: float, resolution: float, style: Style) -> HeightBand:
@@ -135,27 +173,30 @@ def _lay_out(
         corner = corners[0] - margin
         count = np.maximum(np.ceil((corners[1] + margin - corner - DEPTH) / resolution), 1)
     if not np.isfinite(count).all() or count[0] * count[1] > max_cells:
-        where = f" ({_find_outlier(world)})" if bounds is None else ""
+        where = f" ({find_outlier(world.solids)})" if bounds is None else ""
         raise MapError(
             f"a map of {count[0]:.0f} x {count[1]:.0f} cells of {resolution} m is more than {max_cells} cells: use a "
             f"larger resolution or smaller bounds, or look for a solid that is far away by mistake{where}"
         )
     if bounds is None and max(count) * resolution > FAR:
         remarks.append(
-            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: {_find_outlier(world)}. "
-            "If that is a mistake, check its unit and its pose, or give bounds"
+            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: "
+            f"{find_outlier(world.solids)}. If that is a mistake, check its unit and its pose, or give bounds"
         )
     return _Layout(resolution, (float(corner[0]), float(corner[1])), (int(count[1]), int(count[0])))
 
 
-def _find_outlier(world: SolidWorld) -> str:
+def find_outlier(solids: Sequence[Solid]) -> str:
     """Which solid reaches farthest from the middle of the others, for messages."""
-    lows, highs = solids_bounds(world.solids)
-    middle = np.median((lows + highs)[:, :2] / 2.0, axis=0)
+    lows, highs = solids_bounds(solids)
+    # With the world's origin, so that of two solids the one that is far from it is told.
+    middle = np.median(np.vstack([(lows + highs)[:, :2] / 2.0, np.zeros((1, 2))]), axis=0)
     reach = np.maximum(middle - lows[:, :2], highs[:, :2] - middle).max(axis=1)
     index = int(np.argmax(reach))
     low, high = lows[index], highs[index]
-    return f"{world.solids[index].name!r} reaches farthest, x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g} m"
+    return (
+        f"{solids[index].name!r} reaches farthest, x {low[0]:.9g} to {high[0]:.9g}, y {low[1]:.9g} to {high[1]:.9g} m"
+    )
 
 
 def _mark_solids(
@@ -170,15 +211,63 @@ def _mark_solids(
     raster.add(world.solids)
     cells = cells[1:-1, 1:-1].copy()
     if style == "exact" and raster.open_meshes:
-        names = raster.open_meshes
-        more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
-        remarks.append(
-            f"not watertight, so only the surface counts and not what is inside: "
-            f"{', '.join(map(repr, names[:_NAMES_SHOWN]))}{more}. Close the mesh's holes, or ignore this for sheets"
-        )
+        remarks.append(_tell_open(raster.open_meshes))
     if not (cells == OCCUPIED).any():
-        remarks.append(_nothing_there(world, band))
+        remarks.append(_nothing_there(world, f"heights {band.low:g} to {band.high:g} m"))
     return cells
+
+
+def _mark_over_floor(
+    world: SolidWorld,
+    layout: _Layout,
+    band: HeightBand,
+    coverage: Coverage,
+    floor: HeightField,
+    max_slope: float,
+    remarks: list[str],
+) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.bool_]]:
+    """Cells that are occupied or unknown, and where there is no floor."""
+    edge = layout.resolution
+    rows, cols = layout.shape
+    cells = np.full((rows + 2, cols + 2), UNKNOWN, dtype=np.int8)
+    marks = mark_over_floor(
+        cells,
+        world.solids,
+        floor,
+        resolution=edge,
+        origin=(layout.corner[0] - edge, layout.corner[1] - edge),
+        band=band,
+        max_slope=max_slope,
+        centre=coverage == "centre",
+    )
+    inner = slice(1, -1), slice(1, -1)
+    cells, no_floor, steep = cells[inner].copy(), marks.no_floor[inner], marks.steep[inner]
+    missing = int(no_floor.sum())
+    (x, y), (x_end, y_end) = floor.bounds
+    extent = f"the height field spans x {x:g} to {x_end:g}, y {y:g} to {y_end:g} m and the map {layout.describe()} m"
+    if missing == no_floor.size:
+        raise MapError(
+            f"the floor's height is known in no cell of the map: {extent}. Check the field's origin and unit"
+        )
+    if missing:
+        remarks.append(
+            f"the floor's height is not known in {missing} of {no_floor.size} cells, which become unknown: {extent}"
+        )
+    if marks.open_meshes:
+        remarks.append(_tell_open(marks.open_meshes))
+    if not (cells == OCCUPIED).any():
+        remarks.append(_nothing_there(world, f"{band.low:g} to {band.high:g} m above the floor"))
+    elif (steep | no_floor).all():
+        remarks.append(f"the floor is steeper than {max_slope:g} rad wherever it is known: check the field's unit")
+    return cells, no_floor
+
+
+def _tell_open(names: Sequence[str]) -> str:
+    more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
+    return (
+        "not watertight, so only the surface counts and not what is inside: "
+        f"{', '.join(map(repr, names[:_NAMES_SHOWN]))}{more}. Close the mesh's holes, or ignore this for sheets"
+    )
 
 
 def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None, layout: _Layout) -> FloatArray:
@@ -196,25 +285,33 @@ def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None
     return points[inside]
 
 
-def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _Layout, band: HeightBand) -> None:
+def _check_seeds_have_floor(points: FloatArray, no_floor: npt.NDArray[np.bool_], layout: _Layout) -> None:
+    for (x, y), (col, row) in zip(points, _cells_of(points, layout), strict=True):
+        if no_floor[row, col]:
+            raise MapError(
+                f"the seed ({x:g}, {y:g}) lies where the height field does not say how high the floor is; give a point "
+                "on the known floor"
+            )
+
+
+def _cells_of(points: FloatArray, layout: _Layout) -> npt.NDArray[np.int64]:
+    """Cells (col, row) of points."""
+    return np.floor((points - layout.corner) / layout.resolution).astype(np.int64)
+
+
+def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _Layout, where: str) -> int:
+    """Flood from the seeds, or fill the largest area; returns how many cells became free."""
     if len(points) == 0:
-        flood_largest(cells)
-        return
-    local = np.floor((points - layout.corner) / layout.resolution).astype(np.int64)
-    seeds = np.ascontiguousarray(local[:, ::-1])
+        return flood_largest(cells)
+    seeds = np.ascontiguousarray(_cells_of(points, layout)[:, ::-1])
     for (x, y), (row, col) in zip(points, seeds, strict=True):
         if cells[row, col] == OCCUPIED:
-            raise MapError(
-                f"the seed ({x:g}, {y:g}) lies in an obstacle between heights {band.low:g} and {band.high:g} m; give a "
-                "point that is free"
-            )
-    flood_free(cells, seeds)
+            raise MapError(f"the seed ({x:g}, {y:g}) lies in an obstacle {where}; give a point that is free")
+    return flood_free(cells, seeds)
 
 
-def _nothing_there(world: SolidWorld, band: HeightBand) -> str:
+def _nothing_there(world: SolidWorld, heights: str) -> str:
     low, high = world.bounds
     there = f"the solids span heights {low[2]:g} to {high[2]:g} m" if world.solids else "the world has no solids"
-    return (
-        f"the map has no obstacle: no solid within its bounds reaches into heights {band.low:g} to {band.high:g} m "
-        f"({there}). Check z_range and bounds"
-    )
+    nothing = f"the map has no obstacle: no solid within its bounds reaches into {heights}"
+    return f"{nothing} ({there}). Check z_range and bounds"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from trundle.maps.from_world import Bounds, Coverage, SolidWorld, Style
+    from trundle.maps.height_field import HeightField
     from trundle.maps.occupancy import Compat, Mode
 
 FREE = 0
@@ -92,6 +93,8 @@ class OccupancyGrid(GridFrame):
         resolution: float = 0.05,
         z_range: tuple[float, float] = (0.10, 0.62),
         floor_z: float = 0.0,
+        floor: HeightField | None = None,
+        max_slope: float | None = None,
         bounds: Bounds | None = None,
         seeds: Sequence[tuple[float, float]] | None = None,
         coverage: Coverage = "any",
@@ -108,11 +111,21 @@ class OccupancyGrid(GridFrame):
         its surface alone. What has no thickness counts in x and y where it touches. Of the other cells those are free
         that a 4-connected flood fill from the seeds reaches; the rest is unknown.
 
+        With a `floor` the band follows it. In each cell the floor is taken as a plane and the least and most that it
+        differs from that plane. So over a floor that is level or a plane ramp the map is as exact as over z = 0, and
+        the ramp's own mesh, which ends at the floor, is no obstacle; over a bent floor or a step no obstacle is missed,
+        and the band is higher by what the floor differs from a plane within the cell. Cylinders and spheres count up to
+        0.1 mm, or a ten-thousandth of their radius, too large there. A cell in which the floor is anywhere steeper than
+        `max_slope` is occupied: a step between two samples is a slope from one to the other. Where the floor is not
+        known in all of a cell, it is unknown, whatever stands there.
+
         Args:
             world: Anything with `solids`, `bounds` and `seeds`.
             resolution: Edge of a cell [m].
             z_range: Lowest and highest height of the band above the floor [m]; by default what Nova Carter could touch.
             floor_z: Height of the floor in the world [m].
+            floor: Height of the floor wherever it is not the same everywhere; instead of `floor_z`.
+            max_slope: The steepest floor that is no obstacle [rad], with `floor`; by default 10 degrees.
             bounds: ((x_min, y_min), (x_max, y_max)) [m]; the lower corner is kept, the upper one moved out to whole
                 cells. By default the world's, with both corners moved out to multiples of the resolution.
             seeds: Points (x, y) [m] that are free and reachable; (): the largest area without obstacles. By default the
@@ -126,12 +139,12 @@ class OccupancyGrid(GridFrame):
             max_cells: The most cells to accept.
 
         Raises:
-            MapError: If an argument is out of range, the map would have too many cells, or a seed lies outside or in
-                an obstacle.
+            MapError: If an argument is out of range, the map would have too many cells, a seed lies outside, in an
+                obstacle or where there is no floor, or the floor is known nowhere.
 
         Warns:
-            MapWarning: If no solid reaches into the band within the bounds, a mesh in the band is not closed, or the
-                world is more than 2 km wide.
+            MapWarning: If no solid reaches into the band within the bounds, no cell is free, a mesh in the band is not
+                closed, the world is more than 2 km wide, or parts of the map have no known floor.
         """
         from trundle.maps.from_world import rasterise_world
 
@@ -140,6 +153,8 @@ class OccupancyGrid(GridFrame):
             resolution=resolution,
             z_range=z_range,
             floor_z=floor_z,
+            floor=floor,
+            max_slope=max_slope,
             bounds=bounds,
             seeds=seeds,
             coverage=coverage,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,8 +22,8 @@ _OCCUPIED = 100
 _PENDING = 99  # Touched by a face without thickness; see raster_thin_faces.
 _UPRIGHT = 2e-7  # A cylinder whose ends lie no further apart than this [m], seen from above, is a disc.
 _RUNS_AT_ONCE = 200_000
-# Corners of a box by the bits of their index: x, y, z.
-_CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in range(8)], dtype=np.float64)
+CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in range(8)], dtype=np.float64)
+"""Corners of a box of 2 m by the bits of their index: x, y, z."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ class SolidRaster:
         return np.array([self.origin[0], self.origin[1], 0.0])
 
     def _add_boxes(self, boxes: SolidArrays) -> None:
-        corners = (_CORNERS * (boxes.sizes / 2.0)[:, None, :]) @ boxes.rotations.transpose(0, 2, 1)
+        corners = (CORNERS * (boxes.sizes / 2.0)[:, None, :]) @ boxes.rotations.transpose(0, 2, 1)
         corners += (boxes.positions - self._shift)[:, None, :]
         self._add_hexahedra(corners)
 
@@ -169,17 +169,27 @@ class SolidRaster:
         for part in thin:
             raster_thin_faces(self.cells, part.mesh.vertices, part.faces, part.transform, *band)
         if thin:
-            self.cells[self.cells == _PENDING] = _OCCUPIED
+            mark_pending(self.cells)
 
     def _add_cells(self, shape: OccupancyCells, pose: Pose3D) -> None:
-        rows, firsts, ends = _find_runs(shape.blocked)
-        for start in range(0, len(rows), _RUNS_AT_ONCE):
-            part = slice(start, start + _RUNS_AT_ONCE)
-            low = np.stack([firsts[part], rows[part], np.zeros_like(rows[part])], axis=-1) * shape.resolution
-            high = np.stack([ends[part], rows[part] + 1, np.zeros_like(rows[part])], axis=-1) * shape.resolution
-            high[:, 2] = shape.height
-            corners = np.where(_CORNERS > 0.0, high[:, None, :], low[:, None, :])
+        for corners in run_corners(shape):
             self._add_hexahedra(pose.transform_points(corners.reshape(-1, 3)).reshape(-1, 8, 3) - self._shift)
+
+
+def mark_pending(cells: npt.NDArray[np.int8]) -> None:
+    """Make cells occupied that a face without thickness touches."""
+    cells[cells == _PENDING] = _OCCUPIED
+
+
+def run_corners(shape: OccupancyCells) -> Iterator[FloatArray]:
+    """Corners of a box for each unbroken run of blocked cells in a row [m], shape (N, 8, 3), as in `CORNERS`."""
+    rows, firsts, ends = _find_runs(shape.blocked)
+    for start in range(0, len(rows), _RUNS_AT_ONCE):
+        part = slice(start, start + _RUNS_AT_ONCE)
+        low = np.stack([firsts[part], rows[part], np.zeros_like(rows[part])], axis=-1) * shape.resolution
+        high = np.stack([ends[part], rows[part] + 1, np.zeros_like(rows[part])], axis=-1) * shape.resolution
+        high[:, 2] = shape.height
+        yield np.where(CORNERS > 0.0, high[:, None, :], low[:, None, :])
 
 
 def _find_runs(

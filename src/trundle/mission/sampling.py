@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from trundle._core import label_components
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import Pose2D
@@ -64,7 +65,7 @@ def sample_mission(
     if not (math.isfinite(min_distance) and min_distance >= 0.0):
         raise InputError(f"min_distance must be a number of metres of 0 or more, got {min_distance}")
     rng = np.random.default_rng(seed)
-    areas = label_areas(_wide_enough(costmap))
+    areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
     given = start if start is not None else goal
     if given is None:
         ends = _pick_two(costmap, areas, rng, min_distance)
@@ -74,41 +75,6 @@ def sample_mission(
     other = _pick_other(costmap, areas, rng, min_distance, fixed)
     picked = Pose2D(other.x, other.y, _random_yaw(rng))
     return (fixed, picked) if start is not None else (picked, fixed)
-
-
-def label_areas(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.int32]:
-    """Number the 4-connected areas of true cells; −1 elsewhere. Shape (rows, cols), as `free`.
-
-    Runs of cells along the rows are joined to those that they touch in the next row, by the lowest number.
-    """
-    rows, cols = free.shape
-    padded = np.zeros((rows, cols + 2), dtype=np.int8)
-    padded[:, 1:-1] = free
-    edges = np.diff(padded, axis=1)
-    row, begin = np.nonzero(edges == 1)
-    end = np.nonzero(edges == -1)[1]  # one past the last cell
-    labels = np.full(free.shape, -1, dtype=np.int32)
-    if len(row) == 0:
-        return labels
-    # Runs are sorted by row and column, so those that a run touches in the next row are neighbours in the list.
-    stride = cols + 2
-    first = np.searchsorted(row * stride + end, (row + 1) * stride + begin, side="right")
-    last = np.searchsorted(row * stride + begin, (row + 1) * stride + end, side="left")
-    counts = np.maximum(0, last - first)
-    lower = np.repeat(np.arange(len(row)), counts)
-    upper = np.repeat(first, counts) + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    root = np.arange(len(row))
-    while True:
-        low = np.minimum(root[lower], root[upper])
-        joined = root.copy()
-        np.minimum.at(joined, root[lower], low)
-        np.minimum.at(joined, root[upper], low)
-        joined = joined[joined]
-        if np.array_equal(joined, root):
-            break
-        root = joined
-    labels[free] = np.repeat(root, end - begin)
-    return labels
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:
@@ -148,12 +114,12 @@ def _pick_other(
     costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator, min_distance: float, fixed: Pose2D
 ) -> _Place:
     area = _area_near(costmap, areas, fixed)
-    if area < 0:
+    if area == 0:
         raise ScenarioError(
             f"nothing can be picked to go with ({fixed.x:g}, {fixed.y:g}): the robot cannot stand there; give both ends"
         )
     best, best_distance = None, _LEAST_DISTANCE
-    places = _places(costmap, np.where(areas == area, areas, -1), rng)
+    places = _places(costmap, np.where(areas == area, areas, 0), rng)
     for place in itertools.islice(places, _MAX_PLACES):
         distance = math.hypot(place.x - fixed.x, place.y - fixed.y)
         if distance >= min_distance:
@@ -169,22 +135,22 @@ def _pick_other(
 
 
 def _area_near(costmap: Costmap, areas: npt.NDArray[np.int32], pose: Pose2D) -> int:
-    """Number of the area nearest to a pose, −1 where there is none as near as the robot is long.
+    """Number of the area nearest to a pose, 0 where there is none as near as the robot is long.
 
     A robot may stand closer to a wall than it could pass along it.
     """
-    row, col = np.nonzero(areas >= 0)
+    row, col = np.nonzero(areas > 0)
     x, y = costmap.cell_to_world(row, col)
     distances = np.hypot(x - pose.x, y - pose.y)
     if len(distances) == 0 or distances.min() > costmap.circumscribed_radius + costmap.resolution:
-        return -1
+        return 0
     nearest = int(distances.argmin())
     return int(areas[row[nearest], col[nearest]])
 
 
 def _places(costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator) -> Iterator[_Place]:
     """Places in random order where the robot can turn all round."""
-    cells = np.flatnonzero(areas >= 0)
+    cells = np.flatnonzero(areas > 0)
     drawn = rng.choice(cells, size=min(_MAX_TRIED, len(cells)), replace=False)
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
     for first in range(0, len(drawn), _BATCH):

@@ -74,6 +74,18 @@ class WorldChoice(Choice):
         return self
 
 
+class MapOptions(Config):
+    """How a map becomes a world: `{height: 0.5, unknown: free}`.
+
+    Attributes:
+        height: Of the walls [m].
+        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown.
+    """
+
+    height: Positive = 1.0
+    unknown: Literal["solid", "free"] = "solid"
+
+
 def _name_alone(value: object) -> object:
     return {"name": value} if isinstance(value, str) else value
 
@@ -85,6 +97,7 @@ class Scenario(Config):
         name: Of the run; none means robot and place.
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
+        map_options: How it is extruded; none means walls of 1 m, and walls where it is unknown.
         compat: "humble" reads the map as ROS 2 Humble does.
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
@@ -104,6 +117,7 @@ class Scenario(Config):
     name: str | None = None
     world: Annotated[WorldChoice | None, BeforeValidator(_name_alone)] = None
     map: str | None = None
+    map_options: MapOptions | None = None
     compat: Literal["humble"] | None = None
     robot: str = "nova_carter"
     start: Numbers | None = None
@@ -125,6 +139,8 @@ class Scenario(Config):
             raise ValueError("give either world or map")
         if self.goal is not None and self.goals is not None:
             raise ValueError("give either goal or goals")
+        if self.map_options is not None and self.map is None:
+            raise ValueError("map_options say how a map becomes a world: they need map")
         if self.compat is not None and self.map is None:
             raise ValueError("compat says how a map is read: it needs map")
         return self
@@ -240,14 +256,15 @@ class Scenario(Config):
     def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid]:
         if self.map is not None:
             grid = OccupancyGrid.load(self.map, compat=self.compat)
-            return World.from_map(grid), grid
+            walls = self.map_options or MapOptions()
+            return World.from_map(grid, height=walls.height, unknown=walls.unknown), grid
         if self.world is None:
             raise ScenarioError("give either world or map")
         if self.world.is_file:
             world = World.load(self.world.name, **dict[str, Any](self.world.options))
         else:
             seed = self.seed if self.world.seed is None else self.world.seed
-            world = World.generate(self.world.name, seed=seed, **dict[str, Any](self.world.options))
+            world = World.generate(self.world.name, **{"seed": seed, **dict[str, Any](self.world.options)})
         bounds = self._map_bounds(world, robot)
         return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
 

@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
 from trundle.maps.check import Finding, MapReport, Severity
+from trundle.maps.check.finding import MOST_A_KIND
 from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.record.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.record.colors import OCCUPIED as WALL
@@ -21,45 +22,94 @@ COLORS: dict[Severity, Rgb] = {"error": BAD, "warning": WARNING, "info": FAINT}
 _POINT = np.array([[1e-3, 1e-3], [-1e-3, 1e-3], [-1e-3, -1e-3], [1e-3, -1e-3]])
 _LEGEND = (Mark("square", WALL, "occupied"), Mark("square", DARK, "unknown"))
 _RING = 13  # [px]
-_LINE = 46  # [px], for each finding below the map
+_TAG = (34, 24)  # room for a number [px]
+_LINE = 46  # [px], for each kind of finding below the map
 _MOST_LINES = 24
+_ASIDE = ((1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0), (0, -1), (0, 1))
+_NAMES: tuple[tuple[Severity, str], ...] = (("error", "error"), ("warning", "warning"), ("info", "remark"))
+
+Group = list[Finding]
 
 
 def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str) -> Image.Image:
     """Draw a map with its findings: a ring and a number at each place, and below what they mean.
+
+    Findings of one kind with one fix have one number.
 
     Args:
         grid: The map.
         report: What was found in it.
         title: Headline.
     """
+    groups = _group(report.findings)
     view = MapView(_as_costmap(grid))
-    for finding in report.findings:
-        if finding.where is not None:
-            view.ring(finding.where, _RING, COLORS[finding.severity], 4)
+    for group in reversed(groups):
+        for finding in group:
+            if finding.where is not None:
+                view.ring(finding.where, _RING, COLORS[finding.severity], 4)
     picture = view.finish()
-    draw = ImageDraw.Draw(picture)
-    for number, finding in enumerate(report.findings, start=1):
-        if finding.where is not None:
-            x, y = view.to_pixels([finding.where])[0]
-            color = COLORS[finding.severity]
-            draw_tag(draw, (float(x), float(y)), str(number), color, apart=_RING - 3, size=view.size)
+    _draw_tags(picture, view, groups)
+    found = {finding.severity for finding in report.findings}
+    severities = tuple(Mark("square", COLORS[key], name) for key, name in _NAMES if key in found)
     page = compose_page(
         picture,
         title=title,
         status=_status(report),
         lines=[plain(remark) for remark in report.remarks],
-        legend=_LEGEND,
+        legend=(*_LEGEND, *severities),
         pixels_per_metre=view.pixels_per_metre,
     )
-    return _add_list(page, report.findings)
+    return _add_list(page, groups)
+
+
+def _group(findings: tuple[Finding, ...]) -> list[Group]:
+    groups: dict[tuple[str, str, str], Group] = {}
+    for finding in findings:
+        groups.setdefault((finding.severity, finding.kind, finding.fix), []).append(finding)
+    return list(groups.values())
+
+
+def _draw_tags(picture: Image.Image, view: MapView, groups: list[Group]) -> None:
+    """Write the number beside each ring where there is room, and beside one of each group in any case."""
+    draw = ImageDraw.Draw(picture)
+    rings = [
+        (number, finding, [float(at) for at in view.to_pixels([finding.where])[0]])
+        for number, group in enumerate(groups, start=1)
+        for finding in group
+        if finding.where is not None
+    ]
+    taken = [(x - _RING, y - _RING, x + _RING, y + _RING) for _, _, (x, y) in rings]
+    tagged: set[int] = set()
+    for number, finding, (x, y) in rings:
+        free = next((box for aside in _ASIDE if _has_room(box := _beside(x, y, aside), taken, view.size)), None)
+        if free is None and number in tagged:
+            continue
+        left, top, _, bottom = free or _beside(x, y, _ASIDE[0])
+        draw_tag(draw, (left, bottom), str(number), COLORS[finding.severity], apart=0, size=view.size)
+        taken.append((left, top, left + _TAG[0], bottom))
+        tagged.add(number)
+
+
+Area = tuple[float, float, float, float]
+
+
+def _beside(x: float, y: float, aside: tuple[int, int]) -> Area:
+    across, down = (_RING + half / 2 for half in _TAG)
+    left, top = x + aside[0] * across - _TAG[0] / 2, y + aside[1] * down - _TAG[1] / 2
+    return left, top, left + _TAG[0], top + _TAG[1]
+
+
+def _has_room(box: Area, taken: list[Area], size: tuple[int, int]) -> bool:
+    left, top, right, bottom = box
+    if left < 2 or top < 2 or right > size[0] - 2 or bottom > size[1] - 2:
+        return False
+    return not any(left < other[2] and other[0] < right and top < other[3] and other[1] < bottom for other in taken)
 
 
 def count_by_severity(report: MapReport) -> str:
     """How many errors, warnings and remarks there are, in words."""
     counts = Counter(finding.severity for finding in report.findings)
-    names: tuple[tuple[Severity, str], ...] = (("error", "error"), ("warning", "warning"), ("info", "remark"))
-    parts = [f"{counts[key]} {name}{'s' if counts[key] > 1 else ''}" for key, name in names if counts[key]]
+    parts = [f"{counts[key]} {name}{'s' if counts[key] > 1 else ''}" for key, name in _NAMES if counts[key]]
     return ", ".join(parts) or "nothing found"
 
 
@@ -75,24 +125,34 @@ def _as_costmap(grid: OccupancyGrid) -> Costmap:
     return Costmap(costs, grid.resolution, grid.origin, _POINT, inflation_radius=0.0)
 
 
-def _add_list(page: Image.Image, findings: tuple[Finding, ...]) -> Image.Image:
-    shown = findings[:_MOST_LINES]
-    rest = len(findings) - len(shown)
+def _add_list(page: Image.Image, groups: list[Group]) -> Image.Image:
+    shown = groups[:_MOST_LINES]
+    rest = len(groups) - len(shown)
     whole = Image.new("RGB", (page.width, page.height + _LINE * len(shown) + (28 if rest else 0) + 16), PAGE)
     whole.paste(page, (0, 0))
     draw = ImageDraw.Draw(whole)
     letters, small = font(16), font(14)
     room = page.width - 28 - 72
-    for index, finding in enumerate(shown):
+    for index, group in enumerate(shown):
         y = page.height + index * _LINE
-        number = str(index + 1)
-        draw.rounded_rectangle((28, y, 60, y + 24), radius=5, fill=COLORS[finding.severity])
-        draw.text((44, y + 12), number, font=letters, fill=PAGE, anchor="mm")
-        draw.text((72, y), _fit(f"{finding.kind} · {finding.message}", 16, room), font=letters, fill=INK)
-        draw.text((72, y + 20), _fit(f"Fix: {finding.fix}", 14, room), font=small, fill=FAINT)
+        first = group[0]
+        draw.rounded_rectangle((28, y, 60, y + 24), radius=5, fill=COLORS[first.severity])
+        draw.text((44, y + 12), str(index + 1), font=letters, fill=PAGE, anchor="mm")
+        more = _tell_more(group)
+        text = _fit(f"{first.kind} · {first.message}", 16, room - float(letters.getlength(plain(more))))
+        draw.text((72, y), text + plain(more), font=letters, fill=INK)
+        draw.text((72, y + 20), _fit(f"Fix: {first.fix}", 14, room), font=small, fill=FAINT)
     if rest:
         draw.text((72, page.height + _LINE * len(shown)), f"and {rest} more", font=letters, fill=FAINT)
     return whole
+
+
+def _tell_more(group: Group) -> str:
+    if len(group) == 1:
+        return ""
+    if len(group) > MOST_A_KIND:  # The last tells of those that are not listed.
+        return f" · and {MOST_A_KIND - 1} more; {group[-1].message.partition(',')[0]}"
+    return f" · and {len(group) - 1} more"
 
 
 def _fit(text: str, size: int, room: float) -> str:

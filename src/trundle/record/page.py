@@ -36,7 +36,8 @@ def font(size: int) -> Font:
 
 def plain(text: str) -> str:
     """Replace letters that the font does not have."""
-    known = set("·±°…²")
+    known = set("·±°…")
+    text = text.replace("²", "2")
     return "".join(one if one in known or (one.isascii() and one.isprintable()) else "?" for one in text)
 
 

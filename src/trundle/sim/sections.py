@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, convex_hull
-from trundle.sim.convex import Piece
+from trundle.sim.convex import Piece, mesh_edges
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 _SIDES = 128
@@ -98,8 +98,7 @@ def _polyhedron(shape: Box | Cylinder | Mesh) -> tuple[FloatArray, IndexArray]:
             around = np.c_[index, np.roll(index, -1)]
             return corners, np.vstack([around, around + _SIDES, np.c_[index, index + _SIDES]])
         case Mesh(vertices, faces):
-            pairs = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-            return vertices, np.unique(pairs, axis=0)
+            return vertices, mesh_edges(faces)
 
 
 def _cut(points: FloatArray, edges: IndexArray, low: float, high: float) -> Polygon | None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import inspect
 import os
 import warnings
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.maps.from_world import find_outlier
 from trundle.worlds.leave_out import leave_out
 
 if TYPE_CHECKING:
@@ -48,7 +51,7 @@ def is_world_file(text: str) -> bool:
     return Path(text).suffix.lower() in LOADERS
 
 
-def load_world(path: str | os.PathLike[str], **options: Any) -> World:
+def load_world(path: str | os.PathLike[str], /, **options: Any) -> World:
     """Read a world from a file; see `World.load`."""
     file = Path(path)
     target = LOADERS.get(file.suffix.lower())
@@ -61,7 +64,8 @@ def load_world(path: str | os.PathLike[str], **options: Any) -> World:
     module, _, name = target.partition(":")
     load = cast("Any", getattr(importlib.import_module(module), name))
     exclude = options.pop("exclude", ())
-    known = _check_options(file, load, options)
+    known = _keywords(load)
+    check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude"])))
     # Loaders that know what is left out do not read it, so nothing can be missing or wrong there.
     world = cast("World", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
     if "exclude" not in known:
@@ -81,20 +85,29 @@ def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
         raise InputError(f"{option} is {value!r}; it must be {' or '.join(map(repr, choices))}")
 
 
-def _check_options(file: Path, load: Any, options: dict[str, Any]) -> list[str]:
-    """The options of a loader, once those that are given are among them."""
-    known = [
-        name
-        for name, parameter in inspect.signature(load).parameters.items()
-        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
-    ]
-    for name in options:
+def check_options(where: str, owner: str, given: Iterable[str], known: Sequence[str]) -> None:
+    """Refuse options that are not known, with the nearest that is.
+
+    Args:
+        where: What the message begins with.
+        owner: Whose options they are, "a .sdf file".
+        given: Their names.
+        known: Those that there are.
+
+    Raises:
+        InputError: If one is not known.
+    """
+    for name in given:
         if name not in known:
-            raise InputError(
-                f"{file}: {name!r} is no option for a {file.suffix} file; there are: "
-                + ", ".join(dict.fromkeys([*known, "exclude"]))
-            )
-    return known
+            nearest = difflib.get_close_matches(name, known, n=1)
+            hint = f" (did you mean {nearest[0]!r}?)" if nearest else ""
+            raise InputError(f"{where}: {name!r} is no option for {owner}{hint}; there are: {', '.join(known)}")
+
+
+def _keywords(load: Any) -> list[str]:
+    """The options of a loader."""
+    parameters = inspect.signature(load).parameters.items()
+    return [name for name, parameter in parameters if parameter.kind is inspect.Parameter.KEYWORD_ONLY]
 
 
 def _check_extent(file: Path, world: World, advice: str) -> None:
@@ -105,13 +118,10 @@ def _check_extent(file: Path, world: World, advice: str) -> None:
     low, high = world.bounds
     if float(np.max(high - low)) <= LARGEST_EXTENT:
         return
-    middle = np.median([np.mean(solid.bounds(), axis=0) for solid in world.solids], axis=0)
-    reach = [float(np.max(np.abs(np.asarray(solid.bounds()) - middle))) for solid in world.solids]
-    far = world.solids[int(np.argmax(reach))]
     size = " x ".join(f"{extent:.0f}" for extent in high - low)
     warnings.warn(
-        f"{file}: the world is {size} m; {far.name!r} reaches farthest, {max(reach):.0f} m from the middle. Look for a "
-        "wrong unit (millimetres, centimetres) or a solid that is far away by mistake",
+        f"{file}: the world is {size} m; {find_outlier(world.solids)}. Look for a wrong unit (millimetres, "
+        "centimetres) or a solid that is far away by mistake",
         WorldWarning,
         stacklevel=4,
     )

@@ -1,6 +1,7 @@
 """Primitive shapes as closed triangle meshes that hold them.
 
-Round ones come out at most 0.5 % larger, never smaller, so that a map made of them misses nothing.
+Round ones come out at most 0.5 % larger, never smaller, so that a map made of them misses nothing. All loaders and
+exporters tessellate here; `viewer.triangles` draws from inside, `maps.over_floor` from outside and finer.
 """
 
 from __future__ import annotations

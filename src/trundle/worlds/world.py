@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 
-from trundle.errors import InputError, WorldError
+from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
@@ -57,7 +58,7 @@ class World:
             seen.add(solid.name)
 
     @classmethod
-    def generate(cls, name: str, *, seed: int = 0, exclude: str | Sequence[str] = (), **options: Any) -> World:
+    def generate(cls, name: str, /, *, seed: int = 0, exclude: str | Sequence[str] = (), **options: Any) -> World:
         """Make a built-in world, e.g. `World.generate("warehouse", seed=7, aisle_width=1.6)`.
 
         Args:
@@ -68,22 +69,24 @@ class World:
 
         Raises:
             UnknownNameError: If there is no such world; the nearest name is offered.
-            InputError: If it does not take these options, or a value is out of range.
+            InputError: If it does not take an option, the nearest is offered; or a value is out of range.
 
         Warns:
             WorldWarning: About words of `exclude` that nothing was left out by.
         """
         from trundle.worlds.leave_out import leave_out
+        from trundle.worlds.load import check_options
 
         make = cast("Any", WORLDS.load(name))
-        try:
-            made = cast("World", make(seed=seed, **options))
-        except TypeError as error:
-            raise InputError(f"world {name!r}: {error}") from error
+        parameters = inspect.signature(make).parameters.values()
+        if not any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
+            known = [parameter.name for parameter in parameters if parameter.name != "seed"]
+            check_options(f"world {name!r}", "it", options, [*known, "exclude"])
+        made = cast("World", make(seed=seed, **options))
         return leave_out(made, exclude, f"world {name!r}") if exclude else made
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], *, exclude: str | Sequence[str] = (), **options: Any) -> World:
+    def load(cls, path: str | os.PathLike[str], /, *, exclude: str | Sequence[str] = (), **options: Any) -> World:
         """Read a world from a file, by its suffix.
 
         | suffix | what | options (see the loader) |

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from support.planted_maps import map_of, room, same
+from support.planted_maps import changed, map_of, room, same
 from trundle.errors import MapError
 from trundle.maps.check import KINDS, check_map
 
@@ -56,6 +56,42 @@ def test_what_keeps_a_map_from_loading_is_a_finding(good, old, new, kind, words)
 def test_all_mistakes_are_told_at_once(good):
     rewrite(rewrite(good, "negate: 0", "negate: x"), "origin: [", "origin: [1, ")
     assert len([finding for finding in check_map(good).findings if finding.kind == "yaml"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "fix"),
+    [
+        ("negate: 0\n", "", ":1:1:", "write `negate: 0`"),
+        ("negate: 0", "\tnegate: 0", ":5:1:", "spaces for the tab"),
+        ("negate: 0", "negate:\t0", ":5:8:", "spaces for the tab"),
+        (": ", ":", ":1:1:", "a space after the colon"),
+        ("image: map.png", "image: mpa.png", ":1:8:", "image: map.png"),
+        ("image: map.png", "image: map.pgm", ":1:8:", "image: map.png"),
+        ("image: map.png", "image: map.jpg", ":1:8:", "image: map.png"),
+        ("resolution: 0.05", "resolution: [0.05]", ":3:13:", "0.05"),
+        ("free_thresh: 0.196", "free_thresh: 0.196\n---\nimage: map.png", ":8:1:", "one document"),
+    ],
+)
+def test_each_mistake_has_its_place_and_its_fix(good, old, new, place, fix):
+    (good.parent / "map.jpg").write_bytes(b"\xff\xd8\xff\xe0")
+    (finding,) = check_map(rewrite(good, old, new)).findings
+    assert (finding.kind, finding.severity) == ("yaml", "error")
+    assert place in finding.message
+    assert fix in finding.fix
+
+
+def test_a_yaw_in_degrees_is_warned_of(good):
+    text = good.read_text()
+    good.write_text(text.replace(", 0.0]", ", 90]"))
+    finding = next(finding for finding in check_map(good).findings if finding.kind == "yaml")
+    assert finding.severity == "warning"
+    assert finding.fix == "write 1.5708"
+
+
+def test_a_key_of_another_tool_is_a_remark(good):
+    (finding,) = check_map(rewrite(good, "negate: 0", "negate: 0\nauthor: me")).findings
+    assert (finding.kind, finding.severity) == ("yaml", "info")
+    assert ":6:1: the key 'author'" in finding.message
 
 
 @pytest.mark.parametrize(
@@ -119,3 +155,24 @@ def test_a_movingai_map_is_checked(tmp_path):
     assert check_map(tmp_path / "a.map").findings == ()
     (tmp_path / "b.map").write_text("type octile\nheight 3\nmap\n")
     assert check_map(tmp_path / "b.map").kinds() == {"yaml"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kind"),
+    [
+        ("free_thresh: 0.196", "free_thresh: 0.25", "unknown_loads_free"),
+        (
+            "occupied_thresh: 0.65\nfree_thresh: 0.196",
+            "occupied_thresh: 0.196\nfree_thresh: 0.65",
+            "thresholds_inverted",
+        ),
+        (", 0.0]", ", 1.5707963267948966]", "yaw_ignored"),
+    ],
+)
+def test_what_is_put_right_is_gone_from_the_file_that_is_written(good, tmp_path, old, new, kind):
+    changed(map_of(room()), (-2.0, 3.0, -1.0, 4.0, -1)).save(good)
+    report = check_map(rewrite(good, old, new))
+    assert kind in report.kinds()
+    assert kind in report.corrected_kinds
+    report.corrected.save(tmp_path / "right.yaml")
+    assert check_map(tmp_path / "right.yaml").kinds() == {"unknown_hole"}

@@ -1,9 +1,24 @@
 import math
+import re
 
 import numpy as np
 import pytest
 
-from support.planted_maps import EDGE, changed, long_room, map_of, moved, redrawn, room, same, square_room, warehouse
+from support.planted_maps import (
+    EDGE,
+    changed,
+    long_room,
+    map_of,
+    moved,
+    redrawn,
+    room,
+    round_room,
+    same,
+    square_room,
+    surveyed,
+    turned,
+    warehouse,
+)
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.check import PLACEMENT_KINDS, check_grid
@@ -166,3 +181,91 @@ def test_a_world_or_a_map_with_nothing_in_it_is_unverified():
     assert check_grid(map_of(room()), world=World("nothing", ())).unverified == PLACEMENT_KINDS
     empty = redrawn(map_of(room()), np.zeros((20, 20), dtype=np.int8))
     assert check_grid(empty, world=room()).unverified == PLACEMENT_KINDS
+
+
+# Turned by any angle ------------------------------------------------------------------------------------------------
+
+
+def told_turn(report):
+    """The angle [°], counter-clockwise, that a report says to turn the map by, and about what."""
+    (finding,) = (finding for finding in report.findings if finding.kind == "rotated")
+    assert finding.severity == "error"
+    number, way, about = re.search(r"turned ([0-9.]+)° (\S+) about (.*) \(agreement", finding.message).groups()
+    return float(number) * {"clockwise": -1.0, "counter-clockwise": 1.0}[way], about
+
+
+def placement(report):
+    return report.kinds() & set(PLACEMENT_KINDS)
+
+
+@pytest.mark.parametrize("degrees", [2.0, -7.0, 44.0])
+def test_a_map_turned_by_any_angle_is_found_and_put_right(degrees):
+    report = check_grid(turned(map_of(room()), degrees), world=room())
+    assert placement(report) == {"rotated"}
+    angle, about = told_turn(report)
+    assert abs(angle + degrees) <= 0.1
+    assert about in ("its middle", "the map frame's origin")
+    assert report.corrected.origin.yaw == 0.0
+    again = check_grid(report.corrected, world=room())
+    assert not {*PLACEMENT_KINDS, "yaw_ignored"} & again.kinds()
+    assert again.unverified == ()
+
+
+def test_the_origin_that_is_offered_puts_a_turned_map_right():
+    wrong = turned(map_of(room()), -7.0)
+    fix = next(finding.fix for finding in check_grid(wrong, world=room()).findings if finding.kind == "rotated")
+    x, y, yaw = (float(number) for number in re.search(r"origin: \[(.*?)\]", fix)[1].split(","))
+    report = check_grid(OccupancyGrid(wrong.data, EDGE, Pose2D(x, y, yaw)), world=room())
+    assert placement(report) == set()
+    assert "yaw_ignored" in report.kinds()
+
+
+def test_a_wrong_yaw_in_the_file_is_taken_out_again():
+    grid = map_of(room())
+    report = check_grid(OccupancyGrid(grid.data, EDGE, Pose2D(grid.origin.x, grid.origin.y, 0.3)), world=room())
+    assert report.kinds() == {"rotated", "yaw_ignored"}
+    angle, about = told_turn(report)
+    assert abs(angle + math.degrees(0.3)) <= 0.05
+    assert about == "its lower-left corner"
+    assert report.corrected.origin.yaw == 0.0
+    assert math.dist(report.corrected.origin.as_tuple(), grid.origin.as_tuple()) <= 0.25 * EDGE
+    assert np.array_equal(report.corrected.data, grid.data)
+
+
+def test_a_turned_map_can_be_flipped_and_shifted_as_well():
+    wrong = turned(map_of(room()), 12.0, right=2.0, up=-1.0)
+    report = check_grid(redrawn(wrong, wrong.data[::-1]), world=room())
+    assert placement(report) == {"flipped", "rotated", "shifted"}
+    assert placement(check_grid(report.corrected, world=room())) == set()
+
+
+@WORLDS
+def test_a_noisy_map_of_a_part_with_moved_things_is_found_at_its_angle(make):
+    report = check_grid(turned(surveyed(map_of(make()), 1), -12.0, right=1.0, up=0.6), world=make())
+    assert placement(report) == {"rotated", "shifted"}
+    assert abs(told_turn(report)[0] - 12.0) <= 0.15
+    assert placement(check_grid(report.corrected, world=make())) == set()
+
+
+@pytest.mark.parametrize("name", ["warehouse", "office", "maze", "cylinders", "corridors", "lot"])
+def test_a_noisy_map_of_a_part_that_lies_right_raises_nothing(name):
+    world = World.generate(name, seed=1)
+    report = check_grid(surveyed(map_of(world), 2), world=world)
+    assert placement(report) == set()
+    assert report.unverified == ()
+
+
+def test_what_a_noisy_map_lacks_is_filled_with_its_walls():
+    survey = surveyed(map_of(warehouse()), 1)
+    report = check_grid(redrawn(survey, survey.data[::-1]), world=warehouse())
+    assert {"flipped", "unseen", "leak"} <= report.kinds()
+    again = check_grid(report.corrected, world=warehouse()).kinds()
+    assert not again & {*PLACEMENT_KINDS, "unseen", "leak", "unknown_hole"}
+
+
+def test_a_turned_map_of_a_round_room_is_not_put_right_by_guess():
+    report = check_grid(turned(map_of(round_room()), 20.0), world=round_room())
+    assert placement(report) == {"rotated"}
+    assert "rotated" in report.ambiguous
+    assert "nothing is put right" in report.findings[0].fix
+    assert report.corrected is None or "rotated" not in report.corrected_kinds

@@ -6,6 +6,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.check import check_grid
 from trundle.robots import Robot
+from trundle.worlds import World
 
 WORLDS = pytest.mark.parametrize("make", [room, warehouse])
 NOVA = Robot.load("nova_carter")
@@ -37,6 +38,17 @@ def test_the_warehouse_has_room_for_nova_carter():
     assert check_grid(map_of(warehouse()), robot=NOVA).findings == ()
 
 
+@pytest.mark.parametrize("name", ["warehouse", "office", "maze", "cylinders", "corridors", "lot"])
+def test_a_good_map_of_any_world_raises_nothing(name):
+    world = World.generate(name, seed=1)
+    grid = map_of(world)
+    for robot in (None, NOVA, Robot.load("turtlebot3_burger")):
+        report = check_grid(grid, world=world, robot=robot)
+        assert [finding for finding in report.findings if finding.severity != "info"] == []
+        assert report.corrected is None
+    assert check_grid(grid, world=world).findings == ()
+
+
 @PLACES
 def test_a_hole_is_found(make, x, y):
     grid = changed(map_of(make()), (x - 0.4, y - 0.3, x + 0.4, y + 0.3, -1))
@@ -65,7 +77,9 @@ def test_a_map_that_ends_in_the_open_is_unseen_there():
     cut[:, 400:] = -1
     kinds = check_grid(redrawn(grid, cut)).kinds()
     assert "unseen" in kinds
-    assert "unseen" in check_grid(redrawn(grid, cut), world=warehouse()).kinds()
+    report = check_grid(redrawn(grid, cut), world=warehouse())
+    assert "unseen" in report.kinds()
+    assert np.array_equal(report.corrected.data, grid.data)
 
 
 @pytest.mark.parametrize("margin", [0, 20])
@@ -119,7 +133,6 @@ def test_speckles_are_found(make, x, y):
 
 def test_a_speck_that_the_world_has_is_none():
     from support.planted_maps import block
-    from trundle.worlds import World
 
     post = World("post", (*room().solids, block("post", -2.0, 3.5, 0.02, 0.02)), seeds=room().seeds)
     grid = OccupancyGrid.from_world(post, resolution=EDGE)

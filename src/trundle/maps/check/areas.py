@@ -124,7 +124,8 @@ class Chart:
 
     def square_metres(self, cells: float) -> str:
         """An area as text."""
-        return f"{cells * self.grid.resolution**2:.2g} m²"
+        area = cells * self.grid.resolution**2
+        return f"{area:.0f} m²" if area >= 10.0 else f"{area:.2g} m²"
 
     def take_from_world(self, kind: Kind, mask: Mask) -> bool:
         """Put some cells right from the world, where it knows them; whether it knows any."""

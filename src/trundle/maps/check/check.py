@@ -14,11 +14,12 @@ from trundle.maps.check.description import check_description
 from trundle.maps.check.doors import check_doors
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind, MapReport, by_severity
 from trundle.maps.check.openings import check_openings
-from trundle.maps.check.placement import PlacementCheck, apply_match, check_placement
+from trundle.maps.check.placement import PlacementCheck, check_placement
 from trundle.maps.check.reach import check_reach
 from trundle.maps.check.reading import read_map
 from trundle.maps.check.specks import check_islands, check_speckles
 from trundle.maps.check.unknown import check_unknown
+from trundle.maps.check.wording import apply_match
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat
@@ -152,10 +153,18 @@ def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None
     grid = chart.grid
     kinds: set[Kind] = set(chart.corrected)
     made = OccupancyGrid(chart.cells, grid.resolution, grid.origin) if kinds else grid
-    if placed.match is not None:
-        made = apply_match(grid, made.data, placed.match)
+    if placed.match is not None and placed.grid is not None:
+        made = apply_match(placed.grid, made.data, placed.match)
         kinds |= {finding.kind for finding in placed.findings}
     if made.origin.yaw != 0.0:
-        made = resample_axis_aligned(made)
+        made = _free_of_specks(resample_axis_aligned(made))
+    if grid.origin.yaw != 0.0 and made.origin.yaw == 0.0:
         kinds.add("yaw_ignored")
     return (made, tuple(sorted(kinds))) if kinds else (None, ())
+
+
+def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
+    """A map that was turned, without the specks of free cells that thicker obstacles leave between them."""
+    chart = Chart(grid)
+    check_islands(chart)
+    return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,8 +30,16 @@ from trundle.yamlnodes import place
 USUAL_RESOLUTIONS = (0.005, 0.5)
 """Cells of an indoor map are between these [m]; finer and coarser ones are more often a slip of the point."""
 
-_KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
-_FIX_YAML = "correct the line"
+_USUAL: dict[str, str] = {
+    "image": "image: map.png",
+    "mode": "mode: trinary",
+    "resolution": "resolution: 0.05",
+    "origin": "origin: [0.0, 0.0, 0.0]",
+    "negate": "negate: 0",
+    "occupied_thresh": f"occupied_thresh: {OCCUPIED_THRESH}",
+    "free_thresh": f"free_thresh: {FREE_THRESH}",
+}
+"""What a map's YAML says most often."""
 
 ValueT = TypeVar("ValueT")
 
@@ -55,22 +64,24 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
     try:
         fields = read_fields(path)
     except MapError as error:
-        return DescriptionCheck([_yaml_error(error)], None)
+        return DescriptionCheck([_yaml_error(error, _advise(str(error)))], None)
     findings = [*_check_keys(fields)]
 
-    def read(value: Callable[[], ValueT]) -> ValueT | None:
+    def read(key: str, value: Callable[[], ValueT]) -> ValueT | None:
         try:
             return value()
         except MapError as error:
-            findings.append(_yaml_error(error))
+            findings.append(_yaml_error(error, f"write `{_USUAL[key]}`, or what is true of this map"))
             return None
 
-    image = read(lambda: fields.text("image"))
-    mode: Mode | None = read(lambda: parse_mode(fields))
-    origin = read(lambda: parse_origin(fields))
-    negate = read(lambda: parse_negate(fields))
-    occupied = read(lambda: fields.number("occupied_thresh", low=0.0, high=1.0))
-    free = read(lambda: fields.number("free_thresh", low=0.0, high=1.0))
+    image = read("image", lambda: fields.text("image"))
+    mode: Mode | None = read("mode", lambda: parse_mode(fields))
+    origin = read("origin", lambda: parse_origin(fields))
+    negate = read("negate", lambda: parse_negate(fields))
+    occupied = read("occupied_thresh", lambda: fields.number("occupied_thresh", low=0.0, high=1.0))
+    free = read("free_thresh", lambda: fields.number("free_thresh", low=0.0, high=1.0))
+    if origin is not None:
+        findings += _check_degrees(fields)
     resolution = _read_resolution(fields, findings)
     corrected: tuple[Kind, ...] = ()
     if occupied is not None and free is not None and free > occupied:
@@ -84,8 +95,39 @@ def check_description(path: str | os.PathLike[str]) -> DescriptionCheck:
     return DescriptionCheck(findings, None)
 
 
-def _yaml_error(error: MapError) -> Finding:
-    return Finding("yaml", "error", str(error), None, _FIX_YAML)
+def _yaml_error(error: MapError, fix: str) -> Finding:
+    return Finding("yaml", "error", str(error), None, fix)
+
+
+def _advise(message: str) -> str:
+    """What to do about a text that is no YAML, or not a map's."""
+    if "'\\t'" in message:
+        return "write spaces for the tab"
+    if "another document" in message:
+        return "keep one document: take out what follows ---"
+    if "not a map's YAML file" in message:
+        return f"write one `key: value` a line, with a space after the colon: {', '.join(_USUAL)}"
+    if "not a text file" in message:
+        return "give the YAML file of the map, and not its image"
+    return "correct the line; quotes, brackets and colons must come in pairs with what they belong to"
+
+
+def _check_degrees(fields: Fields) -> list[Finding]:
+    node = fields.node("origin")
+    yaw = float(node.value[2].value)
+    if abs(yaw) <= 2.0 * math.pi:
+        return []
+    where = place(node.value[2], fields.name)
+    return [
+        Finding(
+            "yaml",
+            "warning",
+            f"{where}: origin's yaw is {yaw:g} rad, more than a whole turn: it is in radians, and degrees are probably "
+            "meant",
+            None,
+            f"write {math.radians(yaw):.6g}",
+        )
+    ]
 
 
 def _check_keys(fields: Fields) -> list[Finding]:
@@ -107,16 +149,16 @@ def _check_keys(fields: Fields) -> list[Finding]:
             )
             continue
         seen[key.value] = key
-        near = difflib.get_close_matches(key.value.lower(), _KEYS, n=1, cutoff=0.8)
-        if key.value not in _KEYS and near and near[0] not in fields.nodes:
+        near = difflib.get_close_matches(key.value.lower(), _USUAL, n=1, cutoff=0.8)
+        if key.value in _USUAL:
+            continue
+        if near and near[0] not in fields.nodes:
+            message = f"{where}: the key {key.value!r} is not known and is ignored; {near[0]!r} is probably meant"
+            findings.append(Finding("yaml", "warning", message, None, f"write {near[0]}"))
+        else:
+            message = f"{where}: the key {key.value!r} is none of a map's: Nav2 ignores it"
             findings.append(
-                Finding(
-                    "yaml",
-                    "warning",
-                    f"{where}: the key {key.value!r} is not known and is ignored; {near[0]!r} is probably meant",
-                    None,
-                    f"write {near[0]}",
-                )
+                Finding("yaml", "info", message, None, "nothing, if another tool reads it; else take it out")
             )
     return findings
 

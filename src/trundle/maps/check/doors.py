@@ -15,7 +15,9 @@ from trundle.robots import Robot
 
 _DETOUR_M = 2.5  # a gap with a way round that stays within so many metres of it is no door
 _LEAST_ROOM_M2 = 1.0  # behind a door; less is a corner between things
-_LEAST_SHARE = 0.5  # of the robot's width: with another way, a narrower gap is no door that anybody would try
+# Of the robot's width, and in metres: a narrower gap is no door that anybody would try, but a slit between things.
+_LEAST_ONLY = (0.35, 0.15)
+_LEAST_DETOUR = (0.6, 0.25)  # where there is another way
 _SLACK = 1.1  # slanted gaps are up to 8 % narrower than the runs of cells that find them
 _LEVELS = 250
 
@@ -45,13 +47,16 @@ def check_doors(chart: Chart, robot: Robot) -> list[Finding]:
     doors = [
         door
         for index in search.near_rooms()
-        if (door := search.examine(index))
-        and (0.0 if door.only_way else _LEAST_SHARE * width) <= door.width
-        and door.width < width - 1e-6
+        if (door := search.examine(index)) and _least_width(door, width) <= door.width + 1e-6 < width
     ]
     doors.sort(key=lambda door: (not door.only_way, door.width))
     findings = [_describe(door, chart, robot, width) for door in doors]
     return shorten(findings, len(findings), "narrow doors")
+
+
+def _least_width(door: _Door, width: float) -> float:
+    share, metres = _LEAST_ONLY if door.only_way else _LEAST_DETOUR
+    return max(share * width, metres)
 
 
 def _describe(door: _Door, chart: Chart, robot: Robot, width: float) -> Finding:
@@ -156,7 +161,7 @@ class _HalfCells:
     def narrowest(self, gap: Mask, start: Mask, end: Mask) -> tuple[float, tuple[float, float]] | None:
         """Width in cells, and the (row, col) where, of the widest way from start to end; None where there is none."""
         start_nodes, end_nodes = _nodes(start, closed=False), _nodes(end, closed=False)
-        values = np.unique(self._levels[self._levels > 0])
+        values = np.flatnonzero(np.bincount(self._levels[self._levels > 0]))
         low, high, best = 0, len(values) - 1, None
         while low <= high:
             middle = (low + high) // 2

@@ -96,8 +96,8 @@ class Lattice:
             )
         random = np.random.default_rng(0)
         occupied, known = grid.data == OCCUPIED, grid.data != UNKNOWN
-        self._occupied, self.occupied_count = _sample(occupied, random)
-        self._free, self.free_count = _sample(known & ~occupied, random)
+        self.occupied, self.occupied_count = _sample(occupied, random)
+        self.free, self.free_count = _sample(known & ~occupied, random)
 
     def rasterise(self, phase: Phase = (0.0, 0.0)) -> WorldCells:
         """The world's map on the lattice, moved by a part of a cell up and to the right."""
@@ -120,8 +120,8 @@ class Lattice:
             row: Where its first row is put then, on the world's lattice.
             col: As `row`, for columns.
         """
-        hits = self._count(world, self._occupied, orientation, row, col) * self.occupied_count
-        conflicts = self._count(world, self._free, orientation, row, col) * self.free_count
+        hits = self._count(world, self.occupied, orientation, row, col) * self.occupied_count
+        conflicts = self._count(world, self.free, orientation, row, col) * self.free_count
         return hits / (self.occupied_count + conflicts)
 
     def _count(self, world: WorldCells, samples: Samples, orientation: Orientation, row: int, col: int) -> float:

@@ -178,8 +178,8 @@ def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int,
     longest = max(a + b for a, b in itertools.product(lattice.grid.shape, world.cells.shape))
     levels = max(0, math.ceil(math.log2(max(1.0, longest / (2 * _COARSE_SIDE)))))
     block = 2**levels
-    signals = list(_pyramid(_signal(lattice, block), levels))
-    walls = list(_pyramid(_pad(world.blocked.astype(np.float32), block, 0.0), levels))
+    signals = list(pyramid(_signal(lattice, block), levels))
+    walls = list(pyramid(pad(world.blocked.astype(np.float32), block), levels))
     peaks = _correlate(signals[-1], walls[-1])
     strongest = max(score for score, *_ in peaks)
     finer = [_sample(signal) for signal in signals[-2::-1]]
@@ -204,15 +204,16 @@ def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
     weight = max(1.0, lattice.free_count / lattice.occupied_count)
     signal = np.where(data == UNKNOWN, np.float32(0.0), np.float32(-1.0))
     signal[data == OCCUPIED] = weight
-    return _pad(signal, block, 0.0)
+    return pad(signal, block)
 
 
-def _pad(values: npt.NDArray[np.float32], block: int, fill: float) -> npt.NDArray[np.float32]:
+def pad(values: npt.NDArray[np.float32], block: int) -> npt.NDArray[np.float32]:
+    """The values with zeros up to whole blocks of so many cells."""
     rows, cols = (-side % block for side in values.shape)
-    return np.pad(values, ((0, rows), (0, cols)), constant_values=fill)
+    return np.pad(values, ((0, rows), (0, cols)), constant_values=0.0)
 
 
-def _pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArray[np.float32]]:
+def pyramid(values: npt.NDArray[np.float32], levels: int) -> Iterator[npt.NDArray[np.float32]]:
     """The values, then their means over blocks of 2, 4, … cells."""
     yield values
     for _ in range(levels):

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.geometry import Pose2D
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
-from trundle.maps.check.lattice import Lattice
-from trundle.maps.check.matching import Match, Matching, find_matches
+from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.matching import Match, Matching, as_good, find_matches
 from trundle.maps.check.orientation import UPRIGHT
+from trundle.maps.check.turning import Turning, find_turn
+from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_ways, list_hidden
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 
 LEAST_AGREEMENT = 0.5
 """Below this the map is taken for one of another place."""
 
-_LEAST_OFFSET = 0.375  # cells: a smaller one is none
+_NOISY = 0.9  # a map that agrees less than this is noisy, or thicker than its world
+_NOISE_CELLS = 1.5  # by so much, that may move the place where it agrees best
+_NOISE_LOSS = 1.35  # where what disagrees grows by no more than this
+_LEAST_CERTAIN = 0.5  # cells: a smaller offset is one only if the map agrees better for it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +36,8 @@ class PlacementCheck:
         ambiguous: What the world's symmetry hides.
         remarks: Why.
         truth: What the world says of the map's cells, or None.
-        corrected: The map where it belongs, or None where nothing is to be moved, or it is not certain where to.
-        corrected_kinds: What that puts right.
+        match: Where `grid` belongs, or None where nothing is to be moved, or it is not certain where to.
+        grid: The map, its origin turned as it must be.
     """
 
     findings: tuple[Finding, ...] = ()
@@ -43,6 +46,7 @@ class PlacementCheck:
     remarks: tuple[str, ...] = ()
     truth: Cells | None = None
     match: Match | None = None
+    grid: OccupancyGrid | None = None
 
 
 def check_placement(grid: OccupancyGrid, world: SolidWorld | None, z_range: tuple[float, float]) -> PlacementCheck:
@@ -58,69 +62,72 @@ def check_placement(grid: OccupancyGrid, world: SolidWorld | None, z_range: tupl
     if not (grid.data == OCCUPIED).any() or not ((grid.data != OCCUPIED) & (grid.data != UNKNOWN)).any():
         return _unverified("the map has no occupied or no free cell: there is nothing to compare")
     try:
-        matching, cells = find_matches(Lattice(grid, world, z_range))
+        lattice = Lattice(grid, world, z_range)
+        matching, cells = find_matches(lattice)
+        turning = find_turn(lattice, cells, matching.best)
+        if turning is not None:
+            turned = replace(grid, origin=turning.origin)
+            again, turned_cells = find_matches(Lattice(turned, world, z_range))
+            if again.best.agreement >= max(LEAST_AGREEMENT, matching.best.agreement):
+                return _place(turned, again, turned_cells, turning, grid, matching.stated.agreement)
     except MapError as error:
         return _unverified(f"the world cannot be compared: {error}")
     best = matching.best
     if best.agreement < LEAST_AGREEMENT:
         return _mismatch(grid, world, z_range, best)
-    if best.orientation == UPRIGHT and max(map(abs, best.offset)) < _LEAST_OFFSET:
-        return _well_placed(grid, matching, Lattice(grid, world, z_range).rasterise().crop(0, 0, grid.shape))
+    if best.orientation == UPRIGHT and (max(map(abs, best.offset)) < LEAST_OFFSET or _is_noise(matching)):
+        return _well_placed(matching, lattice.rasterise().crop(0, 0, grid.shape))
+    return _place(grid, matching, cells, None, grid, matching.stated.agreement)
+
+
+def _is_noise(matching: Matching) -> bool:
+    """Whether an offset is so small that the noise of the map explains it: without it, the map is hardly worse."""
+    best, stated = matching.best, matching.stated
+    offset = max(map(abs, best.offset))
+    if best.agreement < _NOISY and offset <= _NOISE_CELLS:
+        return 1.0 - stated.agreement <= _NOISE_LOSS * (1.0 - best.agreement)
+    return offset < _LEAST_CERTAIN and as_good(stated.agreement, best.agreement)
+
+
+def _place(
+    grid: OccupancyGrid,
+    matching: Matching,
+    cells: WorldCells,
+    turning: Turning | None,
+    stated: OccupancyGrid,
+    before: float,
+) -> PlacementCheck:
+    """A map that does not lie where its file puts it; `grid` is the turned one."""
+    best = matching.best
     candidates = (best, *matching.rivals)
     upright = [match for match in candidates if match.orientation == UPRIGHT]
     chosen = upright[0] if upright else best
     others = tuple(match for match in candidates if match is not chosen)
-    certain = not others or (bool(upright) and all(_same_result(grid, chosen, other) for other in others))
-    ambiguous = _hidden_kinds(chosen, others if upright or not others else candidates)
-    findings = _describe(grid, chosen, others, certain=certain)
-    remarks = (_explain(candidates),) if others else ()
+    turns = turning.rivals if turning is not None else ()
+    certain = not turns and (
+        not others or (bool(upright) and all(_same_result(grid, chosen, other) for other in others))
+    )
+    ambiguous = list_hidden(chosen, others if upright or not others else candidates, turns)
+    angle = turning.angle if turning is not None else 0.0
+    found = Explanation(grid, angle, stated.origin, chosen, others, turns, before)
+    findings = describe_findings(found, certain=certain)
+    remarks = (explain_ways(candidates, turns),) if found.ways > 1 else ()
     if not certain:
         return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks)
     rows, cols = grid.shape
     shape = (rows, cols) if chosen.orientation.turns % 2 == 0 else (cols, rows)
     truth = chosen.orientation.undo(cells.crop(chosen.row, chosen.col, shape)) if chosen is best else None
-    return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks, truth=truth, match=chosen)
-
-
-def apply_match(grid: OccupancyGrid, cells: Cells, match: Match) -> OccupancyGrid:
-    """Put cells of a map where they belong."""
-    dx, dy = match.offset
-    corner = grid.origin @ Pose2D(dx * grid.resolution, dy * grid.resolution)
-    return OccupancyGrid(match.orientation.apply(cells), grid.resolution, _tidy(corner))
-
-
-def _tidy(pose: Pose2D) -> Pose2D:
-    return Pose2D(round(pose.x, 9), round(pose.y, 9), pose.yaw)
+    return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks, truth=truth, match=chosen, grid=grid)
 
 
 def _unverified(why: str) -> PlacementCheck:
     return PlacementCheck(unverified=PLACEMENT_KINDS, remarks=(f"{', '.join(PLACEMENT_KINDS)}: {why}",))
 
 
-def _well_placed(grid: OccupancyGrid, matching: Matching, truth: Cells) -> PlacementCheck:
+def _well_placed(matching: Matching, truth: Cells) -> PlacementCheck:
     others = matching.rivals
-    remarks = (_explain((matching.stated, *others)),) if others else ()
-    return PlacementCheck(ambiguous=_hidden_kinds(matching.stated, others), remarks=remarks, truth=truth)
-
-
-def _hidden_kinds(chosen: Match, others: tuple[Match, ...]) -> tuple[Kind, ...]:
-    kinds: set[Kind] = set()
-    for match in others:
-        if match.orientation == chosen.orientation and match is not chosen:
-            kinds.add("shifted")
-        kinds.update(match.orientation.kinds)
-    return tuple(kind for kind in PLACEMENT_KINDS if kind in kinds)
-
-
-def _explain(candidates: tuple[Match, ...]) -> str:
-    places = "; ".join(f"{_name(match)} (agreement {match.agreement:.0%})" for match in candidates[:4])
-    return f"the world looks the same in {len(candidates)} ways: {places}"
-
-
-def _name(match: Match) -> str:
-    dx, dy = match.offset
-    turned = "as it is" if match.orientation == UPRIGHT else match.orientation.describe().partition(":")[2].strip()
-    return f"{turned}, moved by ({dx:g}, {dy:g}) cells"
+    remarks = (explain_ways((matching.stated, *others)),) if others else ()
+    return PlacementCheck(ambiguous=list_hidden(matching.stated, others), remarks=remarks, truth=truth)
 
 
 def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
@@ -129,55 +136,6 @@ def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
         return False
     first, second = one.orientation.apply(grid.data), other.orientation.apply(grid.data)
     return first.shape == second.shape and float((first == second).mean()) >= 0.999
-
-
-def _describe(grid: OccupancyGrid, match: Match, others: tuple[Match, ...], *, certain: bool) -> tuple[Finding, ...]:
-    dx, dy = match.offset
-    origin = apply_match(grid, grid.data, match).origin
-    rows, cols = grid.shape
-    x, y = grid.cell_to_world((rows - 1) / 2.0, (cols - 1) / 2.0)
-    where = (float(x), float(y))
-    place = f"[{origin.x:.6g}, {origin.y:.6g}, {origin.yaw:.6g}]"
-    found: list[tuple[Kind, str, str]] = []
-    for kind in match.orientation.kinds:
-        fix = f"bring the image right and write origin: {place}"
-        if kind == "rotated" and not match.orientation.flipped:
-            turned = _turned_origin(grid, match)
-            fix += (
-                f"; or leave it and write origin: [{turned.x:.6g}, {turned.y:.6g}, {turned.yaw:.6g}], a yaw of "
-                f"{math.degrees(turned.yaw - grid.origin.yaw):g}°, which Nav2 ignores"
-            )
-        message = f"the image is {match.orientation.describe()} (agreement {match.agreement:.0%})"
-        found.append((kind, message, fix))
-    turn = Pose2D(0.0, 0.0, grid.origin.yaw)
-    right, up = turn.transform_points([[dx * grid.resolution, dy * grid.resolution]])[0].round(9) + 0.0
-    size = f"({dx:+g}, {dy:+g}) cells, ({right:+.4g}, {up:+.4g}) m"
-    parts = [abs(number - round(number)) for number in (dx, dy)]
-    below_one = max(abs(dx), abs(dy)) < 1.0
-    if max(parts) >= _LEAST_OFFSET and (below_one or match.orientation.turns % 2):
-        found.append(
-            (
-                "half_cell",
-                f"the origin is a part of a cell off: the map must be moved by {size}, as when the centre of the first "
-                "cell is written and not its corner",
-                f"write origin: {place}",
-            )
-        )
-    elif max(abs(dx), abs(dy)) >= _LEAST_OFFSET and match.orientation.turns % 2 == 0:
-        found.append(("shifted", f"the map must be moved by {size} to lie on the world", f"write origin: {place}"))
-    if not certain:
-        ways = 1 + len(others)
-        note = f"nothing is put right by itself: the world looks the same in {ways} ways; find out which one is meant"
-        return tuple(Finding(kind, "error", message, where, f"{fix}; {note}") for kind, message, fix in found)
-    return tuple(Finding(kind, "error", message, where, fix) for kind, message, fix in found)
-
-
-def _turned_origin(grid: OccupancyGrid, match: Match) -> Pose2D:
-    """The origin that puts the image, as it is, where it belongs."""
-    rows, cols = (side * grid.resolution for side in grid.shape)
-    corner = apply_match(grid, grid.data, match).origin
-    across = {0: (0.0, 0.0), 1: (rows, 0.0), 2: (cols, rows), 3: (0.0, cols)}[match.orientation.turns]
-    return _tidy(corner @ Pose2D(*across, match.orientation.yaw))
 
 
 def _mismatch(grid: OccupancyGrid, world: SolidWorld, z_range: tuple[float, float], best: Match) -> PlacementCheck:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,8 @@ from trundle.maps.pixels import Pixels, compute_greys
 from trundle.maps.ros_reader import find_image
 from trundle.maps.ros_writer import FREE_THRESH
 from trundle.maps.ros_yaml import RosMapDescription
+
+_SUFFIXES = (".png", ".pgm", ".pnm", ".ppm")
 
 
 class Reading(NamedTuple):
@@ -34,8 +37,9 @@ def read_map(
     try:
         pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     except MapError as error:
-        fix = "correct `image`, or write the image again"
-        return Reading(None, [Finding("yaml", "error", str(error), None, fix)], ())
+        message, place = str(error), description.image_place
+        told = message if message.startswith(place) else f"{place}: {message}"
+        return Reading(None, [Finding("yaml", "error", told, None, _advise_image(source, description.image))], ())
     rule = description.rule
     trapped = _find_trapped(pixels, rule)
     if trapped is None:
@@ -55,6 +59,16 @@ def read_map(
         f"write free_thresh: {FREE_THRESH}",
     )
     return Reading(grid, [finding], ("unknown_loads_free",))
+
+
+def _advise_image(source: Path, image: str) -> str:
+    """Which image beside the YAML file is probably meant."""
+    beside = sorted(file.name for file in source.parent.iterdir() if file.suffix.lower() in _SUFFIXES)
+    near = [name for name in beside if name != image and Path(name).stem in (Path(image).stem, source.stem)]
+    near += difflib.get_close_matches(image, [name for name in beside if name != image], n=1)
+    if near:
+        return f"write `image: {near[0]}`, which is there, or write the image again"
+    return "correct `image`, or write the image again as PNG or PGM"
 
 
 def _find_trapped(pixels: Pixels, rule: PixelRule) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]] | None:

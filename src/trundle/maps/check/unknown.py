@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from trundle.maps.check.areas import SPECK_CELLS, Areas, Chart, Mask
+from trundle.maps.check.areas import SPECK_CELLS, Areas, Cells, Chart, Mask
 from trundle.maps.check.finding import Finding
-from trundle.maps.grid import FREE
+from trundle.maps.grid import FREE, UNKNOWN
 
 UNSEEN_SHARE = 0.10
 """Unknown space of at least this share of the free space is a large part that was never seen."""
@@ -37,7 +37,7 @@ def check_unknown(chart: Chart) -> list[Finding]:
             "drive there and map it",
         )
     else:
-        unseen = _compare_with_world(chart, chart.truth == FREE)
+        unseen = _compare_with_world(chart, chart.truth)
     return [*_list_holes(chart, unknown, hole), *unseen]
 
 
@@ -64,10 +64,15 @@ def _list_holes(chart: Chart, unknown: Areas, hole: Mask) -> list[Finding]:
     ]
 
 
-def _compare_with_world(chart: Chart, reachable: Mask) -> list[Finding]:
+def _compare_with_world(chart: Chart, truth: Cells) -> list[Finding]:
+    reachable = truth == FREE
     missed = Areas(reachable & chart.unknown, diagonal=True)
     large = missed.sizes >= max(1.0, UNSEEN_SHARE * np.count_nonzero(reachable))
     if large.any():
-        chart.take_from_world("unseen", missed.select(large))
+        # With the walls and things that stand there.
+        known = Areas(chart.unknown & (truth != UNKNOWN), diagonal=True)
+        there = np.zeros(len(known), dtype=np.bool_)
+        there[known.labels[missed.select(large)] - 1] = True
+        chart.take_from_world("unseen", known.select(there))
     words = ("{area} of the world's reachable floor are unknown in the map", "parts that were never seen")
     return chart.list_areas(missed, large, "unseen", "warning", words, f"{_FROM_WORLD}, or drive there and map it")

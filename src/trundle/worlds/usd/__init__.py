@@ -49,7 +49,8 @@ def load_usd(
     Args:
         path: A .usd, .usda, .usdc or .usdz file.
         geometry: `"collision"` takes what has UsdPhysics' collision API, in the shape that its approximation says,
-            seen or not; `"visual"` what is seen; `"auto"` the colliders of a stage that has any besides planes.
+            seen or not; `"visual"` what is seen; `"auto"` the colliders of a stage that has any besides planes, with a
+            warning where something is seen far from all of them.
         exclude: What to leave out with all that is below it: prim paths (`/World/Robot`, also with `*` and `?`),
             semantic labels, and the words `floor` (besides the label: what ends within 1 cm above z = 0) and `ceiling`
             (what starts above 2 m and is wider than high).

@@ -27,9 +27,9 @@ class Colors:
         """A prim's colour: the mean, where it has one for every vertex."""
         primvars = UsdGeom.PrimvarsAPI(prim)
         values = primvars.FindPrimvarWithInheritance("displayColor").ComputeFlattened(TIME)
-        if values:
+        if values and np.ndim(values) == 2:
             opacities = primvars.FindPrimvarWithInheritance("displayOpacity").ComputeFlattened(TIME)
-            return _color(np.mean(values, axis=0), float(np.mean(opacities)) if opacities else 1.0)
+            return _color(np.mean(values, axis=0), float(np.mean(opacities)) if np.ndim(opacities) == 1 else 1.0)
         material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
         if not material:
             return GREY

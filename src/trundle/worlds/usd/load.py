@@ -17,6 +17,7 @@ from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
 from trundle.worlds.usd.colors import Colors
 from trundle.worlds.usd.shapes import Shapes, is_floor_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
+from trundle.worlds.usd.unmatched import seen_without_collider
 from trundle.worlds.usd.walk import SHAPES, Place, walk
 from trundle.worlds.usd.words import NAME, SEEDS, Geometry, Missing, Purpose, UpAxis
 from trundle.worlds.world import World
@@ -86,6 +87,8 @@ def load(path: str, options: Options) -> World:
         chosen = _choose(path, places, options, colliders)
         _warn_of_robots(path, stage, leave_out)
         solids = tuple(_solids(path, chosen, leave_out, colliders))
+        if colliders and options.geometry == "auto":
+            _warn_of_unmatched(path, places, options, solids)
         world = World(Path(path).stem, solids, _seeds(stage))
     _warn_of_emptiness(path, places, chosen, options)
     warn_of_unmet(leave_out, path)
@@ -108,7 +111,7 @@ def _choose(path: str, places: Sequence[Place], options: Options, colliders: boo
     if colliders:
         chosen = [place for place in places if place.approximation is not None]
     else:
-        chosen = [place for place in places if place.visible and place.purpose in options.purposes]
+        chosen = [place for place in places if _is_seen(place, options)]
     unknown = [place for place in chosen if place.prim.GetTypeName() not in SHAPES]
     for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
         first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
@@ -149,6 +152,21 @@ def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
                 f"{path}: {prim.GetPath()} is an articulation, a robot perhaps, and becomes a fixed obstacle; "
                 "leave it out by its path if it is not meant to be one"
             )
+
+
+def _warn_of_unmatched(path: str, places: Sequence[Place], options: Options, solids: Sequence[Solid]) -> None:
+    seen = [place for place in places if place.approximation is None and _is_seen(place, options)]
+    shapes = [place for place in seen if place.prim.GetTypeName() in SHAPES and not is_floor_plane(place)]
+    alone = seen_without_collider(shapes, solids)
+    if alone:
+        warn(
+            f"{path}: colliders are taken, and {len(alone)} shapes that are seen are no colliders and near none: left "
+            f'out; the first is {alone[0].name}. geometry="visual" takes what is seen'
+        )
+
+
+def _is_seen(place: Place, options: Options) -> bool:
+    return place.visible and place.purpose in options.purposes
 
 
 def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Place], options: Options) -> None:

@@ -90,7 +90,7 @@ def is_floor_plane(item: Place) -> bool:
     """Whether a prim is a plane that is the floor."""
     if item.prim.GetTypeName() != "Plane":
         return False
-    normal = item.matrix[:3, :3] @ _TO_AXIS[str(UsdGeom.Plane(item.prim).GetAxisAttr().Get(TIME))][:3, 2]
+    normal = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, 2]
     length = float(np.linalg.norm(normal))
     return length > 0.0 and is_floor(float(item.matrix[2, 3]), float(normal[2]) / length)
 
@@ -106,12 +106,12 @@ def _primitive(prim: Any) -> tuple[Placeable, str]:
     if kind == "Plane":
         plane = UsdGeom.Plane(prim)
         width, length = _number(plane.GetWidthAttr()), _number(plane.GetLengthAttr())
-        axis = str(plane.GetAxisAttr().Get(TIME))
+        axis = _axis(prim)
         # Across z and y where it faces x: USD's width is then along z.
         if axis == "X":
             width, length = length, width
         return tessellate.rectangle_mesh(width, length), axis
-    axis = str(prim.GetAttribute("axis").Get(TIME))
+    axis = _axis(prim)
     height = _number(prim.GetAttribute("height"), zero=kind.startswith("Capsule"))
     if kind in ("Cylinder_1", "Capsule_1"):
         bottom = _number(prim.GetAttribute("radiusBottom"), zero=True)
@@ -142,9 +142,16 @@ def _capsule(bottom: float, top: float, height: float) -> Mesh:
     return hull
 
 
+def _axis(prim: Any) -> str:
+    axis = str(prim.GetAttribute("axis").Get(TIME))
+    if axis not in _TO_AXIS:
+        raise WorldError(f"{prim.GetPath()}: axis must be X, Y or Z, got {axis}")
+    return axis
+
+
 def _number(attribute: Any, *, zero: bool = False) -> float:
     value = attribute.Get(TIME)
-    number = float("nan") if value is None else float(value)
+    number = float(value) if isinstance(value, int | float) else float("nan")
     if not np.isfinite(number) or number < 0.0:
         raise WorldError(f"{attribute.GetName()} must be a number of at least 0, got {value}")
     if number == 0.0 and not zero:
@@ -178,7 +185,10 @@ def _read_mesh(prim: Any) -> Mesh:
 
 def _array(attribute: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
     value = attribute.Get(TIME)
-    return np.array([] if value is None else value, dtype=dtype)
+    try:
+        return np.array([] if value is None else value, dtype=dtype)
+    except (TypeError, ValueError) as error:
+        raise WorldError(f"{attribute.GetName()} is no list of numbers: {error}") from error
 
 
 def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]:

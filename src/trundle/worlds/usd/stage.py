@@ -7,7 +7,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ log = logging.getLogger(__name__)
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 _SHOWN = 20
+_NO_TEXT = "it has text that is not UTF-8"
 _VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}")
 
 
@@ -41,9 +42,12 @@ def opened(path: str) -> Iterator[Any]:
         yield Usd.Stage.Open(path)
     except Tf.ErrorException as error:
         raise WorldError(f"{path}: not a USD file that can be read: {_reason(error)}") from None
+    except UnicodeDecodeError as error:
+        raise WorldError(f"{path}: not a USD file that can be read: {_NO_TEXT}") from error
     finally:
-        for item in delegate.TakeUncoalescedDiagnostics():
-            log.debug("%s: %s", path, item.commentary)
+        with suppress(UnicodeDecodeError):
+            for item in delegate.TakeUncoalescedDiagnostics():
+                log.debug("%s: %s", path, item.commentary)
 
 
 def select_variants(path: str, stage: Any, variants: Sequence[str]) -> None:
@@ -126,8 +130,12 @@ def warn(message: str) -> None:
 
 def _reason(error: Exception) -> str:
     """What USD says, without its source code's places."""
-    said = re.findall(r"in file .*? : '(.*?)'\s*$", str(error), flags=re.MULTILINE | re.DOTALL)
-    return _one_line(said[0] if said else str(error))
+    try:
+        text = str(error)
+    except UnicodeDecodeError:  # it quotes the file's bytes
+        return _NO_TEXT
+    said = re.findall(r"in file .*? : '(.*?)'\s*$", text, flags=re.MULTILINE | re.DOTALL)
+    return _one_line(said[0] if said else text)
 
 
 def _one_line(text: str) -> str:

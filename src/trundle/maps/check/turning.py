@@ -1,0 +1,323 @@
+"""How far a map is turned against its world: all angles tried at every place by correlation, from coarse to fine."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle._core import inflate
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.check.lattice import Lattice, WorldCells
+from trundle.maps.check.matching import Match, as_good, pad, pyramid
+from trundle.maps.check.orientation import ORIENTATIONS, Orientation
+from trundle.maps.grid import OCCUPIED
+
+WELL_MATCHED = 0.75
+"""A map that agrees so well with its world where its file puts it is not searched for at other angles."""
+
+_COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
+_BLUR_CELLS = 1.5  # standard deviation around walls: what a noisy scan or a turned lattice moves them by
+_SEARCH_SAMPLES = 4_000
+_FINAL_SAMPLES = 16_000
+_KEPT = (32, 16, 8, 4)  # places that are followed down the levels
+_APART = 3.0  # cells of a level: nearer places are one
+_PEAK_CELLS = 1.5  # each way of the best score, where it falls as a parabola does
+_LAST_STEP = 0.05  # cells
+_WIDEST_FINAL = math.radians(3.0)  # that the last search may turn by
+
+_LEAST_TURN_CELLS = 1.0  # at the map's far cells: less is no turn that a robot would notice
+_SNAP_CELLS = 0.25  # there: what the search cannot tell from a whole quarter
+
+Matrix = FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A place of a map in its world, at any angle.
+
+    Attributes:
+        orientation: What is done to the image first.
+        angle: How far it is turned counter-clockwise then, about the middle of its occupied cells [rad].
+        x: How far that middle is moved to the right then, in cells.
+        y: As `x`, up.
+        score: Mean nearness of a wall at the map's occupied cells, less that at its free cells.
+    """
+
+    orientation: Orientation
+    angle: float
+    x: float
+    y: float
+    score: float
+
+    def matrix(self) -> Matrix:
+        """What is done to points about the middle, shape (2, 2)."""
+        return _rotation(self.angle) @ _matrix(self.orientation)
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """What came of the search.
+
+    Attributes:
+        origin: The map's origin, turned and moved as it must be.
+        angle: How far that is [rad]; a map that needs a quarter more, or that is mirrored, is matched after that.
+        rivals: Other places, at other angles, where the map fits as well.
+    """
+
+    origin: Pose2D
+    angle: float
+    rivals: tuple[Turn, ...]
+
+
+def find_turn(lattice: Lattice, world: WorldCells, match: Match) -> Turning | None:
+    """Find the angle at which a map fits its world clearly better than as its file states.
+
+    Args:
+        lattice: The map's lattice.
+        world: The world on it, moved by a part of a cell or not.
+        match: Where the map fits best unturned, or turned by quarters.
+
+    Returns:
+        The place, and others as good at other angles; None where the map is not turned.
+    """
+    search = _Search(lattice, world)
+    base = search.start(match)
+    settled = search.settle(base, turn=False)
+    found = [search.settle(settled, turn=True)]
+    if match.agreement < WELL_MATCHED:
+        found += [search.settle(one, turn=True) for one in search.look_everywhere()]
+    found.sort(key=lambda one: -one.score)
+    best = found[0]
+    if as_good(settled.score, best.score) or abs(best.angle) * search.radius < _LEAST_TURN_CELLS:
+        return None
+    good = [one for one in found if as_good(one.score, best.score)]
+    chosen = min(good, key=lambda one: (one.orientation.flipped, one.orientation.turns, abs(one.angle)))
+    # What differs by quarters or a mirror alone is found again when the turned map is matched.
+    others = tuple(one for one in good if abs(one.angle - chosen.angle) * search.radius > _APART)
+    return search.conclude(search.polish(chosen), others)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Cells of the map: their places [cells] about the middle of the occupied ones, shape (N, 2); their weights."""
+
+    places: FloatArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Level:
+    """Nearness of walls on blocks of so many cells, with a rim of one block of 0."""
+
+    field: npt.NDArray[np.float32]
+    block: int
+
+
+class _Search:
+    """Places of a map in its world, scored at any angle.
+
+    Args:
+        lattice: The map's lattice.
+        world: The world on it.
+    """
+
+    def __init__(self, lattice: Lattice, world: WorldCells) -> None:
+        self._origin, self._resolution = lattice.grid.origin, lattice.grid.resolution
+        self._shape = lattice.grid.shape
+        rows, cols = lattice.occupied
+        self._middle = np.array([cols.mean(), rows.mean()]) + 0.5
+        self._corner = np.array([world.col + world.phase[1], world.row + world.phase[0]])
+        random = np.random.default_rng(0)
+        self._many = self._choose(lattice, _FINAL_SAMPLES, random)
+        self._few = self._choose(lattice, _SEARCH_SAMPLES, random)
+        distances = np.linalg.norm(self._many.places, axis=1)
+        self.radius = math.sqrt(2.0 * float((distances[self._many.weights > 0.0] ** 2).mean()))
+        """Of a disc as wide as the map's occupied cells [cells]."""
+        self._reach = float(distances.max()) + 1.0
+        longest = 2.0 * self._reach + max(world.cells.shape)
+        levels = max(0, math.ceil(math.log2(max(1.0, longest / _COARSE_SIDE))))
+        field = pad(_blur(world.cells), 2**levels)
+        self._levels = [_Level(np.pad(values, 1), 2**n) for n, values in enumerate(pyramid(field, levels))]
+
+    def _choose(self, lattice: Lattice, most: int, random: np.random.Generator) -> _Points:
+        places: list[FloatArray] = []
+        weights: list[FloatArray] = []
+        for (rows, cols), sign in ((lattice.occupied, 1.0), (lattice.free, -1.0)):
+            chosen: slice | npt.NDArray[np.int64] = slice(None)
+            if len(rows) > most:
+                chosen = random.choice(len(rows), most, replace=False)
+            xy = np.column_stack([cols[chosen], rows[chosen]]) + 0.5 - self._middle
+            places.append(xy)
+            weights.append(np.full(len(xy), sign / len(xy)))
+        return _Points(np.concatenate(places), np.concatenate(weights))
+
+    def start(self, match: Match) -> Turn:
+        """A match as a place without a turn."""
+        half = np.array(self._shape[::-1]) / 2.0
+        turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
+        x, y = match.offset + turned_half + _matrix(match.orientation) @ (self._middle - half) - self._middle
+        return Turn(match.orientation, 0.0, float(x), float(y), -math.inf)
+
+    def conclude(self, place: Turn, rivals: tuple[Turn, ...]) -> Turning:
+        """The map's origin at a place, its angle a whole quarter where that is as likely."""
+        old = self._origin.yaw + place.angle
+        quarter = round(old / (math.pi / 2.0)) * math.pi / 2.0
+        yaw = quarter if abs(old - quarter) * self.radius < _SNAP_CELLS else old
+        angle = yaw - self._origin.yaw
+        right, up = self._middle - _rotation(angle) @ self._middle
+        x, y = (right + place.x) * self._resolution, (up + place.y) * self._resolution
+        moved = self._origin @ Pose2D(float(x), float(y), angle)
+        return Turning(Pose2D(moved.x, moved.y, math.remainder(yaw, 2.0 * math.pi)), angle, rivals)
+
+    def settle(self, place: Turn, *, turn: bool) -> Turn:
+        """The best place near one, with or without turning."""
+        points, level = self._many, self._levels[0]
+        best = replace(place, score=self._score(points, level, place))
+        first, step = place.angle, 1.0
+        while step >= _LAST_STEP:
+            turns = (-step / self.radius, step / self.radius) if turn else ()
+            tried = [
+                replace(best, angle=best.angle + by) for by in turns if abs(best.angle + by - first) < _WIDEST_FINAL
+            ]
+            tried += [replace(best, x=best.x + by) for by in (-step, step)]
+            tried += [replace(best, y=best.y + by) for by in (-step, step)]
+            scored = [replace(one, score=self._score(points, level, one)) for one in tried]
+            next_one = max(scored, key=lambda one: one.score)
+            if next_one.score > best.score + 1e-9:
+                best = next_one
+            else:
+                step /= 2.0
+        return best
+
+    def polish(self, place: Turn) -> Turn:
+        """The top of a parabola through the scores around a place, in each direction."""
+        steps = np.linspace(-_PEAK_CELLS, _PEAK_CELLS, 13)
+        for axis in ("angle", "x", "y") * 2:
+            unit = 1.0 / self.radius if axis == "angle" else 1.0
+            around = [replace(place, **{axis: getattr(place, axis) + step * unit}) for step in steps.tolist()]
+            scores = [self._score(self._many, self._levels[0], one) for one in around]
+            curve, slope, _ = np.polyfit(steps, scores, 2)
+            if curve < 0.0:
+                top = float(np.clip(-slope / (2.0 * curve), -_PEAK_CELLS, _PEAK_CELLS))
+                place = replace(place, **{axis: getattr(place, axis) + top * unit})
+        return place
+
+    def _score(self, points: _Points, level: _Level, place: Turn) -> float:
+        return float((points.weights * _look_up(level, self._move(points, place))).sum())
+
+    def _move(self, points: _Points, place: Turn) -> FloatArray:
+        """Points [cells] from the world's corner when the map is put in a place."""
+        return points.places @ place.matrix().T + (self._middle - self._corner + np.array([place.x, place.y]))
+
+    def look_everywhere(self) -> list[Turn]:
+        """The best few places at any angle."""
+        places = self._correlate()
+        step = self._angle_step() / 2.0
+        for depth, level in enumerate(self._levels[-2::-1], start=1):
+            places = [self._climb(level, place, step) for place in places]
+            places.sort(key=lambda one: -one.score)
+            places = self._distinct(places, float(level.block))[: _KEPT[min(depth, len(_KEPT) - 1)]]
+            step /= 2.0
+        return places[: _KEPT[-1]]
+
+    def _climb(self, level: _Level, place: Turn, step: float) -> Turn:
+        """The best of the places a block and a step of the angle away."""
+        best = replace(place, score=-math.inf)
+        for part in (-1.0, -0.5, 0.0, 0.5, 1.0):
+            turned = replace(place, angle=place.angle + part * step)
+            moved = self._move(self._few, turned)
+            for right, up in itertools.product((-1.0, 0.0, 1.0), repeat=2):
+                by = np.array([right, up]) * level.block
+                score = float((self._few.weights * _look_up(level, moved + by)).sum())
+                if score > best.score:
+                    best = replace(turned, x=place.x + float(by[0]), y=place.y + float(by[1]), score=score)
+        return best
+
+    def _distinct(self, places: list[Turn], block: float) -> list[Turn]:
+        """Drop what lies near a better place; the places are sorted."""
+        kept: list[Turn] = []
+        for place in places:
+            near = any(
+                math.hypot(place.x - other.x, place.y - other.y) <= _APART * block
+                and np.linalg.norm(place.matrix() - other.matrix()) * self._reach <= 2.0 * _APART * block
+                for other in kept
+            )
+            if not near:
+                kept.append(place)
+                if len(kept) == _KEPT[0]:
+                    break
+        return kept
+
+    def _angle_step(self) -> float:
+        return self._levels[-1].block / self._reach
+
+    def _correlate(self) -> list[Turn]:
+        """Places on the coarsest level: the best for each angle and orientation, of these the best few."""
+        level = self._levels[-1]
+        walls = level.field
+        reach = math.ceil(self._reach / level.block) + 1
+        side = -(-(2 * reach + max(walls.shape)) // 32) * 32
+        turned_worlds = [(one, one.undo(walls)) for one in ORIENTATIONS]
+        spectra = [np.fft.rfft2(cells, (side, side)) for _, cells in turned_worlds]
+        count = math.ceil(math.pi / 4.0 / self._angle_step())
+        found: list[Turn] = []
+        for index in range(-count, count):
+            angle = index * (math.pi / 4.0 / count)
+            moved = self._many.places @ _rotation(angle).T / level.block + reach
+            at = np.floor(moved).astype(np.int64)
+            image = np.bincount(at[:, 1] * side + at[:, 0], weights=self._many.weights, minlength=side * side)
+            signal = np.conj(np.fft.rfft2(image.reshape(side, side)))
+            for (orientation, cells), spectrum in zip(turned_worlds, spectra, strict=True):
+                scores = np.fft.irfft2(signal * spectrum, (side, side))
+                row, col = divmod(int(np.argmax(scores)), side)
+                score = float(scores[row, col])
+                shift = np.array(
+                    [col - side if col >= cells.shape[1] else col, row - side if row >= cells.shape[0] else row]
+                )
+                found.append(self._place(orientation, angle, shift + reach, cells.shape, score))
+        found.sort(key=lambda one: -one.score)
+        return self._distinct(found, float(level.block))
+
+    def _place(
+        self, orientation: Orientation, angle: float, middle: FloatArray, shape: tuple[int, ...], score: float
+    ) -> Turn:
+        """A place from that of the turned map's middle, in blocks, on the world that was turned back."""
+        level = self._levels[-1]
+        back = np.array([shape[1], shape[0]]) / 2.0
+        forth = np.array([level.field.shape[1], level.field.shape[0]]) / 2.0
+        blocks = _matrix(orientation) @ (middle - back) + forth - 1.0
+        x, y = blocks * level.block + self._corner - self._middle
+        # Turned first and mirrored then is mirrored first and turned the other way then.
+        return Turn(orientation, -angle if orientation.flipped else angle, float(x), float(y), score)
+
+
+def _look_up(level: _Level, places: FloatArray) -> npt.NDArray[np.float32]:
+    """The field at places [cells] from the world's corner; 0 outside."""
+    at = np.floor(places / level.block).astype(np.int64) + 1
+    rows, cols = level.field.shape
+    np.clip(at[:, 0], 0, cols - 1, out=at[:, 0])
+    np.clip(at[:, 1], 0, rows - 1, out=at[:, 1])
+    return level.field.ravel()[at[:, 1] * cols + at[:, 0]]
+
+
+def _blur(cells: npt.NDArray[np.int8]) -> npt.NDArray[np.float32]:
+    """Nearness of an occupied cell: 1 on it, falling with the distance as a normal distribution does."""
+    squared = np.arange(math.ceil((3.0 * _BLUR_CELLS) ** 2) + 1)
+    table = np.rint(252.0 * np.exp(-squared / (2.0 * _BLUR_CELLS**2))).astype(np.uint8)
+    table[0] = 254
+    near = inflate(np.where(cells == OCCUPIED, np.int8(OCCUPIED), np.int8(0)), table)
+    return np.minimum(near, 252).astype(np.float32) / np.float32(252.0)
+
+
+def _rotation(angle: float) -> Matrix:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+def _matrix(orientation: Orientation) -> Matrix:
+    flip = np.diag([1.0, -1.0]) if orientation.flipped else np.eye(2)
+    return np.rint(_rotation(orientation.turns * math.pi / 2.0)) @ flip

@@ -1,0 +1,163 @@
+"""`HeightField`: how high the floor is, for maps of places with ramps and more than one level."""
+
+from __future__ import annotations
+
+import math
+import os
+import zipfile
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from trundle.errors import MapError
+from trundle.files import atomic_path
+from trundle.geometry import FloatArray
+
+_KEYS = ("heights", "resolution", "origin")
+_MOST_SAMPLES = 100_000_000
+_FARTHEST = 1e9  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class HeightField:
+    """Heights of a floor at samples on a grid along x and y, bilinear between them.
+
+    Attributes:
+        heights: [m], shape (rows, cols), at least 2 x 2, read-only; `heights[row, col]` is the floor at
+            `origin + (col, row) * resolution`, row 0 at the lowest y. NaN where the floor is not known: then nothing is
+            known of the four patches around that sample.
+        resolution: Between two samples [m].
+        origin: Where sample (0, 0) lies (x, y) [m], map frame.
+
+    Raises:
+        MapError: If the heights have another shape or are infinite, or the other numbers cannot be.
+    """
+
+    heights: FloatArray
+    resolution: float
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        try:
+            heights = np.array(self.heights, dtype=np.float64, order="C", copy=True)
+            resolution = float(self.resolution)
+            x, y = (float(number) for number in self.origin)
+        except (TypeError, ValueError) as error:
+            raise MapError(f"a height field needs heights, a resolution and an origin (x, y): {error}") from error
+        if heights.ndim != 2 or min(heights.shape) < 2:
+            raise MapError(f"a height field needs heights of shape (rows, cols), at least 2 x 2, got {heights.shape}")
+        if (np.abs(heights) > _FARTHEST).any():
+            raise MapError(f"a height field's heights are at most {_FARTHEST:g} m, or NaN where unknown: some are more")
+        if not (math.isfinite(resolution) and resolution > 0.0):
+            raise MapError(f"a height field's resolution must be a positive number of metres, got {self.resolution}")
+        if not all(abs(number) <= _FARTHEST for number in (x, y, max(heights.shape) * resolution)):
+            raise MapError(
+                f"a height field's origin must be two numbers of metres (x, y), got {self.origin}; neither it nor the "
+                f"field's width may be more than {_FARTHEST:g} m"
+            )
+        heights.flags.writeable = False
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "resolution", resolution)
+        object.__setattr__(self, "origin", (x, y))
+
+    @classmethod
+    def from_function(
+        cls,
+        height: Callable[[FloatArray, FloatArray], FloatArray | float],
+        bounds: tuple[tuple[float, float], tuple[float, float]],
+        *,
+        resolution: float = 0.05,
+    ) -> HeightField:
+        """Sample a function.
+
+        Args:
+            height: The floor's height [m] at arrays x and y [m] of one shape; NaN where it is not known.
+            bounds: ((x_min, y_min), (x_max, y_max)) [m]; the upper corner is moved out to whole samples.
+            resolution: Between two samples [m].
+
+        Raises:
+            MapError: If the bounds or the resolution cannot be, or there would be more than 100 million samples.
+        """
+        corners = np.asarray(bounds, dtype=np.float64)
+        if corners.shape != (2, 2) or not np.isfinite(corners).all() or (corners[1] <= corners[0]).any():
+            raise MapError(f"bounds must be ((x_min, y_min), (x_max, y_max)) in metres, smaller first, got {bounds}")
+        if not (math.isfinite(resolution) and resolution > 0.0):
+            raise MapError(f"a height field's resolution must be a positive number of metres, got {resolution}")
+        cols, rows = np.ceil((corners[1] - corners[0]) / resolution - 1e-9) + 1
+        if rows * cols > _MOST_SAMPLES:
+            raise MapError(
+                f"a height field of {cols:.0f} x {rows:.0f} samples {resolution} m apart is more than "
+                f"{_MOST_SAMPLES} samples: use a larger resolution or smaller bounds"
+            )
+        x, y = np.meshgrid(
+            corners[0, 0] + np.arange(int(cols)) * resolution, corners[0, 1] + np.arange(int(rows)) * resolution
+        )
+        heights = np.broadcast_to(np.asarray(height(x, y), dtype=np.float64), x.shape)
+        return cls(heights, resolution, (float(corners[0, 0]), float(corners[0, 1])))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> HeightField:
+        """Read a .npz file with the arrays `heights`, `resolution` and, unless it is (0, 0), `origin`.
+
+        Raises:
+            MapError: If it cannot be read, or lacks one of them; the message says which.
+        """
+        file = Path(path)
+        try:
+            with file.open("rb") as stream:
+                stored = np.load(stream, allow_pickle=False)
+                if isinstance(stored, np.ndarray):
+                    raise MapError(f"{file}: one array alone: a height field is a .npz file, see HeightField.save")
+                names = stored.files
+                found = {key: stored[key] for key in _KEYS if key in names}
+        except OSError as error:
+            raise MapError(f"cannot read {file}: {error.strerror or error}") from error
+        except MapError:
+            raise
+        except (ValueError, zipfile.BadZipFile, zlib.error, EOFError, MemoryError) as error:
+            raise MapError(f"{file}: not a .npz file of numbers: {error}") from error
+        missing = [key for key in _KEYS[:2] if key not in found]
+        if missing:
+            there = ", ".join(names) or "none"
+            raise MapError(f"{file}: no array named {' or '.join(map(repr, missing))} in it; there are: {there}")
+        try:
+            origin = tuple(np.asarray(found.get("origin", (0.0, 0.0)), dtype=np.float64).ravel().tolist())
+            return cls(found["heights"], found["resolution"].item(), origin)  # pyright: ignore[reportArgumentType]
+        except (MapError, TypeError, ValueError) as error:
+            raise MapError(f"{file}: {error}") from error
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a .npz file that `load` reads.
+
+        Raises:
+            MapError: If the file's name does not end in .npz.
+            OutputError: If the folder cannot be written to. No half file is left.
+        """
+        file = Path(path)
+        if file.suffix != ".npz":
+            raise MapError(f"{file}: a height field's file ends in .npz")
+        with atomic_path(file) as temporary, temporary.open("wb") as stream:
+            np.savez_compressed(stream, heights=self.heights, resolution=self.resolution, origin=self.origin)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where the samples lie: ((x_min, y_min), (x_max, y_max)) [m]."""
+        rows, cols = self.heights.shape
+        (x, y), step = self.origin, self.resolution
+        return (x, y), (x + (cols - 1) * step, y + (rows - 1) * step)
+
+    def height_at(self, x: FloatArray | float, y: FloatArray | float) -> FloatArray:
+        """The floor's height [m] at points (x, y) [m]; NaN outside, and where it is not known."""
+        rows, cols = self.heights.shape
+        u = (np.asarray(x, dtype=np.float64) - self.origin[0]) / self.resolution
+        v = (np.asarray(y, dtype=np.float64) - self.origin[1]) / self.resolution
+        inside = (u >= 0.0) & (u <= cols - 1) & (v >= 0.0) & (v <= rows - 1)
+        col = np.clip(np.nan_to_num(np.floor(u)), 0, cols - 2).astype(np.int64)
+        row = np.clip(np.nan_to_num(np.floor(v)), 0, rows - 2).astype(np.int64)
+        s, t = u - col, v - row
+        low = (1.0 - s) * self.heights[row, col] + s * self.heights[row, col + 1]
+        high = (1.0 - s) * self.heights[row + 1, col] + s * self.heights[row + 1, col + 1]
+        return np.where(inside, (1.0 - t) * low + t * high, np.nan)
