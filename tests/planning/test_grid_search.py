@@ -451,6 +451,7 @@ def test_an_update_that_cannot_be_is_an_error(rows, cols, values, error, words):
         ([(0.0, 0)], [(0, 0)], {}, "starts must be whole numbers"),
         ([(0, 0)], [(0, 0, 0)], {}, "goals must be whole numbers"),
         ([(0, 0), (1,)], [(0, 0)], {}, "starts must be whole numbers"),
+        ([()], [], {}, "starts must be whole numbers"),
         ([(0, 0)], [(0, 0)], {"threads": 0}, "threads"),
         ([(0, 0)], [(0, 0)], {"deadline_s": 0.0}, "deadline_s"),
         ([(0, 0)], [(0, 0)], {"deadline_s": math.nan}, "deadline_s"),

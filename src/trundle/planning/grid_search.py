@@ -303,7 +303,7 @@ def _as_cells(cells: npt.ArrayLike, what: str) -> npt.NDArray[np.int64]:
         array = np.asarray(cells)
     except ValueError as error:
         raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2): {error}") from error
-    if array.size == 0 and array.ndim in (1, 2):
+    if array.shape in ((0,), (0, 2)):
         return np.empty((0, 2), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
         raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")
