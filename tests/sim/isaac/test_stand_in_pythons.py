@@ -6,14 +6,13 @@ folder beside, as Kit's does.
 
 import json
 import os
-import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from support.command_line import room
+from support.pythons import find_python
 
 ROOT = Path(__file__).parents[3]
 TESTS = ROOT / "tests"
@@ -24,18 +23,6 @@ PINS = {
         ["numpy==2.3.1", "scipy==1.17.0", "pillow<13", "trimesh==4.11.1", "mujoco==3.12.0", "websockets<15"],
     ),
 }
-
-
-def find_python(version: str) -> str | None:
-    """An interpreter of that version: this one's, on the path, or among pyenv's."""
-    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    places = [sys.executable, shutil.which(f"python{version}"), *sorted(pyenv.glob(f"{version}.*/bin/python"))]
-    ask = "import sys, venv, ensurepip; print('%d.%d' % sys.version_info[:2])"
-    for place in filter(None, places):
-        done = subprocess.run([place, "-c", ask], capture_output=True, text=True, check=False)
-        if done.stdout.strip() == version:
-            return str(place)
-    return None
 
 
 def run(*command: str | Path, **environment: str) -> str:
