@@ -5,13 +5,16 @@
 #   ./isaac.sh doctor                       check this machine, point by point
 #   ./isaac.sh install [WHEEL]              only install trundle there (done by itself on first use)
 #
-# Isaac Sim is looked for in ISAACSIM_PATH, then in the usual folders, then as a pip package of the active Python.
+# Isaac Sim is looked for in ISAACSIM_PATH, then as a pip package of the active environment, then in the usual folders,
+# then as a pip package of python3.
 set -euo pipefail
 
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+# Where this file is, and not a link to it.
+script=$(readlink -f "${BASH_SOURCE[0]}")
+here=$(dirname "$script")
 
 usage() {
-  sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,9s/^# \{0,1\}//p' "$script"
   echo
   echo "Everything after the verb goes to trundle: see ./isaac.sh VERB --help."
 }
@@ -21,38 +24,51 @@ fail() {
   exit 2
 }
 
-# The folder's launcher; a folder that somebody named must have one.
+# The launcher of a folder of Isaac Sim, or of its sources where they were built.
 python_of_folder() {
-  if [ -x "$1/python.sh" ]; then
-    printf '%s\n' "$1/python.sh"
-  elif [ -x "$1/_build/linux-x86_64/release/python.sh" ]; then
-    printf '%s\n' "$1/_build/linux-x86_64/release/python.sh"
-  else
-    return 1
-  fi
+  local launcher
+  for launcher in "$1"/python.sh "$1"/_build/linux-*/release/python.sh; do
+    if [ -f "$launcher" ] && [ -x "$launcher" ]; then
+      printf '%s\n' "$launcher"
+      return
+    fi
+  done
+  return 1
 }
 
 has_isaacsim() {
   "$1" -c 'import importlib.util, sys; sys.exit(importlib.util.find_spec("isaacsim") is None)' >/dev/null 2>&1
 }
 
-find_python() {
-  local folder name
-  for name in ISAACSIM_PATH ISAAC_PATH; do
-    folder=${!name:-}
-    [ -n "$folder" ] || continue
-    python_of_folder "$folder" || fail "$name is $folder, and there is no python.sh in it: point it at the folder of Isaac Sim"
-    return
-  done
-  for folder in "$HOME/isaacsim" "$HOME/isaac-sim" /isaac-sim /opt/isaacsim /opt/isaac-sim "$HOME"/.local/share/ov/pkg/isaac-sim-*; do
-    if python_of_folder "$folder"; then return; fi
-  done
-  for name in "${VIRTUAL_ENV:+$VIRTUAL_ENV/bin/python}" python3 python; do
+# The first of some Pythons that there is and that has Isaac Sim.
+python_of_pip() {
+  local name
+  for name in "$@"; do
     if [ -n "$name" ] && command -v "$name" >/dev/null && has_isaacsim "$name"; then
       command -v "$name"
       return
     fi
   done
+  return 1
+}
+
+find_python() {
+  local folder home=${HOME:-}
+  if [ -n "${ISAACSIM_PATH:-}" ]; then
+    if python_of_folder "$ISAACSIM_PATH"; then return; fi
+    if [ -f "$ISAACSIM_PATH/python.sh" ]; then
+      fail "ISAACSIM_PATH is $ISAACSIM_PATH, and its python.sh may not be executed: chmod +x it"
+    fi
+    fail "ISAACSIM_PATH is $ISAACSIM_PATH, and there is no python.sh in it: point it at the folder of Isaac Sim"
+  fi
+  # ISAAC_PATH is Isaac Sim's own: where it was installed by pip, it names a folder without python.sh.
+  if [ -n "${ISAAC_PATH:-}" ] && python_of_folder "$ISAAC_PATH"; then return; fi
+  if python_of_pip "${VIRTUAL_ENV:+$VIRTUAL_ENV/bin/python}" "${CONDA_PREFIX:+$CONDA_PREFIX/bin/python}"; then return; fi
+  for folder in ${home:+"$home/isaacsim" "$home/isaac-sim"} /isaac-sim /opt/isaacsim /opt/isaac-sim \
+    ${home:+"$home"/.local/share/ov/pkg/isaac-sim-*}; do
+    if python_of_folder "$folder"; then return; fi
+  done
+  if python_of_pip python3 python; then return; fi
   fail "no Isaac Sim found. Set ISAACSIM_PATH to its folder (the one with python.sh), or activate the Python where you
 installed it: pip install 'isaacsim[all,extscache]'"
 }

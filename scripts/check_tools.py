@@ -3,6 +3,9 @@
 Runs with the system's Python and its standard library alone, before anything is installed.
 """
 
+# So that a Python that is too old gets as far as to be told so.
+from __future__ import annotations
+
 import importlib.util
 import os
 import shutil

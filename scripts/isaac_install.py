@@ -7,12 +7,17 @@ missing, each as an addition: pip's own report says before anything is written w
 not a pure addition is refused. The simulator, the viewers and the readers of other formats stay out.
 """
 
+# So that the Python of an Isaac Sim that is too old gets as far as to be told so.
+from __future__ import annotations
+
 import argparse
 import email
 import json
+import os
 import re
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import zipfile
 from importlib import metadata
@@ -25,6 +30,12 @@ NOT_HERE = {"mujoco", "mujoco-core", "av"}
 
 HARMFUL = {"usd-core", "usd-exchange", "mujoco", "mujoco-core", "newton", "isaacsim"}
 """What must not come in as somebody's dependency."""
+
+_SOURCES = {".py", ".cpp", ".hpp", ".yaml", ".template"}
+
+_ELSEWHERE = {"PIP_TARGET", "PIP_PREFIX", "PIP_ROOT"}
+
+_INSTALL = ("install", "--quiet", "--no-deps")
 
 
 class InstallError(Exception):
@@ -45,7 +56,9 @@ def installed() -> dict[str, str]:
 def run_pip(*arguments: str, what: str) -> str:
     """Run this Python's pip and return what it printed; raise `InstallError` with its last words where it fails."""
     command = [sys.executable, "-m", "pip", "--disable-pip-version-check", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    # Into this Python and nowhere else, whatever the user has set for his own; 0 keeps pip out of his folder too.
+    kept = {name: value for name, value in os.environ.items() if name not in _ELSEWHERE}
+    done = subprocess.run(command, env={**kept, "PIP_USER": "0"}, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         if "No module named pip" in done.stderr:
             raise InstallError(f"{sys.executable} has no pip. Add it with: {sys.executable} -m ensurepip")
@@ -105,11 +118,19 @@ def plan_additions(requirements: list[str], have: dict[str, str], folder: Path) 
     return [f"{name}=={version}" for name, version in sorted(wanted.items())]
 
 
+def check_folder() -> None:
+    """Refuse a folder of packages that cannot be written: pip would go to the user's own, which other Pythons share."""
+    for folder in sorted({sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}):
+        if os.path.isdir(folder) and not os.access(folder, os.W_OK):
+            raise InstallError(f"{folder} cannot be written: run it as the user who installed Isaac Sim")
+
+
 def install(source: Path) -> None:
     """Build and plan, then install, and see that nothing else changed."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         try:
+            check_folder()
             have = installed()
             have.pop("trundle", None)
             wheel = find_wheel(source, folder)
@@ -118,8 +139,8 @@ def install(source: Path) -> None:
             raise InstallError(f"nothing was changed: {error}") from error
         if additions:
             print(f"adding {', '.join(additions)}", flush=True)
-            run_pip("install", "--quiet", "--no-deps", "--only-binary", ":all:", *additions, what="add them")
-        run_pip("install", "--quiet", "--no-deps", "--force-reinstall", str(wheel.resolve()), what="install trundle")
+            run_pip(*_INSTALL, "--only-binary", ":all:", *additions, what="add them")
+        run_pip(*_INSTALL, "--force-reinstall", str(wheel.resolve()), what="install trundle")
     now = installed()
     changed = sorted(name for name, version in have.items() if now.get(name) != version)
     if changed:
@@ -137,6 +158,19 @@ def is_current(source: Path) -> bool:
     return version is not None and version.group(1) == have
 
 
+def remark_on_newer_sources(source: Path) -> None:
+    """Say so where the sources changed since they were installed; installing anew takes a minute, so it is not done."""
+    there = Path(str(metadata.distribution("trundle").locate_file("trundle/__init__.py")))
+    try:
+        since = there.stat().st_mtime
+        changed = any(path.stat().st_mtime > since for path in (source / "src").rglob("*") if path.suffix in _SOURCES)
+    except OSError:
+        return
+    if changed:
+        print("isaac.sh: the sources changed since trundle was installed: ./isaac.sh install takes them over",
+              file=sys.stderr)  # fmt: skip
+
+
 def _name_of(requirement: str) -> str:
     name = re.match(r"[A-Za-z0-9._-]+", requirement)
     return name.group() if name else requirement
@@ -151,8 +185,13 @@ def main() -> int:
     try:
         if sys.version_info < (3, 11):
             found = ".".join(map(str, sys.version_info[:3]))
-            raise InstallError(f"this Isaac Sim has Python {found}; trundle needs 3.11: Isaac Sim 5.0 or newer")
-        if not (options.if_missing and is_current(options.source)):
+            raise InstallError(
+                f"{sys.executable} is Python {found}, and trundle needs 3.11 or newer: Isaac Sim 5.1 or newer. Where "
+                "there is a newer one, point ISAACSIM_PATH at its folder"
+            )
+        if options.if_missing and is_current(options.source):
+            remark_on_newer_sources(options.source)
+        else:
             install(options.source)
     except InstallError as error:
         print(f"isaac.sh: trundle was not installed: {error}", file=sys.stderr)

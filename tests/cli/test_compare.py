@@ -58,3 +58,26 @@ def test_bad_input_is_refused(trundle: Trundle, tmp_path: Path) -> None:
     assert done.code == 2
     assert not (tmp_path / "x").exists()
     assert trundle("drive", "nova_carter", "--like", tmp_path, "--teleop").code == 2
+
+
+def test_a_run_whose_periods_cannot_be_repeated_is_refused(trundle: Trundle, tmp_path: Path) -> None:
+    columns = "time_s,x,y,yaw,command_v,command_w,v,w"
+    rows = "".join(f"{step / 30.0:.6f},0,0,0,0.4,0,0.4,0\n" for step in range(4))
+    (tmp_path / "drive.csv").write_text(f"{columns}\n{rows}")
+    done = trundle("drive", "nova_carter", "--like", tmp_path, "--backend", "kinematic", "-o", tmp_path / "x")
+    assert done.code == 2
+    assert "a control period of 0.033333 s, which is not a multiple of 0.005 s" in done.err
+    assert not (tmp_path / "x").exists()
+
+
+def test_a_run_is_named_after_its_folder_wherever_one_stands(
+    trundle: Trundle, two_drives: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    named = []
+    monkeypatch.setattr(
+        "trundle.record.compare.draw_comparison",
+        lambda _, names: named.append(names) or Image.new("RGB", (8, 8)),
+    )
+    monkeypatch.chdir(two_drives[0])
+    assert trundle("compare", ".", "../other", "-o", tmp_path).code == 0
+    assert named == [("one", "other")]

@@ -3,6 +3,7 @@ import importlib.metadata
 import pytest
 
 from support.command_line import Trundle
+from trundle.doctor import check_machine
 from trundle.robots import Robot
 
 
@@ -75,12 +76,50 @@ def test_a_width_that_is_none_is_refused(trundle: Trundle, value: str) -> None:
     assert "give a positive number of metres" in done.err
 
 
-def test_the_checklist_of_isaac_sim_passes_on_the_stand_in(trundle: Trundle, fake, without_usd_core: None) -> None:
+@pytest.fixture
+def nvidia_smi(tmp_path, monkeypatch: pytest.MonkeyPatch):
+    """A stand-in on the path, which says what it is given."""
+
+    def put(said: str, code: int = 0) -> None:
+        script = tmp_path / "nvidia-smi"
+        script.write_text(f"#!/bin/sh\nprintf '%s\\n' '{said}'\nexit {code}\n")
+        script.chmod(0o755)
+        monkeypatch.setenv("PATH", str(tmp_path))
+
+    return put
+
+
+@pytest.mark.parametrize(
+    ("said", "code", "status", "detail"),
+    [
+        ("NVIDIA L40S, 570.1", 0, "pass", "NVIDIA L40S, driver 570.1"),
+        ("NVIDIA RTX A6000, 570.1\nNVIDIA A100-SXM4-80GB, 570.1", 0, "pass", "RTX A6000"),
+        ("NVIDIA A100-SXM4-80GB, 570.1", 0, "missing", "without RT cores"),
+        ("No devices were found", 6, "fail", "no NVIDIA GPU: No devices were found"),
+    ],
+)
+def test_the_gpu_is_looked_at(nvidia_smi, said: str, code: int, status: str, detail: str) -> None:
+    nvidia_smi(said, code)
+    found = next(check for check in check_machine("isaac") if check.name == "gpu")
+    assert found.status == status
+    assert detail in found.detail
+
+
+def test_a_gpu_that_cannot_be_asked_for_fails_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    found = next(check for check in check_machine("isaac") if check.name == "gpu")
+    assert found.status == "missing"
+
+
+def test_the_checklist_of_isaac_sim_passes_on_the_stand_in(
+    trundle: Trundle, fake, without_usd_core: None, nvidia_smi
+) -> None:
+    nvidia_smi("NVIDIA L40S, 570.1")
     done = trundle("doctor", "--backend", "isaac", "--headless", "--json")
     assert done.code == 0, done.out
     names = [check["name"] for check in done.json["checks"]]
-    assert names[2:4] == ["isaac sim", "usd"]
-    assert names[4:] == ["start", "interface", "drive", "step", "mission", "contact", "picture", "close"]
+    assert names[2:5] == ["isaac sim", "usd", "gpu"]
+    assert names[5:] == ["start", "interface", "drive", "step", "mission", "contact", "picture", "close"]
     assert {check["status"] for check in done.json["checks"]} == {"pass"}
     assert fake.app_starts == fake.app_closes == 1
 
@@ -103,6 +142,34 @@ def test_a_robot_with_other_wheels_in_isaac_sim_is_identified(trundle: Trundle, 
     assert done.json["wheel_radius"] == pytest.approx(0.12, rel=0.01)
     assert done.json["track_width"] == pytest.approx(0.54, rel=0.01)
     assert [finding["kind"] for finding in done.json["findings"]] == ["wheel_radius", "track_width"]
+
+
+def test_without_isaac_sim_its_checklist_ends_there(trundle: Trundle) -> None:
+    done = trundle("doctor", "--backend", "isaac", "--headless", "--json")
+    assert done.code == 1
+    assert [check["name"] for check in done.json["checks"]] == ["python", "kernels", "isaac sim"]
+
+
+def test_the_checklist_has_a_floor_of_its_own(trundle: Trundle, fake) -> None:
+    done = trundle("doctor", "--backend", "isaac", "--headless", "--environment", "warehouse")
+    assert done.code == 2
+    assert "leave --environment out" in done.err
+    assert "trundle view nova_carter --backend isaac --environment warehouse" in done.err
+
+
+def test_a_point_that_breaks_down_fails_and_the_next_ones_follow(
+    trundle: Trundle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise AttributeError("no such thing in this version")
+
+    monkeypatch.setattr("trundle.doctor.drive_check.check_drive", broken)
+    done = trundle("doctor", "--backend", "kinematic", "--json")
+    assert done.code == 1
+    found = {check["name"]: check for check in done.json["checks"]}
+    assert found["drive"]["detail"] == "AttributeError: no such thing in this version"
+    assert [name for name, check in found.items() if check["status"] == "fail"] == ["drive"]
+    assert found["close"]["status"] == "pass"
 
 
 def test_options_of_isaac_sim_are_refused_elsewhere(trundle: Trundle) -> None:

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import importlib
 import os
 import shutil
 import subprocess
@@ -10,6 +11,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+
+from support.pythons import find_python
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "isaac_install.py"
@@ -64,9 +67,11 @@ class StandIn:
     def freeze(self) -> set[str]:
         return set(self.pip("freeze").split())
 
-    def install(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    def install(self, *arguments: str, **environment: str) -> "subprocess.CompletedProcess[str]":
         command = [str(self.python), str(SCRIPT), *arguments]
-        return subprocess.run(command, env=self.environment(), check=False, capture_output=True, text=True)
+        return subprocess.run(
+            command, env=self.environment() | environment, check=False, capture_output=True, text=True
+        )
 
 
 @pytest.fixture
@@ -86,7 +91,8 @@ def test_only_what_is_missing_and_light_is_added(isaac: StandIn, tmp_path: Path)
         tmp_path, "trundle", "0.1.0", "numpy>=1.26", "rich>=13", "mujoco==4.0.0", 'usd-core; extra == "usd"'
     )
     before = isaac.freeze()
-    done = isaac.install(str(wheel))
+    # Where somebody has pip install elsewhere by default, other Pythons would share what is for Isaac Sim.
+    done = isaac.install(str(wheel), PIP_USER="1", PIP_TARGET=str(tmp_path / "elsewhere"))
     assert (done.returncode, done.stderr) == (0, "")
     added = isaac.freeze() - before
     assert before <= isaac.freeze()
@@ -125,14 +131,40 @@ def test_a_dependency_that_cannot_be_had_changes_nothing(isaac: StandIn, tmp_pat
 
 def test_it_is_installed_again_only_when_the_version_differs(isaac: StandIn, tmp_path: Path) -> None:
     source = tmp_path / "source"
-    source.mkdir()
+    (source / "src").mkdir(parents=True)
+    module = source / "src" / "module.py"
+    module.write_text("")
     (source / "pyproject.toml").write_text('[project]\nname = "trundle"\nversion = "0.1.0"\n')
     assert isaac.install(str(make_wheel(tmp_path, "trundle", "0.1.0"))).returncode == 0
     done = isaac.install("--if-missing", str(source))
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    ahead = 2.0 * module.stat().st_mtime
+    os.utime(module, (ahead, ahead))
+    done = isaac.install("--if-missing", str(source))
     assert (done.returncode, done.stdout) == (0, "")
+    assert "the sources changed since trundle was installed: ./isaac.sh install takes them over" in done.stderr
     (source / "pyproject.toml").write_text('[project]\nname = "trundle"\nversion = "0.2.0"\n')
     done = isaac.install("--if-missing", str(source))
     assert (done.returncode, done.stdout) == (2, "building trundle's kernels for this Python (about a minute)\n")
+
+
+def test_a_folder_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(SCRIPT.parent)
+    isaac_install = importlib.import_module("isaac_install")
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(isaac_install.InstallError, match=r"nothing was changed: .* cannot be written"):
+        isaac_install.install(tmp_path / "trundle-0.1.0-py3-none-any.whl")
+
+
+@pytest.mark.parametrize("version", ["3.8", "3.10"])
+def test_the_python_of_an_older_isaac_sim_is_told_so(version: str) -> None:
+    python = find_python(version)
+    if python is None:
+        pytest.skip(f"no Python {version} on this machine")
+    done = subprocess.run([python, str(SCRIPT), "."], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert f"is Python {version}." in done.stderr
+    assert "trundle needs 3.11 or newer: Isaac Sim 5.1 or newer" in done.stderr
 
 
 @pytest.mark.parametrize("source", ["no-such.whl", "no-such-folder"])

@@ -46,7 +46,8 @@ def compare(
 
     target = options.output_file(out, "compare.png", (".png",))
     comparison = compare_motions(Motion.load(first), Motion.load(second), align=align)
-    names = (first.name, second.name) if first.name != second.name else (str(first), str(second))
+    one, other = first.resolve().name, second.resolve().name
+    names = (one, other) if one != other else (str(first), str(second))
     save_png(draw_comparison(comparison, names), target)
     if comparison.max_command_difference > 1e-6:
         output.remark(

@@ -43,12 +43,15 @@ def doctor(
     if backend in (None, "mujoco"):
         import_engine()
     found = []
-    for check in itertools.chain(
+    checks = itertools.chain(
         check_machine(backend), check_backend(backend, robot="nova_carter", **given) if backend else ()
-    ):
+    )
+    for check in checks:
         found.append(check)
         if not json and not (quiet and check.status == "pass"):
             print(f"{check.status:<7}  {check.name:<9}  {check.detail}", flush=True)
+        if check.name == "isaac sim" and check.status == "fail":
+            break
     passed = all(check.status != "fail" for check in found)
     if json:
         output.print_json({"passed": passed, "checks": found})

@@ -23,6 +23,8 @@ PERIOD_S = 0.05
 STEP_S = 0.005
 MAX_SECONDS = 3600.0
 
+_RECORDED_S = 2e-6  # a record's times are rounded to this
+
 app = App(
     name="drive",
     version_flags=[],
@@ -127,13 +129,24 @@ def parse_command(text: str) -> tuple[float, float, float]:
 
 
 def commands_of(run: Path) -> tuple[list[tuple[float, float, float]], Pose2D]:
-    """The commands (v, w, seconds) of a run or a drive, equal ones in a row as one, and the pose that it started at."""
+    """The commands (v, w, seconds) of a run or a drive, equal ones in a row as one, and the pose that it started at.
+
+    Raises:
+        InputError: If it is no record, or was not driven in multiples of the physics' step.
+    """
     from trundle.geometry import Pose2D
     from trundle.record.motion import Motion
 
     motion = Motion.load(run)
     # To the step of the physics: a record has six decimals.
-    steps = [round(seconds / STEP_S) for seconds in (motion.time[1:] - motion.time[:-1]).tolist()]
+    periods = (motion.time[1:] - motion.time[:-1]).tolist()
+    steps = [round(seconds / STEP_S) for seconds in periods]
+    for seconds, count in zip(periods, steps, strict=True):
+        if abs(seconds - count * STEP_S) > _RECORDED_S:
+            raise InputError(
+                f"--like {run}: it has a control period of {seconds:g} s, which is not a multiple of {STEP_S:g} s, the "
+                "step of the physics: its commands cannot be repeated as they were"
+            )
     commands: list[tuple[float, float, float]] = []
     for v, w, count in zip(motion.commanded_v[1:].tolist(), motion.commanded_w[1:].tolist(), steps, strict=True):
         if commands and commands[-1][:2] == (v, w):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import importlib.metadata
 import platform
+import re
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -12,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from trundle.errors import TrundleError
+from trundle.errors import InputError, TrundleError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.solids import Box, Solid
 
@@ -54,6 +56,9 @@ _LIBRARIES = (
 
 ISAAC = "isaac"
 
+_NO_RAY_TRACING = re.compile(r"\b(P100|V100|A100|A30|H100|H200|GH200|B200|GB200)\b")
+"""Data-centre GPUs without RT cores; Isaac Sim's requirements leave them out."""
+
 _BOX = Solid("box", Box((0.5, 2.0, 1.0)), Pose3D((0.0, -5.0, 0.5)))
 """Far from where the robot is checked; it drives into it for the contacts."""
 
@@ -70,6 +75,7 @@ def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
     if backend == ISAAC:
         yield _attempt("isaac sim", _check_isaac)
         yield _check_no_other_usd()
+        yield _check_gpu()
         return
     for library in _LIBRARIES:
         yield _check_library(library)
@@ -91,11 +97,16 @@ def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -
     from trundle.sim import simulate
     from trundle.worlds import World
 
+    if "environment" in options:
+        raise InputError(
+            "the checklist drives on a floor of its own, with a box on it: leave --environment out, and see whether "
+            f"that one opens with: trundle view {robot} --backend {backend} --environment {options['environment']}"
+        )
     machine = Robot.load(robot)
     try:
         simulator = simulate(World("box", (_BOX,), seeds=((0.0, 0.0),)), machine, backend=backend, **options)
-    except (TrundleError, ImportError, OSError) as error:
-        yield MachineCheck("start", "fail", str(error))
+    except Exception as error:  # noqa: BLE001 - see _attempt
+        yield MachineCheck("start", "fail", _words(error))
         return
     with simulator:
         yield MachineCheck("start", "pass", f"{backend} with {machine.name} on a floor with a box")
@@ -113,8 +124,15 @@ def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -
 def _attempt(name: str, check: Callable[[], str]) -> MachineCheck:
     try:
         return MachineCheck(name, "pass", check())
-    except (TrundleError, ImportError, OSError) as error:
-        return MachineCheck(name, "fail", str(error))
+    except Exception as error:  # noqa: BLE001 - what is checked may break in any way, and the next point may not
+        return MachineCheck(name, "fail", _words(error))
+
+
+def _words(error: Exception) -> str:
+    """What our own errors say; of others, the kind too, which may be all that they tell."""
+    if isinstance(error, TrundleError):
+        return str(error)
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
 def _check_kernels() -> str:
@@ -165,6 +183,20 @@ def _check_no_other_usd() -> MachineCheck:
             f"{name} {found} is installed beside Isaac Sim's own USD, and keeps it from starting: pip uninstall {name}",
         )
     return MachineCheck("usd", "pass", "no other USD beside Isaac Sim's own")
+
+
+def _check_gpu() -> MachineCheck:
+    ask = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
+    try:
+        done = subprocess.run(ask, capture_output=True, text=True, check=False, timeout=30)
+    except (OSError, subprocess.TimeoutExpired):
+        return MachineCheck("gpu", "missing", "nvidia-smi cannot be asked; Isaac Sim needs an NVIDIA RTX GPU")
+    found = "; ".join(line.strip().replace(", ", ", driver ") for line in done.stdout.splitlines() if line.strip())
+    if done.returncode != 0 or not found:
+        return MachineCheck("gpu", "fail", f"no NVIDIA GPU: {found or done.stderr.strip() or 'nvidia-smi names none'}")
+    if all(_NO_RAY_TRACING.search(gpu) for gpu in found.split("; ")):
+        return MachineCheck("gpu", "missing", f"{found}: without RT cores, which Isaac Sim's renderer wants")
+    return MachineCheck("gpu", "pass", found)
 
 
 def _check_interface(simulator: Any) -> str:

@@ -104,7 +104,8 @@ def _blocked_message(
     costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str, tolerance_m: float, found: End | None
 ) -> str:
     cost = costmap.data[cell]
-    where = "in unknown space" if cost == NO_INFORMATION else "in an obstacle" if cost == LETHAL else "too close to one"
+    places = {NO_INFORMATION: "in unknown space", LETHAL: "in an obstacle"}
+    where = places.get(int(cost), "too close to an obstacle or to unknown space")
     message = f"the {what} ({pose.x:.2f}, {pose.y:.2f}, {np.degrees(pose.yaw):.0f}°) is {where}: the robot does not fit"
     if found is None:
         return f"{message}, and with this yaw it fits nowhere on the map"

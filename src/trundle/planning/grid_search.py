@@ -148,7 +148,7 @@ class GridSearch:
         if connectivity == 4 and method in ("jps", "jps_plus"):
             raise InputError(f"method {method!r} is for connectivity 8; 4-connected ways are found by 'astar'")
         try:
-            self._grid = _core.BinaryGrid(values, connectivity, method)
+            self._grid = _core.BinaryGrid(values, int(connectivity), method)
         except ValueError as error:
             raise InputError(f"a map of {values.shape[0]} x {values.shape[1]} cells: {error}") from error
         self._shape = values.shape[0], values.shape[1]
@@ -288,7 +288,10 @@ class GridSearch:
 
 def _as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
     """Bool or uint8 as uint8, without a copy."""
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{what} must be an array of bool or uint8: {error}") from error
     if array.dtype == np.bool_:
         return array.view(np.uint8)
     if array.dtype != np.uint8:
@@ -303,7 +306,7 @@ def _as_cells(cells: npt.ArrayLike, what: str) -> npt.NDArray[np.int64]:
         array = np.asarray(cells)
     except ValueError as error:
         raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2): {error}") from error
-    if array.size == 0 and array.ndim in (1, 2):
+    if array.shape in ((0,), (0, 2)):
         return np.empty((0, 2), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
         raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")

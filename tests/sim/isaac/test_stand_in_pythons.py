@@ -6,14 +6,13 @@ folder beside, as Kit's does.
 
 import json
 import os
-import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from support.command_line import room
+from support.pythons import find_python
 
 ROOT = Path(__file__).parents[3]
 TESTS = ROOT / "tests"
@@ -24,29 +23,6 @@ PINS = {
         ["numpy==2.3.1", "scipy==1.17.0", "pillow<13", "trimesh==4.11.1", "mujoco==3.12.0", "websockets<15"],
     ),
 }
-MISSION = """
-import sys
-from pathlib import Path
-import pytest
-from support.fake_isaac.kit import FakeIsaac
-from trundle.cli.entry import run_command
-
-fake = FakeIsaac(int(sys.argv[1]), assets=Path(sys.argv[2]), kit_path=sys.argv[3])
-fake.install(pytest.MonkeyPatch())
-sys.exit(run_command(sys.argv[4:]))
-"""
-
-
-def find_python(version: str) -> str | None:
-    """An interpreter of that version: this one's, on the path, or among pyenv's."""
-    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    places = [sys.executable, shutil.which(f"python{version}"), *sorted(pyenv.glob(f"{version}.*/bin/python"))]
-    ask = "import sys, venv, ensurepip; print('%d.%d' % sys.version_info[:2])"
-    for place in filter(None, places):
-        done = subprocess.run([place, "-c", ask], capture_output=True, text=True, check=False)
-        if done.stdout.strip() == version:
-            return str(place)
-    return None
 
 
 def run(*command: str | Path, **environment: str) -> str:
@@ -80,12 +56,11 @@ def test_it_is_added_and_a_mission_arrives(version: str, assets: Path, tmp_path:
     assert not added & {"mujoco", "mujoco-core", "usd-core", "viser", "scipy", "numpy", "trimesh"}
 
     run(*pip, "install", "--quiet", "--no-deps", "--target", tmp_path / "kit", "usd-core")
-    run(*pip, "install", "--quiet", "--target", tmp_path / "tools", "pytest")
     room().save(tmp_path / "room.yaml")
     report = run(
-        launcher, "-c", MISSION, str(generation), assets, tmp_path / "kit",
+        launcher, "-m", "support.fake_isaac", str(generation), assets, tmp_path / "kit",
         "run", tmp_path / "room.yaml", "--start", "0,0,0", "--goal", "5,2",
         "--backend", "isaac", "--headless", "--no-video", "--out", tmp_path / "run", "--json",
-        PYTHONPATH=f"{TESTS}{os.pathsep}{tmp_path / 'tools'}",
+        PYTHONPATH=str(TESTS),
     )  # fmt: skip
     assert json.loads(report)["outcome"] == "arrived"

@@ -14,6 +14,7 @@ from trundle.robots import Robot
 from trundle.sim.isaac import application
 from trundle.sim.isaac.signatures import read_signatures
 
+_CREATE = "omni.replicator.core.create"
 ADAPTER_MODULES = ("api5", "api6", "contacts", "picture")
 PRELUDE = """
 from collections.abc import Callable
@@ -99,6 +100,8 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
         if not self._is_ours(fullname):
             return None
         known = any(name == fullname or name.startswith(f"{fullname}.") for name in self.modules)
+        # Replicator has it as an attribute, and no module of that name can be imported.
+        known = known and fullname != _CREATE
         if not known:
             return None
         if fullname != "isaacsim" and not self.runs:
@@ -110,6 +113,8 @@ class FakeIsaac(Behaviour, importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def exec_module(self, module):
         vars(module).update(self.modules.get(module.__name__, {}))
+        if f"{module.__name__}.create" == _CREATE:
+            module.create = types.SimpleNamespace(**self.modules[_CREATE])
 
     @staticmethod
     def _is_ours(name):

@@ -67,13 +67,15 @@ def differences(generation: Generation) -> list[str]:
 
 def _module_differences(module: ApiModule) -> Iterator[str]:
     try:
-        real = importlib.import_module(module.name)
+        real = _find_module(module.name)
     except ImportError as error:
         yield f"{module.name} cannot be imported: {error}"
         return
+    # Omniverse's own modules were read from their use, which does not tell what parameters are called.
+    look_inside = module.name.partition(".")[0] == "isaacsim"
     for node in ast.parse(module.text).body:
         if isinstance(node, ast.FunctionDef):
-            yield from _function_differences(real, node, module.name)
+            yield from _function_differences(real, node, module.name, look_inside=look_inside)
         elif isinstance(node, ast.ClassDef):
             owner = getattr(real, node.name, None)
             if owner is None:
@@ -81,14 +83,30 @@ def _module_differences(module: ApiModule) -> Iterator[str]:
                 continue
             for method in node.body:
                 if isinstance(method, ast.FunctionDef):
-                    yield from _function_differences(owner, method, f"{module.name}.{node.name}")
+                    yield from _function_differences(
+                        owner, method, f"{module.name}.{node.name}", look_inside=look_inside
+                    )
 
 
-def _function_differences(owner: object, node: ast.FunctionDef, where: str) -> Iterator[str]:
+def _find_module(name: str) -> object:
+    """Import a module; one that is only an attribute of its package, as some of Omniverse's are, is taken from that."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        parent, _, attribute = name.rpartition(".")
+        found = getattr(importlib.import_module(parent), attribute, None) if parent else None
+        if found is None:
+            raise
+        return found
+
+
+def _function_differences(owner: object, node: ast.FunctionDef, where: str, *, look_inside: bool) -> Iterator[str]:
     name = f"{where}.{node.name}"
     real = inspect.getattr_static(owner, node.name, None)
     if real is None:
         yield f"{name} is missing"
+        return
+    if not look_inside:
         return
     try:
         has = inspect.signature(getattr(owner, node.name)).parameters

@@ -1,0 +1,133 @@
+"""docs/blog.md: what it says of the blog post's parameters is what its script measures."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trundle.doctor import check_drive
+from trundle.errors import BlockedPoseError
+from trundle.geometry import Pose2D
+from trundle.mission import Outcome
+from trundle.planning import create_planner
+from trundle.sim import simulate
+from trundle.worlds import World
+
+DOCS = Path(__file__).parents[2] / "docs"
+TEXT = " ".join((DOCS / "blog.md").read_text().split())
+
+
+def quoted(phrase: str) -> float:
+    """The number where the page has `{}` in this phrase, which must be there once."""
+    found = re.findall(re.escape(phrase).replace(r"\{\}", r"([0-9.]*[0-9])"), TEXT)
+    assert len(found) == 1, f"{phrase!r}: {len(found)} times"
+    return float(found[0])
+
+
+@pytest.fixture(scope="module")
+def post():
+    spec = importlib.util.spec_from_file_location("post", DOCS / "pictures" / "post.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["post"] = module
+    try:
+        spec.loader.exec_module(module)
+        yield module
+    finally:
+        del sys.modules["post"]
+
+
+@pytest.fixture(scope="module")
+def place(post):
+    return post.make_place()
+
+
+@pytest.fixture(scope="module")
+def wrong(post):
+    return post.drive_as_the_post(post.POST_TRACK)
+
+
+@pytest.fixture(scope="module")
+def right(post):
+    return post.drive_as_the_post(post.own_track())
+
+
+@pytest.fixture(scope="module")
+def own(post):
+    return post.drive_as_trundle()
+
+
+def test_in_the_corner_the_robot_stands_in_the_walls(post, place) -> None:
+    start, goal = place.corner(post.START_POSE), place.corner(Pose2D(*post.GOAL))
+    path = create_planner("blog").plan(place.costmap, start, goal)
+    assert path.length == pytest.approx(quoted("corner is {} m long"), abs=0.051)
+    share = 100.0 * place.costmap.footprint_collides(path.poses).mean()
+    assert share == pytest.approx(quoted("at {} % of its poses"), abs=1.0)
+    with simulate(place.world, "nova_carter") as simulator:
+        touched = {contact.other for contact in simulator.reset(start).contacts}
+    assert touched >= {"wall_south_base", "wall_west_base"}
+    with pytest.raises(BlockedPoseError) as error:
+        create_planner("least_cost").plan(place.costmap, start, goal)
+    assert str(error.value) in TEXT
+
+
+def test_the_posts_path_leads_through_things_and_trundles_does_not(post, place, right, own) -> None:
+    path = right.paths[0]
+    assert path.length == pytest.approx(quoted("4 neighbours, {} m"), abs=0.051)
+    inside = place.costmap.footprint_collides(path.poses)
+    steps = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
+    assert steps[inside[1:] & inside[:-1]].sum() == pytest.approx(quoted("on {} m of it the robot"), abs=0.1)
+    poses = own.paths[0].poses
+    assert own.metrics.path_length_m == pytest.approx(quoted("trundle's is {} m,"), abs=0.1)
+    assert place.costmap.clearance(poses, 2.0).min() == pytest.approx(quoted("and {} m from everything"), abs=0.01)
+
+
+def test_with_the_posts_wheel_base_it_hits_the_barrels(wrong) -> None:
+    assert wrong.outcome is Outcome.COLLIDED
+    assert wrong.metrics.contacts == ("barrels_2_1",)
+    assert wrong.metrics.time_s == pytest.approx(quoted("hits the barrels after {} s"), abs=0.2)
+    assert np.abs(wrong.trajectory.w).max() == pytest.approx(quoted("by up to {} rad/s"), abs=0.03)
+
+
+def test_with_the_right_track_the_posts_path_still_leads_into_the_forklift(right) -> None:
+    assert right.outcome is Outcome.COLLIDED
+    assert right.metrics.contacts == ("forklift_2_counterweight",)
+    assert right.metrics.time_s == pytest.approx(quoted("hits the fork-lift after {} s"), abs=0.2)
+    assert right.metrics.max_cross_track_error_m == pytest.approx(quoted("it {} m off that path"), abs=0.02)
+
+
+def test_trundle_arrives_clear_of_everything(own) -> None:
+    assert own.outcome is Outcome.ARRIVED
+    assert own.metrics.time_s == pytest.approx(quoted("drives it in {} s"), abs=0.3)
+    assert own.metrics.min_clearance_m == pytest.approx(quoted("to anything than {} m"), abs=0.01)
+    assert own.metrics.max_cross_track_error_m == pytest.approx(quoted("from its path than {} m"), abs=0.01)
+
+
+def test_a_square_becomes_a_triangle(post) -> None:
+    over, true = post.drive_square(post.POST_TRACK), post.drive_square(post.own_track())
+    turned = np.degrees(np.unwrap(over[:, 2]))[-1] / 4.0
+    assert turned == pytest.approx(quoted("becomes one of {}°"), abs=0.3)
+    assert turned / 90.0 - 1.0 == pytest.approx(quoted("°, {} % too far") / 100.0, abs=0.005)
+    assert np.hypot(*over[-1, :2]) == pytest.approx(quoted("the robot ends {} m from where"), abs=0.02)
+    assert np.hypot(*true[-1, :2]) == pytest.approx(quoted("it ends {} mm from there") / 1000.0, abs=0.005)
+
+
+def test_the_robot_check_names_the_wheel_base_in_the_words_of_the_page(post) -> None:
+    with simulate(World("empty", ()), "nova_carter") as simulator:
+        configured = simulator.robot.drive.model_copy(update={"track_width": post.POST_TRACK})
+        (finding,) = check_drive(simulator, configured=configured).findings
+    assert f"{finding.kind}: {finding.message}" in TEXT
+
+
+def test_its_pictures_are_small_and_new_ones_can_be_made(post, wrong, right, own) -> None:
+    names = re.findall(r"\]\(images/(\w+\.png)\)", TEXT)
+    assert len(names) == 4
+    assert all((DOCS / "images" / name).stat().st_size < 200_000 for name in names)
+    assert post.draw_start(wrong, right, own).width > 900
+    line = np.zeros((2, 3))
+    line[1] = 1.0
+    assert post.draw_square(line, line).width > 700
