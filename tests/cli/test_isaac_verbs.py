@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -122,6 +123,19 @@ def test_a_world_of_usd_is_opened_as_it_is(trundle, fake, assets):
     )
     assert done.code == 0, done.err
     assert fake.stage_path == str(file)
+
+
+def test_an_environment_is_a_world_where_its_file_is_at_hand(trundle, fake, assets, tmp_path):
+    scenes = tmp_path / "assets" / "Isaac" / "Environments" / "Simple_Warehouse"
+    shutil.copytree(assets, tmp_path / "assets")
+    shutil.copy(scenes / "warehouse.usd", scenes / "full_warehouse.usd")
+    ends = ("--backend", "isaac", "--headless", "--start", "-2.5,-1", "--goal", "2,1.5", "--no-video", "--json")
+    done = trundle("run", "full_warehouse", *ends, "--assets-root", tmp_path / "assets")
+    assert done.code == 0, done.err
+    assert fake.stage_path == str(scenes / "full_warehouse.usd")
+    done = trundle("run", "full_warehouse", *ends)
+    assert done.code == 2
+    assert "trundle run map.yaml --backend isaac --environment full_warehouse" in done.err
 
 
 def test_ctrl_c_leaves_the_runs_folder_and_closes_isaac_sim(trundle, fake, hall_map):

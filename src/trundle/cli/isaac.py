@@ -148,6 +148,25 @@ def _environment(world: str | None, settings: Mapping[str, object]) -> dict[str,
     return {} if own is None else {"environment": own}
 
 
+def world_of(source: str, backend: str | None, options: IsaacOptions | None) -> str:
+    """Return the USD file of an environment that is named as the place of a run in Isaac Sim, else the source as it is.
+
+    Raises:
+        InputError: If its file is not on this machine, so that there is no map to drive by.
+    """
+    from trundle.sim.isaac.assets import ENVIRONMENTS, local_environment
+    from trundle.worlds import world_names
+
+    if backend != BACKEND or source not in ENVIRONMENTS or source in world_names():
+        return source
+    try:
+        return str(local_environment(source, options.assets_root if options is not None else None))
+    except InputError as error:
+        raise InputError(
+            f"{error}; or drive by a map of it: trundle run map.yaml --backend isaac --environment {source}"
+        ) from error
+
+
 def find_environment(name: str, assets_root: str | None) -> Path | None:
     """Return the file of an environment on this machine by its name; none where it is no environment's name.
 

@@ -59,7 +59,8 @@ def run(
     Exit code 1 says that the robot did not get there.
 
     Args:
-        source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name, or a world's file.
+        source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name, or a world's file. With
+            --backend isaac also an environment of Isaac Sim whose file is at hand.
         time_limit: Simulated time after which the run is stopped [s].
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
@@ -79,6 +80,7 @@ def run(
     if goal:
         goals = [options.parse_goal("--goal", text) for text in goal]
         changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
+    source = isaac.world_of(source, backend, isaac_options)
     scenario = isaac.adapt(_read(source, options.parse_settings(settings, exclude), changes), isaac_options)
     return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
 

@@ -50,8 +50,8 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
 
     Bodies have the masses and inertias that trundle simulates with. Joints lie under `joints`, have the robot's names,
     and those of the drive wheels an angular velocity drive (its damping is per degree). base_link is on the ground, so
-    a robot that is referenced at z = 0 stands on the floor. Wheels collide as cylinders. Colliders are of the purpose
-    guide; what is seen is apart from them.
+    a robot that is referenced at z = 0 stands on the floor. Wheels collide as narrow cylinders in their middle.
+    Colliders are of the purpose guide; what is seen is apart from them.
 
     Args:
         robot: What to write.

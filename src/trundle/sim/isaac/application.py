@@ -118,8 +118,8 @@ def check_installation() -> None:
         python = f"{root}/python.sh" if root else "/path/to/isaac-sim/python.sh"
         raise InputError(
             f"backend 'isaac' needs Isaac Sim 5.1 or 6.x, and {sys.executable} (Python {here}) has none. Start trundle "
-            f"with Isaac Sim's own interpreter: {python} -m trundle …; or install Isaac Sim into this Python (3.11 for "
-            "5.1, 3.12 for 6.x). Here, use --backend mujoco"
+            f"with ./isaac.sh, or with Isaac Sim's own interpreter: {python} -m trundle …; or install Isaac Sim into "
+            "this Python (3.11 for 5.1, 3.12 for 6.x). Here, use --backend mujoco"
         )
     installed = installed_version()
     generation = int(installed.partition(".")[0]) if installed and installed[0].isdigit() else None
