@@ -26,7 +26,7 @@ from trundle.record.video import MakeFrames, Report, write_video
 
 _LOGGER = logging.getLogger(__name__)
 
-_VERSIONS = ("numpy", "mujoco", "pillow", "av")
+_VERSIONS = ("numpy", "mujoco", "isaacsim", "pillow", "av")
 
 
 def make_run_folder(out: str | os.PathLike[str] | None, name: str, *, root: str | os.PathLike[str] = "runs") -> Path:

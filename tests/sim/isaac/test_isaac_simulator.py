@@ -87,6 +87,15 @@ def test_an_articulation_whose_root_is_not_base_link_is_told_of_at_base_link(mak
         check_simulator(lambda world, robot: IsaacSimulator(world, robot))
 
 
+@pytest.mark.parametrize("generation", [5, 6])
+def test_the_twist_is_that_of_base_link_and_not_of_a_root_beside_it(make_fake, generation):
+    make_fake(generation, root=Pose2D(-0.2, 0.1, 0.3))
+    with IsaacSimulator(EMPTY, trundle.Robot.load("nova_carter"), headless=True) as sim:
+        for _ in range(20):
+            state = sim.step(Twist2D(0.3, 0.5), PERIOD)
+    assert (state.twist.v, state.twist.w) == pytest.approx((0.3, 0.5), abs=1e-5)
+
+
 def test_a_robot_that_is_not_where_it_was_put_is_an_error(make_fake):
     fake = make_fake(6, root=Pose2D(3.0, 0.0))
     with pytest.raises(SimulationError, match=r"its root is 3.00 m away"):

@@ -123,9 +123,9 @@ def check_installation() -> None:
         )
     installed = installed_version()
     generation = int(installed.partition(".")[0]) if installed and installed[0].isdigit() else None
-    wanted = PYTHONS.get(5 if generation == 5 else 6) if generation is not None and generation >= 5 else None
-    if generation is not None and wanted is None:
+    if generation is not None and generation < 5:
         raise InputError(f"Isaac Sim {installed} is too old for trundle; it needs 5.1 or 6.x")
+    wanted = PYTHONS.get(generation or 0)
     if wanted is not None and sys.version_info[:2] != wanted:
         needs = ".".join(map(str, wanted))
         raise InputError(
