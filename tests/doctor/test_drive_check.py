@@ -76,7 +76,10 @@ def test_a_robot_as_configured_raises_nothing(backend: str, name: str) -> None:
 
 
 @BACKENDS
-@pytest.mark.parametrize(("radius", "track"), [(0.10, 0.4132), (0.20, 0.4132), (0.14, 0.54), (0.14, 0.30), (0.12, 0.5)])
+@pytest.mark.parametrize(
+    ("radius", "track"),
+    [(0.10, 0.4132), (0.20, 0.4132), (0.14, 0.54), (0.14, 0.30), (0.12, 0.5), (0.05, 0.4132), (0.14, 1.5)],
+)
 def test_wrong_radius_and_track_are_found_with_their_true_values(backend: str, radius: float, track: float) -> None:
     with simulate(EMPTY, "nova_carter", backend=backend) as simulator:
         configured = simulator.robot.drive.model_copy(update={"wheel_radius": radius, "track_width": track})
@@ -104,6 +107,14 @@ def test_swapped_wheels_are_named(backend: str) -> None:
 
 
 @BACKENDS
+def test_swapped_wheels_do_not_hide_a_wrong_track(backend: str) -> None:
+    with Rewired(simulate(EMPTY, "nova_carter", backend=backend), swapped=True) as simulator:
+        check = check_drive(simulator, configured=simulator.robot.drive.model_copy(update={"track_width": 0.54}))
+    assert kinds(check) == ["wheels_swapped", "track_width"]
+    assert check.track_width == pytest.approx(0.4132, rel=0.01)
+
+
+@BACKENDS
 @pytest.mark.parametrize(("signs", "joint"), [((-1, 1), "joint_wheel_left"), ((1, -1), "joint_wheel_right")])
 def test_a_reversed_wheel_is_named(backend: str, signs: tuple[int, int], joint: str) -> None:
     with Rewired(simulate(EMPTY, "nova_carter", backend=backend), signs=signs) as simulator:
@@ -118,6 +129,32 @@ def test_swapped_and_reversed_wheels_are_told_apart(backend: str) -> None:
     with Rewired(simulate(EMPTY, "nova_carter", backend=backend), swapped=True, signs=(-1, -1)) as simulator:
         check = check_drive(simulator)
     assert kinds(check) == ["wheel_reversed", "wheel_reversed", "wheels_swapped"]
+
+
+def test_a_smaller_wheel_is_told_from_two_wrong_ones() -> None:
+    with MujocoSimulator(EMPTY, Robot.load("nova_carter")) as simulator:
+        simulator.model.geom_size[simulator.model.geom("robot:wheel_left").id] *= 0.97
+        check = check_drive(simulator)
+    assert kinds(check) == ["unequal_wheels"]
+    assert check.wheel_radii == pytest.approx((0.97 * 0.14, 0.14), rel=0.01)
+
+
+def test_a_wheel_without_friction_is_named() -> None:
+    with MujocoSimulator(EMPTY, Robot.load("nova_carter")) as simulator:
+        # MuJoCo takes the larger friction of the two that meet.
+        for name in ("robot:wheel_left", "world:floor"):
+            simulator.model.geom_friction[simulator.model.geom(name).id, 0] = 0.0
+        check = check_drive(simulator)
+    assert kinds(check) == ["does_not_move"]
+    assert "joint_wheel_left turns, and the robot hardly moves by it" in check.findings[0].message
+
+
+def test_a_wrong_radius_is_found_on_a_slippery_floor() -> None:
+    with MujocoSimulator(EMPTY, Robot.load("nova_carter")) as simulator:
+        simulator.model.geom_friction[:, 0] = simulator.model.geom_friction[:, 0].clip(max=0.1)
+        check = check_drive(simulator, configured=simulator.robot.drive.model_copy(update={"wheel_radius": 0.10}))
+    assert kinds(check) == ["wheel_radius", "slip"]
+    assert check.wheel_radius == pytest.approx(0.14, rel=0.01)
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.05, 0.01])

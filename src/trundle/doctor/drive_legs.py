@@ -93,7 +93,9 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
     settled = drive_on(_SETTLE_S, share=1.0)
     end = drive_on(_CRUISE_S, share=1.0)
     cruise = _travel(states[settled : end + 1])
-    told = drive.wheel_speeds(target)
+    # Of a drive that is configured far off, the simulator cuts the twist to the robot's limits: no fault of the wheels.
+    robot = simulator.robot
+    told = robot.drive.wheel_speeds(robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target))))
     seconds = states[end].time - states[settled].time
     expected = (abs(told.left) + abs(told.right)) * seconds
     return Leg(

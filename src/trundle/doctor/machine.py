@@ -168,7 +168,7 @@ def _check_isaac() -> str:
     from trundle.sim.isaac.application import check_installation, installed_version
 
     check_installation()
-    return f"Isaac Sim {installed_version() or 'of a version that it tells once it runs'} for this Python"
+    return f"Isaac Sim {installed_version() or '(it tells its version once it runs)'}, for this Python"
 
 
 def _check_no_other_usd() -> MachineCheck:

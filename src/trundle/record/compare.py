@@ -103,8 +103,8 @@ def draw_comparison(comparison: Comparison, names: tuple[str, str]) -> Image.Ima
             [Curve(one.x, one.y, START, names[0], 5), Curve(other.x, other.y, GOAL, names[1], 2)],
             square=True,
         ),
-        Chart("distance [mm]", [Curve(time, 1000.0 * comparison.position_error, BAD, "")], zero=True),
-        Chart("yaw difference [°]", [Curve(time, np.degrees(comparison.yaw_error), BAD, "")], zero=True),
+        Chart("distance [mm] over time [s]", [Curve(time, 1000.0 * comparison.position_error, BAD, "")], zero=True),
+        Chart("yaw difference [°] over time [s]", [Curve(time, np.degrees(comparison.yaw_error), BAD, "")], zero=True),
         Chart("v [m/s]", _speed_curves(time, one.commanded_v, one.v, other.v, names), zero=True),
         Chart("w [rad/s]", _speed_curves(time, one.commanded_w, one.w, other.w, names), zero=True),
     ]
