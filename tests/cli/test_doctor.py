@@ -1,4 +1,5 @@
 import importlib.metadata
+from pathlib import Path
 
 import pytest
 
@@ -121,6 +122,8 @@ def test_the_checklist_of_isaac_sim_passes_on_the_stand_in(
     assert names[2:5] == ["isaac sim", "usd", "gpu"]
     assert names[5:] == ["start", "interface", "drive", "step", "mission", "contact", "picture", "close"]
     assert {check["status"] for check in done.json["checks"]} == {"pass"}
+    page = (Path(__file__).parents[2] / "docs" / "isaac.md").read_text()
+    assert [name for name in names if f"\npass     {name}  " not in page or f"`{name}`" not in page] == []
     assert fake.app_starts == fake.app_closes == 1
 
 
