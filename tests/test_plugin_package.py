@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from trundle.cli.entry import run_command
 from trundle.control import controller_names, create_controller
 from trundle.planning import create_planner, planner_names
 from trundle.robots import Robot, robot_names
@@ -112,6 +113,14 @@ def test_everything_of_it_runs_from_the_command_line(installed: Path, tmp_path: 
         "turn_then_drive",
         "mini_cart",
     )
+
+
+@pytest.mark.usefixtures("installed")
+def test_its_simulator_and_robot_are_checked_by_doctor(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["doctor", "--backend", "worn_tyres"]) == 0
+    assert "pass     mission" in capsys.readouterr().out
+    assert run_command(["doctor", "robot", "mini_cart", "--backend", "worn_tyres"]) == 0
+    assert "drives as configured" in capsys.readouterr().out
 
 
 def test_a_package_that_cannot_be_imported_is_a_message(installed: Path, tmp_path: Path) -> None:

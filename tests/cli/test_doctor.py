@@ -5,6 +5,7 @@ import pytest
 
 from support.command_line import Trundle
 from trundle.doctor import check_machine
+from trundle.errors import RobotWarning
 from trundle.robots import Robot
 
 
@@ -58,6 +59,16 @@ def test_a_robot_as_configured_is_said_to_be(trundle: Trundle) -> None:
     assert {"wheel_radius", "track_width", "slip", "findings"} <= set(done.json)
     assert done.json["findings"] == []
     assert "drives as configured" in trundle("doctor", "robot", "nova_carter").out
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".xml"])
+def test_a_robot_of_a_file_is_driven_too(trundle: Trundle, tmp_path, suffix: str) -> None:
+    file = tmp_path / f"jackal{suffix}"
+    assert trundle("export", "jackal", "--to", "urdf" if suffix == ".urdf" else "mjcf", "-o", file).code == 0
+    with pytest.warns(RobotWarning, match="largest speeds"):
+        done = trundle("doctor", "robot", file, "--json")
+    assert done.code == 0
+    assert done.json["wheel_radius"] == pytest.approx(0.098, rel=0.01)
 
 
 def test_a_wrong_track_is_said_with_the_right_one(trundle: Trundle) -> None:

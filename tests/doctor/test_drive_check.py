@@ -187,6 +187,27 @@ def test_wheels_in_the_air_are_told_from_a_small_radius() -> None:
     assert check.wheel_radius is None
 
 
+class OnRails(Rewired):
+    """A robot that keeps its heading whatever its wheels do, as a car with its steering held."""
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        self._pose = pose
+        return super().reset(pose, seed=seed)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        state = super().step(command, dt)
+        self._pose = Twist2D(state.twist.v, 0.0).integrate(self._pose, dt)
+        return replace(state, pose=self._pose, twist=Twist2D(state.twist.v, 0.0))
+
+
+def test_a_robot_that_cannot_turn_on_the_spot_is_no_differential_drive() -> None:
+    with OnRails(simulate(EMPTY, "nova_carter", backend="kinematic")) as simulator:
+        check = check_drive(simulator)
+    assert kinds(check) == ["does_not_turn"]
+    assert check.track_width is None
+    assert "a car-like robot is no differential drive" in check.findings[0].message
+
+
 def test_too_little_room_is_told_with_what_was_touched() -> None:
     wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((1.0, 0.0, 0.5)))
     with simulate(World("wall", (wall,)), "nova_carter", backend="kinematic") as simulator:

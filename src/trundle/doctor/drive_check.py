@@ -23,6 +23,7 @@ Kind = Literal[
     "wheel_speed",
     "wheels_do_not_turn",
     "does_not_move",
+    "does_not_turn",
     "contact",
 ]
 
@@ -36,7 +37,9 @@ _TURNS = 0.02
 """Wheels that reach less than this share of the commanded speed do not turn."""
 
 _MOVES = 0.1
-"""A wheel whose effective radius is less than this share of the configured one does not move the robot."""
+"""A wheel whose effective radius is less than this share of the configured one does not move the robot; nor do wheels
+turn it that turn it by less than this share of what they should.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +117,8 @@ def check_drive(
     for name, wheel in ((drive.left_joint, left), (drive.right_joint, right)):
         if wheel.radius < _MOVES * drive.wheel_radius:
             return _stopped(_no_traction(name, wheel, drive), tracking)
+    if min(left.track, right.track) > drive.track_width / _MOVES:
+        return _stopped(_held_heading(drive), tracking)
     return _judge(drive, legs, left, right, tracking)
 
 
@@ -231,6 +236,14 @@ def _no_traction(name: str, wheel: Wheel, drive: DifferentialDrive) -> DriveFind
         f"{drive.wheel_radius:g} m): the wheel does not touch the floor, has no friction, or is not a drive wheel",
         drive.wheel_radius,
         wheel.radius,
+    )
+
+
+def _held_heading(drive: DifferentialDrive) -> DriveFinding:
+    return DriveFinding(
+        "does_not_turn",
+        f"{drive.left_joint} and {drive.right_joint} turn against each other, and the robot hardly turns: something "
+        "holds its heading. Steered or fixed wheels beside them do: a car-like robot is no differential drive",
     )
 
 
