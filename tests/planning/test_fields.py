@@ -106,6 +106,13 @@ def test_an_open_floor_has_octile_distances() -> None:
     np.testing.assert_allclose(field, np.maximum(dr, dc) + (np.sqrt(2.0) - 1.0) * np.minimum(dr, dc), rtol=5e-7)
 
 
+@pytest.mark.parametrize("goal", [(31, 31), (32, 32), (31, 50), (0, 32), (63, 63), (40, 31)])
+def test_goals_at_the_edges_of_tiles_count_beyond_them(goal: tuple[int, int]) -> None:
+    costs = np.full((64, 64), 2, dtype=np.uint8)
+    for connectivity in (4, 8):
+        assert_same(cost_field(costs, goal, connectivity=connectivity), by_dijkstra(costs, [goal], connectivity))
+
+
 def test_costs_beyond_32_bits_are_still_exact() -> None:
     costs = np.full((3, 3000), 65534, dtype=np.uint16)
     field = cost_field(costs, (1, 0))

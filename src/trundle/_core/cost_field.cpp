@@ -10,11 +10,17 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <queue>
 #include <thread>
 #include <utility>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define TRUNDLE_AVX2 1
@@ -23,6 +29,24 @@
 namespace trundle {
 
 namespace {
+
+struct Freed {
+  void operator()(void *memory) const noexcept { std::free(memory); }
+};
+
+// Memory for a whole map. In large pages, where the system has them to give: the small ones of a map of 2000 x 2000 cells
+// take it as long to find as a third of the field.
+template <typename Number>
+std::unique_ptr<Number[], Freed> allocate(std::size_t count) {
+  constexpr std::size_t kLargePage = std::size_t{1} << 21;
+  const std::size_t bytes = (std::max<std::size_t>(count, 1) * sizeof(Number) + kLargePage - 1) / kLargePage * kLargePage;
+  void *memory = bytes > 2 * kLargePage ? std::aligned_alloc(kLargePage, bytes) : std::malloc(bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+#if defined(__linux__)
+  if (bytes > 2 * kLargePage) madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+  return std::unique_ptr<Number[], Freed>(static_cast<Number *>(memory));
+}
 
 template <typename Cost>
 struct Grid {
@@ -81,6 +105,51 @@ auto choose_settle() {
   return settle_portable<Cost, Number>;
 }
 
+// The costs of a row as the caller counts them, infinity where there is no way, and the largest number among them. By way
+// of blocks of our own, so that the two rows may be one.
+template <typename Number>
+TRUNDLE_INLINE Number write_any(const Number *values, std::int64_t count, float *out) {
+  constexpr std::int64_t kBlock = 64;
+  constexpr Number kFar = Scale<Number>::kFar;
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  using Signed = std::conditional_t<sizeof(Number) == 4, std::int32_t, double>;
+  Number largest = 0;
+  for (std::int64_t col = 0; col < count; col += kBlock) {
+    const std::int64_t some = std::min(kBlock, count - col);
+    Number costs[kBlock] = {};
+    float written[kBlock];
+    std::memcpy(costs, values + col, sizeof(Number) * static_cast<std::size_t>(some));
+    for (int k = 0; k < kBlock; ++k) {
+      const Number reached = costs[k] < kFar ? costs[k] : Number{0};
+      const auto cost = static_cast<float>(static_cast<Signed>(reached) * (1.0 / Scale<Number>::kUnit));
+      written[k] = costs[k] < kFar ? cost : kNone;
+      largest = std::max(largest, reached);
+    }
+    std::memcpy(out + col, written, sizeof(float) * static_cast<std::size_t>(some));
+  }
+  return largest;
+}
+
+template <typename Number>
+Number write_portable(const Number *values, std::int64_t count, float *out) {
+  return write_any(values, count, out);
+}
+
+#ifdef TRUNDLE_AVX2
+template <typename Number>
+__attribute__((target("avx2"))) Number write_avx2(const Number *values, std::int64_t count, float *out) {
+  return write_any(values, count, out);
+}
+#endif
+
+template <typename Number>
+auto choose_write() {
+#ifdef TRUNDLE_AVX2
+  if (__builtin_cpu_supports("avx2")) return write_avx2<Number>;
+#endif
+  return write_portable<Number>;
+}
+
 template <typename Cost, typename Number>
 class Field {
  public:
@@ -110,9 +179,10 @@ class Field {
   bool write(float *out, int threads) const {
     std::atomic<std::int64_t> next{0};
     std::atomic<bool> fits{true};
+    const auto write_row = choose_write<Number>();
     run(threads, [&] {
       for (std::int64_t row = next++; row < grid_.rows; row = next++) {
-        if (!write_row(values_ + row * grid_.cols, out + row * grid_.cols)) fits = false;
+        if (!all_fit(write_row(values_ + row * grid_.cols, grid_.cols, out + row * grid_.cols))) fits = false;
       }
     });
     return fits;
@@ -128,6 +198,16 @@ class Field {
   };
 
   using Waiting = std::pair<Number, std::int64_t>;
+
+  // Whether one more step of the largest kind from any cell would still count as reachable.
+  static bool all_fit(Number largest) {
+    if constexpr (std::is_integral_v<Number>) {
+      constexpr Number step = 2 * Scale<Number>::kDiagonal * static_cast<Number>(std::numeric_limits<Cost>::max());
+      return largest < kFar - step;
+    } else {
+      return true;
+    }
+  }
 
   // All threads do the same work, this one too; what one throws is thrown here.
   template <typename Work>
@@ -168,7 +248,9 @@ class Field {
       }
       ++busy_;
       states_[index].busy = true;
+      const std::int64_t likely = queue_.empty() ? index : queue_.top().second;
       lock.unlock();
+      fetch_ahead(likely);
       gains.clear();
       settle_tile(index, *tile, gains);
       lock.lock();
@@ -211,11 +293,12 @@ class Field {
 
   void settle_tile(std::int64_t index, Tile<Number> &tile, std::vector<Waiting> &gains) {
     const std::int64_t row = index / tile_cols_, col = index % tile_cols_;
-    fetch_ahead(row * kTile, col * kTile);
     load_values(row * kTile, col * kTile, tile);
-    settle_(grid_, row * kTile, col * kTile, tile, std::exchange(states_[index].has_goal, false));
+    const bool has_goal = std::exchange(states_[index].has_goal, false);
+    settle_(grid_, row * kTile, col * kTile, tile, has_goal);
     Number before[4][kTile];  // what stands along the edges: low, high, left, right
     load_edges(row * kTile, col * kTile, before);
+    if (has_goal) std::fill_n(&before[0][0], 4 * kTile, kFar);  // a goal at an edge stands there already, and is news
     const auto edge = [&](std::int64_t dr, std::int64_t dc, const typename Tile<Number>::Plane &plane, int at,
                           int frame, const Number *old) {
       if (has_tile(row + dr, col + dc)) gain_edge(index + dr * tile_cols_ + dc, plane, at, frame, old, gains);
@@ -265,8 +348,9 @@ class Field {
     if (beyond < plane.value[row + dr][kFirst + col + dc] && beyond < kFar) gains.push_back({beyond, neighbour});
   }
 
-  // A tile's rows lie far apart: ask for all of them at once.
-  void fetch_ahead(std::int64_t y, std::int64_t x) const {
+  // A tile's rows lie far apart: ask for those of the next one while this one is settled.
+  void fetch_ahead(std::int64_t index) const {
+    const std::int64_t y = index / tile_cols_ * kTile, x = index % tile_cols_ * kTile;
     const std::int64_t last = std::min(x + kTile, grid_.cols - 1);
     for (std::int64_t r = std::max<std::int64_t>(y - 1, 0); r < std::min(y + kTile + 1, grid_.rows); ++r) {
       __builtin_prefetch(grid_.costs + r * grid_.cols + x);
@@ -285,17 +369,27 @@ class Field {
         std::fill(value - 1, value + kTile + 1, kFar);
         continue;
       }
-      const int first = x > 0 ? -1 : 0, last = static_cast<int>(std::min<std::int64_t>(kTile + 1, grid_.cols - x));
-      value[-1] = kFar;
-      std::copy_n(values_ + (y + r) * grid_.cols + x + first, last - first, value + first);
-      std::fill(value + last, value + kTile + 1, kFar);
+      const Number *from = values_ + (y + r) * grid_.cols + x;
+      value[-1] = x > 0 ? from[-1] : kFar;
+      value[kTile] = x + kTile < grid_.cols ? from[kTile] : kFar;
+      if (x + kTile <= grid_.cols) {
+        std::memcpy(value, from, sizeof(Number) * kTile);  // of a size known here, so without a call
+      } else {
+        std::fill(std::copy(from, from + (grid_.cols - x), value), value + kTile, kFar);
+      }
     }
   }
 
   void store_values(std::int64_t y, std::int64_t x, const Tile<Number> &tile) {
     const auto wide = std::min<std::int64_t>(kTile, grid_.cols - x), high = std::min<std::int64_t>(kTile, grid_.rows - y);
     for (std::int64_t r = 0; r < high; ++r) {
-      std::copy_n(tile.upright.value[1 + r] + kFirst, wide, values_ + (y + r) * grid_.cols + x);
+      const Number *from = tile.upright.value[1 + r] + kFirst;
+      Number *to = values_ + (y + r) * grid_.cols + x;
+      if (wide == kTile) {
+        std::memcpy(to, from, sizeof(Number) * kTile);
+      } else {
+        std::copy_n(from, wide, to);
+      }
     }
   }
 
@@ -310,34 +404,6 @@ class Field {
 
   Number at(std::int64_t y, std::int64_t x) const {
     return y < grid_.rows && x < grid_.cols ? values_[y * grid_.cols + x] : kFar;
-  }
-
-  bool write_row(const Number *values, float *out) const {
-    constexpr float kNone = std::numeric_limits<float>::infinity();
-    constexpr std::int64_t kBlock = 64;
-    using Signed = std::conditional_t<sizeof(Number) == 4, std::int32_t, double>;
-    Number largest = 0;
-    for (std::int64_t col = 0; col < grid_.cols; col += kBlock) {
-      // By way of blocks of our own, so that the two may be one array.
-      const std::int64_t count = std::min(kBlock, grid_.cols - col);
-      Number costs[kBlock] = {};
-      float written[kBlock];
-      std::memcpy(costs, values + col, sizeof(Number) * static_cast<std::size_t>(count));
-      for (int k = 0; k < kBlock; ++k) {
-        const Number reached = costs[k] < kFar ? costs[k] : Number{0};
-        const auto cost = static_cast<float>(static_cast<Signed>(reached) * (1.0 / Scale<Number>::kUnit));
-        written[k] = costs[k] < kFar ? cost : kNone;
-        largest = std::max(largest, reached);
-      }
-      std::memcpy(out + col, written, sizeof(float) * static_cast<std::size_t>(count));
-    }
-    if constexpr (std::is_integral_v<Number>) {
-      // One more step of the largest kind from any cell must still count as reachable.
-      constexpr Number step = 2 * Scale<Number>::kDiagonal * static_cast<Number>(std::numeric_limits<Cost>::max());
-      return largest < kFar - step;
-    } else {
-      return true;
-    }
   }
 
   const Grid<Cost> grid_;
@@ -361,7 +427,7 @@ bool solve(const Grid<Cost> &grid, const In<std::int64_t, 2> &goals, int threads
 
 template <typename Number, typename Cost>
 void solve_wide(const Grid<Cost> &grid, const In<std::int64_t, 2> &goals, int threads, float *out) {
-  const std::unique_ptr<Number[]> values(new Number[static_cast<std::size_t>(grid.rows * grid.cols)]);
+  const auto values = allocate<Number>(static_cast<std::size_t>(grid.rows * grid.cols));
   solve<Cost, Number>(grid, goals, threads, values.get(), out);
 }
 
@@ -379,7 +445,7 @@ static nb::ndarray<nb::numpy, float> cost_field(In<Cost, 2> costs, In<std::int64
     if (row < 0 || row >= rows || col < 0 || col >= cols) throw nb::index_error("a goal lies outside the grid");
     if (is_wall(costs(row, col))) throw nb::value_error("a goal lies in a wall");
   }
-  std::unique_ptr<float[]> out(new float[static_cast<std::size_t>(rows * cols)]);
+  auto out = allocate<float>(static_cast<std::size_t>(rows * cols));
   {
     nb::gil_scoped_release release;
     const Grid<Cost> grid{costs.data(), rows, cols, connectivity == 8};
@@ -394,7 +460,7 @@ static nb::ndarray<nb::numpy, float> cost_field(In<Cost, 2> costs, In<std::int64
     }
   }
   float *field = out.release();
-  nb::capsule owner(field, [](void *p) noexcept { delete[] static_cast<float *>(p); });
+  nb::capsule owner(field, [](void *p) noexcept { std::free(p); });
   return nb::ndarray<nb::numpy, float>(field, {costs.shape(0), costs.shape(1)}, owner);
 }
 
