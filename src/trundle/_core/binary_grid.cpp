@@ -2,6 +2,7 @@
 #include "binary_grid.hpp"
 
 #include "arrays.hpp"
+#include "patience.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <exception>
 #include <optional>
 #include <string>
@@ -23,23 +23,10 @@ namespace {
 
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::device::cpu>;  // any strides
 using CellArray = In<std::int64_t, 2>;
-using Flag = std::optional<In<std::uint8_t, 1>>;
 
 ByteView view_of(const Bytes &array) {
   return {array.data(), static_cast<std::int64_t>(array.shape(0)), static_cast<std::int64_t>(array.shape(1)),
           array.stride(0), array.stride(1)};
-}
-
-// The moment that is so many seconds away, and the flag's byte.
-Patience patience_of(std::optional<double> seconds, const Flag &cancel) {
-  Patience patience;
-  if (cancel && cancel->size() > 0) patience.cancel = cancel->data();
-  if (seconds) {
-    const std::chrono::duration<double> most(std::min(*seconds, 1e9));
-    patience.deadline =
-        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
-  }
-  return patience;
 }
 
 GridCell cell_of(std::int64_t row, std::int64_t col) {

@@ -18,6 +18,7 @@ PLANNERS = Registry(
         "astar": "trundle.planning.astar:AStarPlanner",
         "jps": "trundle.planning.jps:JpsPlanner",
         "jps_plus": "trundle.planning.jps:JpsPlusPlanner",
+        "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
     },
 )
