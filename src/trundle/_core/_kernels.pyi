@@ -10,6 +10,9 @@ class BinaryGrid:
     def find_way(
         self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, int, int, bytes]: ...
+    def find_point_way(
+        self, start: object, goal: object, theta: bool, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
+    ) -> tuple[int, float, bytes]: ...
     def find_ways(
         self,
         starts: npt.NDArray[np.int64],
