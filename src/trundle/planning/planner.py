@@ -19,6 +19,8 @@ PLANNERS = Registry(
         "jps": "trundle.planning.jps:JpsPlanner",
         "jps_plus": "trundle.planning.jps:JpsPlusPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
+        "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
+        "theta_star": "trundle.planning.any_angle:ThetaStarPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
     },
 )
