@@ -36,8 +36,10 @@ python_of_folder() {
   return 1
 }
 
+# A folder called isaacsim where we are is found too, and has no loader.
 has_isaacsim() {
-  "$1" -c 'import importlib.util, sys; sys.exit(importlib.util.find_spec("isaacsim") is None)' >/dev/null 2>&1
+  "$1" -c 'from importlib.util import find_spec
+raise SystemExit(getattr(find_spec("isaacsim"), "loader", None) is None)' >/dev/null 2>&1
 }
 
 # The first of some Pythons that there is and that has Isaac Sim.

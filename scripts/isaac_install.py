@@ -11,7 +11,6 @@ not a pure addition is refused. The simulator, the viewers and the readers of ot
 from __future__ import annotations
 
 import argparse
-import email
 import json
 import os
 import re
@@ -19,7 +18,6 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-import zipfile
 from importlib import metadata
 from pathlib import Path
 
@@ -87,11 +85,17 @@ def find_wheel(source: Path, folder: Path) -> Path:
     return next(folder.glob("trundle-*.whl"))
 
 
-def light_requirements(wheel: Path) -> list[str]:
-    """What the wheel requires by itself, without what it does not need in Isaac Sim."""
-    with zipfile.ZipFile(wheel) as archive:
-        name = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
-        required = email.message_from_bytes(archive.read(name)).get_all("Requires-Dist") or []
+def light_requirements(wheel: Path, folder: Path) -> list[str]:
+    """What the wheel requires by itself, as pip reads it, without what it does not need in Isaac Sim."""
+    report = folder / "wheel.json"
+    run_pip(
+        *_INSTALL, "--dry-run", "--force-reinstall", "--report", str(report), str(wheel.resolve()),
+        what=f"use {wheel.name}",
+    )  # fmt: skip
+    (entry,) = json.loads(report.read_text())["install"]
+    if canonical(entry["metadata"]["name"]) != "trundle":
+        raise InstallError(f"{wheel.name} is a wheel of {entry['metadata']['name']}: give one of trundle")
+    required = entry["metadata"].get("requires_dist", [])
     return [line for line in required if "extra ==" not in line and canonical(_name_of(line)) not in NOT_HERE]
 
 
@@ -134,7 +138,7 @@ def install(source: Path) -> None:
             have = installed()
             have.pop("trundle", None)
             wheel = find_wheel(source, folder)
-            additions = plan_additions(light_requirements(wheel), have, folder)
+            additions = plan_additions(light_requirements(wheel, folder), have, folder)
         except InstallError as error:
             raise InstallError(f"nothing was changed: {error}") from error
         if additions:

@@ -28,3 +28,16 @@ def test_a_path_copies_its_poses_and_cannot_be_written_to():
 def test_a_path_is_never_empty_and_always_finite(poses):
     with pytest.raises(InputError):
         Path(poses)
+
+
+def test_a_path_is_driven_forward_unless_it_says_otherwise():
+    poses = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]])
+    assert Path(poses).backward.tolist() == [False, False]
+    back = np.array([False, True])
+    path = Path(poses, backward=back)
+    back[0] = True
+    assert path.backward.tolist() == [False, True]
+    with pytest.raises(ValueError, match="read-only"):
+        path.backward[0] = True
+    with pytest.raises(InputError, match="2 legs"):
+        Path(poses, backward=np.array([True]))

@@ -125,3 +125,7 @@ class BlockedPoseError(PlanningError):
 
 class NoPathError(PlanningError):
     """Start and goal are free, and no path joins them."""
+
+
+class PlanningStoppedError(PlanningError):
+    """Planning ended before it found a path or knew that there is none: out of time, out of tries, or cancelled."""

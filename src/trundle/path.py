@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, path_length
@@ -17,7 +18,7 @@ class Path:
 
     Two neighbouring poses at the same place with different yaws are a turn in place, the short way round from one to
     the other; a turn the long way round is given as several of them. Between poses at different places the robot
-    drives the straight line.
+    drives the straight line, forward unless `backward` says otherwise.
 
     Attributes:
         poses: (x, y, yaw) [m, m, rad] in the map frame, shape (N, 3), N ≥ 1, read-only. The first is the start, the
@@ -27,9 +28,11 @@ class Path:
         replans: How often the planner had to plan again because the footprint hit something.
         start_snapped_m: How far the start was moved to free space [m].
         goal_snapped_m: How far the goal was moved to free space [m].
+        backward: For each leg between two poses whether it is driven backwards, shape (N − 1,), read-only; none given
+            means that all are driven forward.
 
     Raises:
-        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1.
+        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1, or `backward` is of another length.
     """
 
     poses: FloatArray
@@ -38,6 +41,7 @@ class Path:
     replans: int = 0
     start_snapped_m: float = 0.0
     goal_snapped_m: float = 0.0
+    backward: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
     length: float = field(init=False)
     """Length [m] of the polyline through the poses."""
 
@@ -48,7 +52,15 @@ class Path:
         if not np.isfinite(poses).all():
             raise InputError("a path needs finite poses")
         poses.flags.writeable = False
+        legs = len(poses) - 1
+        backward = (
+            np.array(self.backward, dtype=np.bool_, copy=True) if len(self.backward) else np.zeros(legs, np.bool_)
+        )
+        if backward.shape != (legs,):
+            raise InputError(f"a path of {legs + 1} poses has {legs} legs, got backward of shape {backward.shape}")
+        backward.flags.writeable = False
         object.__setattr__(self, "poses", poses)
+        object.__setattr__(self, "backward", backward)
         object.__setattr__(self, "length", path_length(poses))
 
     def __len__(self) -> int:

@@ -39,6 +39,16 @@ def test_other_commands_are_remarked_on(trundle: Trundle, two_drives: tuple[Path
     trundle("drive", "nova_carter", "--start", "1,2,0.5", "--command", "0.1,0,4.5", "-o", third)
     done = trundle("compare", two_drives[0], third, "-o", tmp_path)
     assert "not driven by the same commands" in done.err
+    assert "the runs end" not in done.err
+
+
+def test_a_run_that_ended_early_is_remarked_on(trundle: Trundle, two_drives: tuple[Path, Path], tmp_path: Path) -> None:
+    rows = (two_drives[1] / "drive.csv").read_text().splitlines()
+    (two_drives[1] / "drive.csv").write_text("\n".join(rows[:42]) + "\n")
+    done = trundle("compare", *two_drives, "-o", tmp_path, "--json")
+    assert done.code == 0
+    assert "the runs end after 4.50 and 2.00 s, and are compared up to 2.00 s" in done.err
+    assert done.json["duration_s"] == pytest.approx(2.0)
 
 
 def test_a_run_is_compared_with_a_drive_of_its_commands(trundle: Trundle, tmp_path: Path) -> None:

@@ -164,6 +164,14 @@ def test_without_isaac_sim_its_checklist_ends_there(trundle: Trundle) -> None:
     assert [check["name"] for check in done.json["checks"]] == ["python", "kernels", "isaac sim"]
 
 
+def test_a_mere_folder_called_isaacsim_is_none(trundle: Trundle, monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    (tmp_path / "isaacsim").mkdir()
+    monkeypatch.syspath_prepend(tmp_path)
+    done = trundle("doctor", "--backend", "isaac", "--headless", "--json")
+    assert done.code == 1
+    assert done.json["checks"][-1]["name"] == "isaac sim"
+
+
 def test_the_checklist_has_a_floor_of_its_own(trundle: Trundle, fake) -> None:
     done = trundle("doctor", "--backend", "isaac", "--headless", "--environment", "warehouse")
     assert done.code == 2

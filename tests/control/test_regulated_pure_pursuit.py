@@ -9,6 +9,7 @@ from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D, pad_outline, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
+from trundle.planning.hybrid_astar import HybridAStarPlanner
 from trundle.robots import Robot
 
 DT = 0.05
@@ -134,3 +135,26 @@ def test_without_a_path_it_stands():
 def test_settings_out_of_range_are_refused(option):
     with pytest.raises(InputError, match="regulated_pure_pursuit"):
         RegulatedPurePursuit(CARTER, **option)
+
+
+def test_a_path_that_leads_back_is_driven_backwards_within_the_reverse_speed():
+    limits = CARTER.limits.model_copy(update={"reverse_speed": 0.3})
+    path = Path(np.array([[2, 0, 0], [-2, 0, 0]]), backward=np.array([True]))
+    poses, twists = follow(RegulatedPurePursuit(CARTER.model_copy(update={"limits": limits})), path, costmap_with())
+    assert poses[-1].distance_to(path.goal) < 0.02
+    assert max(abs(pose.yaw) for pose in poses) < 1e-6
+    assert min(twist.v for twist in twists) == pytest.approx(-0.3)
+
+
+@pytest.mark.parametrize("radius", [0.6, 1.5])
+def test_it_parks_along_a_planned_path_with_a_change_of_direction(radius):
+    costmap = costmap_with((-5, 1.4, 5, 1.6), (-5, -1.0, 5, -0.9))
+    start, goal = Pose2D(0.0, -0.4, 0.0), Pose2D(0.0, 0.9, 0.0)
+    path = HybridAStarPlanner(minimum_turning_radius=radius).plan(costmap, start, goal)
+    assert 0 < np.count_nonzero(path.backward) < len(path.backward)
+    poses, twists = follow(RegulatedPurePursuit(CARTER), path, costmap)
+    assert poses[-1].distance_to(goal) < 0.05
+    assert abs(wrap_angle(poses[-1].yaw - goal.yaw)) < 0.05
+    assert not costmap.footprint_collides(as_array(poses)).any()
+    assert min(twist.v for twist in twists) < -0.1
+    assert max(twist.v for twist in twists) > 0.1

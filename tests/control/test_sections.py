@@ -60,3 +60,25 @@ def test_projection_moves_forward_only_and_within_its_window():
     assert section.project(1.0, 0.3, 0.0, 5.0) == pytest.approx(1.0)
     assert section.project(1.0, 0.3, 1.5, 5.0) == pytest.approx(1.5)
     assert section.project(2.5, 1.5, 0.0, 1.0) == pytest.approx(1.0)
+
+
+def test_where_the_robot_changes_direction_there_is_a_vertex_and_a_section_ends():
+    path = Path(np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0.5, 0, 0]]), backward=np.array([False, True, True]))
+    vertices = path_vertices(path)
+    assert [(vertex.x, vertex.turn, vertex.backward) for vertex in vertices] == [
+        (0.0, 0.0, False),
+        (2.0, pytest.approx(0.0), True),
+        (0.5, pytest.approx(0.0), False),
+    ]
+    there, back = cut_sections(vertices, [False] * 3)
+    assert (there.backward, there.length) == (False, 2.0)
+    assert (back.backward, back.length) == (True, 1.5)
+    assert back.headings == [pytest.approx(math.pi)]
+
+
+def test_turns_of_a_path_driven_backwards_are_the_robots():
+    # Backwards to the left behind it, then a turn in place to look back along the way it came.
+    path = Path(
+        np.array([[0, 0, 0], [-1, 0, 0], [-2, 1, -LEFT / 2], [-2, 1, LEFT]]), backward=np.array([True, True, False])
+    )
+    assert [vertex.turn for vertex in path_vertices(path)] == pytest.approx([0.0, -LEFT / 2, 1.5 * LEFT])

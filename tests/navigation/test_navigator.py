@@ -199,3 +199,15 @@ def test_the_blog_follower_drives_the_same_path_but_turns_to_no_yaw():
     navigator.set_goal(3, 2)
     drive(navigator, Pose2D(-3, 0, 0))
     assert navigator.status is NavigationStatus.ARRIVED
+
+
+def test_it_drives_what_hybrid_astar_plans_out_of_a_dead_end():
+    # The aisle is 0.8 m wide, and the robot needs 1.31 m to turn round.
+    navigator = Navigator(room((0, -5, 5, -0.4), (0, 0.4, 5, 5)), "nova_carter", planner="hybrid_astar")
+    navigator.set_goal(-3.0, 2.0, math.pi / 2)
+    poses = drive(navigator, Pose2D(3.0, 0.0, 0.0))
+    assert navigator.status is NavigationStatus.ARRIVED
+    assert poses[-1].distance_to(Pose2D(-3, 2)) < 0.1
+    assert not touches(navigator, poses)
+    inside = [pose for pose in poses if pose.x > 0.8]
+    assert max(abs(pose.yaw) for pose in inside) < 0.3  # it came out backwards

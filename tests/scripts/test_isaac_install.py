@@ -167,6 +167,26 @@ def test_the_python_of_an_older_isaac_sim_is_told_so(version: str) -> None:
     assert "trundle needs 3.11 or newer: Isaac Sim 5.1 or newer" in done.stderr
 
 
+def test_a_wheel_that_cannot_be_used_changes_nothing(isaac: StandIn, tmp_path: Path) -> None:
+    other_python = make_wheel(tmp_path, "trundle", "0.1.0", "rich>=13").rename(
+        tmp_path / "trundle-0.1.0-cp399-cp399-any.whl"
+    )
+    no_wheel = tmp_path / "trundle-0.1.0-py3-none-any.whl"
+    no_wheel.write_text("not a wheel")
+    newer = make_wheel(isaac.shelf, "numpy", "2.5.0")
+    before = isaac.freeze()
+    for wheel, said in (
+        (other_python, "not a supported wheel"),
+        (no_wheel, "invalid"),
+        (newer, "is a wheel of numpy: give one of trundle"),
+    ):
+        done = isaac.install(str(wheel))
+        assert done.returncode == 2
+        assert "nothing was changed" in done.stderr
+        assert said in done.stderr
+    assert isaac.freeze() == before
+
+
 @pytest.mark.parametrize("source", ["no-such.whl", "no-such-folder"])
 def test_a_source_that_is_not_there_is_named(isaac: StandIn, source: str) -> None:
     done = isaac.install(source)

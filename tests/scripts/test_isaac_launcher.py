@@ -141,6 +141,20 @@ def test_a_python_without_isaacsim_is_not_taken(tmp_path: Path) -> None:
     assert "pip install 'isaacsim" in done.stderr
 
 
+def test_a_mere_folder_called_isaacsim_makes_no_python_one_of_isaac_sim(tmp_path: Path) -> None:
+    (tmp_path / "isaacsim").mkdir()
+    done = subprocess.run(
+        [str(LAUNCHER), "run", "x.yaml"],
+        cwd=tmp_path,
+        env={"PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "no Isaac Sim found" in done.stderr
+
+
 def test_a_folder_without_python_sh_is_named(tmp_path: Path) -> None:
     done = launch(tmp_path, "run", "x.yaml", ISAACSIM_PATH=str(tmp_path))
     assert done.returncode == 2

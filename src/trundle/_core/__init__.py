@@ -2,6 +2,7 @@
 
 from trundle._core._kernels import (
     BinaryGrid,
+    HybridAStar,
     cast_grid_rays,
     cast_outline_rays,
     cost_field,
@@ -25,11 +26,13 @@ from trundle._core._kernels import (
     raster_thin_faces,
     raster_thin_faces_over_floor,
     shortcut,
+    shortest_curves,
     walk_corners,
 )
 
 __all__ = [
     "BinaryGrid",
+    "HybridAStar",
     "cast_grid_rays",
     "cast_outline_rays",
     "cost_field",
@@ -53,5 +56,6 @@ __all__ = [
     "raster_thin_faces",
     "raster_thin_faces_over_floor",
     "shortcut",
+    "shortest_curves",
     "walk_corners",
 ]

@@ -10,6 +10,9 @@ class BinaryGrid:
     def find_way(
         self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, int, int, bytes]: ...
+    def find_point_way(
+        self, start: object, goal: object, theta: bool, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
+    ) -> tuple[int, float, bytes]: ...
     def find_ways(
         self,
         starts: npt.NDArray[np.int64],
@@ -25,6 +28,59 @@ class BinaryGrid:
     def clutter(self) -> float: ...
     @property
     def bytes(self) -> int: ...
+
+class HybridAStar:
+    def __init__(
+        self,
+        *,
+        radius: float,
+        reverse: bool,
+        in_place: bool,
+        reverse_penalty: float,
+        change_cost: float,
+        turn_cost: float,
+        cost_weight: float,
+        heuristic_weight: float,
+        cell_size: float,
+    ) -> None: ...
+    def plan(
+        self,
+        costs: npt.NDArray[np.uint8],
+        resolution: float,
+        outline: npt.NDArray[np.float64],
+        start: npt.NDArray[np.float64],
+        goal: npt.NDArray[np.float64],
+        any_yaw: bool,
+        step: float,
+        spacing: float,
+        max_expansions: int,
+        seconds: float | None,
+        cancel: npt.NDArray[np.uint8] | None,
+    ) -> tuple[
+        int,
+        npt.NDArray[np.float64],
+        npt.NDArray[np.uint8],
+        npt.NDArray[np.float64],
+        float,
+        tuple[int, int, int],
+    ]:
+        """Poses are in the frame of the grid's corner [m, m, rad].
+
+        Returns the status (0 found, 1 unreachable, 2 timeout, 3 cancelled, 4 out of expansions); poses, shape (N, 3);
+        for each leg between two of them 1 where it is driven backwards, shape (N - 1,); the lengths [m], negative
+        backwards, and turns [rad] of the arcs, lines and turns in place, shape (M, 2); the cost [m]; and how many
+        nodes were expanded, cells of the field settled, and poses checked with the outline.
+        """
+    @property
+    def bytes(self) -> int: ...
+
+def shortest_curves(
+    starts: npt.NDArray[np.float64], goals: npt.NDArray[np.float64], radius: float, reverse: bool
+) -> npt.NDArray[np.float64]:
+    """The shortest Dubins or, with `reverse`, Reeds-Shepp curves between poses, shape (N, 3) each.
+
+    Returns up to five pairs of length [m], negative backwards, and curvature [1/m], shape (N, 5, 2), filled up with 0.
+    """
 
 def walk_corners(corners: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]: ...
 def inflate(occupancy: npt.NDArray[np.int8], table: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...

@@ -2,6 +2,7 @@
 #include "binary_grid.hpp"
 
 #include "arrays.hpp"
+#include "patience.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <exception>
 #include <optional>
 #include <string>
@@ -23,23 +23,10 @@ namespace {
 
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::device::cpu>;  // any strides
 using CellArray = In<std::int64_t, 2>;
-using Flag = std::optional<In<std::uint8_t, 1>>;
 
 ByteView view_of(const Bytes &array) {
   return {array.data(), static_cast<std::int64_t>(array.shape(0)), static_cast<std::int64_t>(array.shape(1)),
           array.stride(0), array.stride(1)};
-}
-
-// The moment that is so many seconds away, and the flag's byte.
-Patience patience_of(std::optional<double> seconds, const Flag &cancel) {
-  Patience patience;
-  if (cancel && cancel->size() > 0) patience.cancel = cancel->data();
-  if (seconds) {
-    const std::chrono::duration<double> most(std::min(*seconds, 1e9));
-    patience.deadline =
-        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
-  }
-  return patience;
 }
 
 GridCell cell_of(std::int64_t row, std::int64_t col) {
@@ -115,6 +102,30 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
   static_assert(sizeof(GridCell) == 2 * sizeof(std::int32_t), "corners are handed over as they lie");
   return nb::make_tuple(static_cast<int>(way.status), way.straight, way.diagonal,
                         nb::bytes(way.corners.data(), way.corners.size() * sizeof(GridCell)));
+}
+
+// Status, length in cells, and the points as bytes of int32: (column, row), …, in half cells from the map's corner.
+static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::handle goal, bool theta,
+                                std::optional<double> seconds, const Flag &cancel) {
+  constexpr std::int64_t kLongest = std::int64_t{1} << 29;  // half cells have 32 bits, and so have their differences
+  if (std::max(grid.rows(), grid.cols()) > kLongest) throw nb::value_error("a side has more than 2^29 cells");
+  std::int64_t ends[4];
+  int status = 0;
+  for (int end = 0; end < 2 && status == 0; ++end) {
+    if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
+  }
+  if (status == 0) status = refusal(grid, ends);
+  if (status != 0) return nb::make_tuple(status, 0.0, nb::bytes("", 0));
+  PointWay way;
+  double length = 0.0;
+  {
+    nb::gil_scoped_release released;
+    way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), theta, patience_of(seconds, cancel));
+    length = way.length();
+  }
+  static_assert(sizeof(HalfCell) == 2 * sizeof(std::int32_t), "points are handed over as they lie");
+  return nb::make_tuple(static_cast<int>(way.status), length,
+                        nb::bytes(way.points.data(), way.points.size() * sizeof(HalfCell)));
 }
 
 // Many ways at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
@@ -221,6 +232,8 @@ void bind_binary_grid(nanobind::module_ &m) {
       .def(nb::new_(&trundle::make_grid), nb::arg("blocked").noconvert(), nb::arg("connectivity"), nb::arg("method"))
       .def("find_way", &trundle::find_way, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
            nb::arg("cancel").none())
+      .def("find_point_way", &trundle::find_point_way, nb::arg("start").none(), nb::arg("goal").none(),
+           nb::arg("theta"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("find_ways", &trundle::find_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())

@@ -8,11 +8,13 @@
 #include <shared_mutex>
 #include <vector>
 
+#include "any_angle.hpp"
 #include "bit_grid.hpp"
 #include "bucket_search.hpp"
 #include "free_runs.hpp"
 #include "jump_search.hpp"
 #include "jump_table.hpp"
+#include "theta_star.hpp"
 
 namespace trundle {
 
@@ -74,6 +76,8 @@ class BinaryGrid {
     std::lock_guard pool(pool_);
     for (const auto &memory : jump_pool_) sum += memory->bytes();
     for (const auto &memory : bucket_pool_) sum += memory->bytes();
+    for (const auto &memory : any_angle_pool_) sum += memory->bytes();
+    for (const auto &memory : theta_pool_) sum += memory->bytes();
     return sum;
   }
 
@@ -98,6 +102,29 @@ class BinaryGrid {
     }
     if (turn) std::reverse(way.corners.begin(), way.corners.end());
     for (GridCell &cell : way.corners) --cell.row, --cell.col;
+    return way;
+  }
+
+  // The way of a point, in half cells; with Theta* not the shortest. The same in both directions.
+  PointWay find_point(GridCell start, GridCell goal, bool theta, const Patience &patience) const {
+    std::shared_lock lock(change_);
+    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
+    PointWay way;
+    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return way;
+    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return way;
+    const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
+    if (turn) std::swap(from, to);
+    if (theta) {
+      auto memory = borrow(theta_pool_);
+      way = theta_star(lines_, from, to, patience, *memory);
+      give_back(theta_pool_, std::move(memory));
+    } else {
+      auto memory = borrow(any_angle_pool_);
+      way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
+      give_back(any_angle_pool_, std::move(memory));
+    }
+    if (turn) std::reverse(way.points.begin(), way.points.end());
+    for (HalfCell &at : way.points) at.x -= 2, at.y -= 2;  // without the border
     return way;
   }
 
@@ -201,6 +228,8 @@ class BinaryGrid {
   mutable std::mutex pool_;
   mutable std::vector<std::unique_ptr<JumpNodes>> jump_pool_;
   mutable std::vector<std::unique_ptr<BucketMemory>> bucket_pool_;
+  mutable std::vector<std::unique_ptr<AnyAngleMemory>> any_angle_pool_;
+  mutable std::vector<std::unique_ptr<ThetaStarMemory>> theta_pool_;
 };
 
 }  // namespace trundle

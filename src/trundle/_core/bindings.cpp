@@ -9,6 +9,7 @@ void bind_cost_field(nb::module_ &m);
 void bind_footprint(nb::module_ &m);
 void bind_grid_search(nb::module_ &m);
 void bind_grid_rays(nb::module_ &m);
+void bind_hybrid_astar(nb::module_ &m);
 void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
 void bind_floor_planes(nb::module_ &m);
@@ -19,6 +20,7 @@ void bind_raster(nb::module_ &m);
 void bind_raster_cylinder(nb::module_ &m);
 void bind_raster_floor(nb::module_ &m);
 void bind_raster_mesh(nb::module_ &m);
+void bind_shortest_curves(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
@@ -29,6 +31,7 @@ NB_MODULE(_kernels, m) {
   bind_footprint(m);
   bind_grid_search(m);
   bind_grid_rays(m);
+  bind_hybrid_astar(m);
   bind_inflation(m);
   bind_flood(m);
   bind_floor_planes(m);
@@ -39,5 +42,6 @@ NB_MODULE(_kernels, m) {
   bind_raster_cylinder(m);
   bind_raster_floor(m);
   bind_raster_mesh(m);
+  bind_shortest_curves(m);
   bind_zbuffer(m);
 }

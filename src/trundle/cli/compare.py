@@ -9,6 +9,8 @@ from cyclopts import App, Parameter
 
 from trundle.cli import options, output
 
+_LONGER_S = 0.5
+
 app = App(
     name="compare",
     version_flags=[],
@@ -45,7 +47,8 @@ def compare(
     from trundle.record.run_folder import save_png
 
     target = options.output_file(out, "compare.png", (".png",))
-    comparison = compare_motions(Motion.load(first), Motion.load(second), align=align)
+    motions = Motion.load(first), Motion.load(second)
+    comparison = compare_motions(*motions, align=align)
     one, other = first.resolve().name, second.resolve().name
     names = (one, other) if one != other else (str(first), str(second))
     save_png(draw_comparison(comparison, names), target)
@@ -53,6 +56,13 @@ def compare(
         output.remark(
             f"trundle: the runs were not driven by the same commands: they differ by up to "
             f"{comparison.max_command_difference:.3f} (see trundle drive --like RUN)",
+            quiet=quiet,
+        )
+    ends = [float(motion.time[-1]) for motion in motions]
+    if max(ends) - comparison.time[-1] > _LONGER_S:
+        output.remark(
+            f"trundle: the runs end after {ends[0]:.2f} and {ends[1]:.2f} s, and are compared up to "
+            f"{comparison.time[-1]:.2f} s",
             quiet=quiet,
         )
     facts = {

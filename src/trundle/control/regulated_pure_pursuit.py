@@ -1,9 +1,10 @@
 """Regulated pure pursuit that stops and turns where it has to, and never drives where it could not stop.
 
 After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), with the defaults of Nav2's controller
-of that name. What is added: the path is cut at sharp bends, and at bends that the footprint cannot take in a curve,
-into sections with turns in place between them; and every command is checked with the footprint over its stopping
-distance.
+of that name. What is added: the path is cut at sharp bends, where its direction changes, and at bends that the
+footprint cannot take in a curve, into sections with turns in place between them; and every command is checked with the
+footprint over its stopping distance. A section that is driven backwards is followed as by a robot that looks the other
+way, with its speed turned round.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop, cost_under
-from trundle.control.sections import Section, Vertex, cut_sections, path_vertices
+from trundle.control.sections import Section, Vertex, changes_direction, cut_sections, path_vertices
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, pad_outline, wrap_angle
@@ -26,6 +27,7 @@ _STAND = Twist2D(0.0, 0.0)
 _SIMULATION_STEP_M = 0.05
 _TURN_DONE_RAD = 0.02
 _SECTION_DONE_M = 0.01
+_SECTION_MISSED_M = 0.02
 _SLOWER = (1.0, 0.5, 0.25)
 
 
@@ -36,7 +38,7 @@ class PursuitSettings:
     Attributes:
         desired_linear_vel: Speed on a free straight [m/s]; none means the robot's limit.
         lookahead_dist: Distance along the path to the point that is driven at [m].
-        min_lookahead_dist: The same while the usual one is blocked [m].
+        min_lookahead_dist: The same while the usual one is blocked, and along curves that it would cut too short [m].
         rotate_to_heading_min_angle: Above this angle to the path the robot turns in place [rad].
         rotate_to_heading_angular_vel: Speed of those turns [rad/s]; the robot's limit holds below it.
         regulated_linear_scaling_min_radius: Curves tighter than this are driven slower [m].
@@ -98,6 +100,7 @@ class RegulatedPurePursuit:
         self._outline = pad_outline(robot.outline, self.settings.footprint_padding)
         self._vertices: list[Vertex] = []
         self._sections: list[Section] | None = None
+        self._lookaheads: list[float] = []
         self._index = 0
         self._s = 0.0
         self._turn: _Turn | None = None
@@ -140,36 +143,59 @@ class RegulatedPurePursuit:
             self._begin_turn(vertices[0].turn, pose)
             self._done = self._turn is None
             return
-        stops = [abs(vertex.turn) > sharp for vertex in vertices]
+        stops = [abs(vertex.turn) > sharp or changes_direction(vertices, i) for i, vertex in enumerate(vertices)]
         stops[-1] = True
-        while (bend := self._first_blocked_bend(vertices, stops, pose, costmap)) is not None:
+        sections = cut_sections(vertices, stops)
+        self._lookaheads, bend = self._choose_lookaheads(sections, stops, pose, costmap)
+        while bend is not None:
             stops[bend] = True
-        self._sections = cut_sections(vertices, stops)
+            sections = cut_sections(vertices, stops)
+            self._lookaheads, bend = self._choose_lookaheads(sections, stops, pose, costmap)
+        self._sections = sections
         if stops[0]:
             self._begin_turn(vertices[0].turn, pose)
 
-    def _first_blocked_bend(
-        self, vertices: list[Vertex], stops: list[bool], pose: Pose2D, costmap: Costmap
-    ) -> int | None:
-        """Index of the bend, not yet a stop, nearest to the first place where following would touch; none if clear."""
+    def _choose_lookaheads(
+        self, sections: list[Section], stops: list[bool], pose: Pose2D, costmap: Costmap
+    ) -> tuple[list[float], int | None]:
+        """The lookahead [m] that follows each section to its end and touches nothing: the usual or the short one.
+
+        Where the short one touches something, also the index of the bend, not yet a stop, that is nearest to there.
+        """
+        lookaheads: list[float] = []
         first = 0
-        for section in cut_sections(vertices, stops):
+        for section in sections:
             last = first + len(section.points) - 1
+            lookaheads.append(self.settings.lookahead_dist)
             bends = [i for i in range(first, last) if not stops[i]]
             if bends:
-                yaw = section.headings[0] if first > 0 or stops[0] else pose.yaw
-                driven, along = self._drive_geometrically(section, yaw)
-                hits = np.flatnonzero(costmap.footprint_collides(driven, outline=self._outline))
-                if len(hits):
-                    return self._nearest_bend(bends, section, first, along[int(hits[0])])
+                yaw = section.headings[0] if first > 0 or stops[0] else _travel_yaw(section, pose.yaw)
+                touched, missed = self._pursue_ideally(section, yaw, self.settings.lookahead_dist, costmap)
+                if touched is not None or missed > _SECTION_MISSED_M:
+                    lookaheads[-1] = self.settings.min_lookahead_dist
+                    touched, _ = self._pursue_ideally(section, yaw, self.settings.min_lookahead_dist, costmap)
+                if touched is not None:
+                    return lookaheads, self._nearest_bend(bends, section, first, touched)
             first = last
-        return None
+        return lookaheads, None
+
+    def _pursue_ideally(
+        self, section: Section, yaw: float, lookahead: float, costmap: Costmap
+    ) -> tuple[float | None, float]:
+        """How far along [m] an ideal pursuit first touches something, or none; and by how much it misses the end."""
+        driven, along = self._drive_geometrically(section, yaw, lookahead)
+        if len(driven) == 0:
+            return None, 0.0
+        hits = np.flatnonzero(costmap.footprint_collides(driven, outline=self._outline))
+        (x, y), heading = section.points[-1], section.headings[-1]
+        missed = abs((driven[-1, 1] - y) * math.cos(heading) - (driven[-1, 0] - x) * math.sin(heading))
+        return along[int(hits[0])] if len(hits) else None, missed
 
     @staticmethod
     def _nearest_bend(bends: list[int], section: Section, first: int, s: float) -> int:
         return min(bends, key=lambda bend: abs(section.starts[bend - first] - s))
 
-    def _drive_geometrically(self, section: Section, yaw: float) -> tuple[FloatArray, list[float]]:
+    def _drive_geometrically(self, section: Section, yaw: float, lookahead: float) -> tuple[FloatArray, list[float]]:
         """Poses of an ideal pure pursuit along a section from its start, and how far along each is [m]."""
         (x, y), s = section.points[0], 0.0
         poses: list[tuple[float, float, float]] = []
@@ -177,10 +203,10 @@ class RegulatedPurePursuit:
         for _ in range(int(1.5 * section.length / _SIMULATION_STEP_M) + 1):
             if section.length - s <= _SECTION_DONE_M:
                 break
-            curvature = self._curvature(section, x, y, yaw, s, self.settings.lookahead_dist)[0]
+            curvature = self._curvature(section, x, y, yaw, s, lookahead)[0]
             x, y, yaw = integrate_twist(x, y, yaw, 1.0, curvature, _SIMULATION_STEP_M)
             s = section.project(x, y, s, 2.0 * _SIMULATION_STEP_M)
-            poses.append((x, y, yaw))
+            poses.append((x, y, _travel_yaw(section, yaw)))
             along.append(s)
         return np.array(poses).reshape(-1, 3), along
 
@@ -204,7 +230,7 @@ class RegulatedPurePursuit:
             return
         self._index, self._s = self._index + 1, 0.0
         # The planned way round, to the planned direction, from the yaw that the robot really has.
-        self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - pose.yaw), pose)
+        self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - _travel_yaw(section, pose.yaw)), pose)
         if self._turn is None and self._index >= len(sections):
             self._done = True
 
@@ -222,15 +248,17 @@ class RegulatedPurePursuit:
         """Commands to follow the section, the best first; the later ones lead back onto it where it is tight."""
         sections = self._sections or []
         section, settings = sections[self._index], self.settings
-        curvature, bearing = self._curvature(section, pose.x, pose.y, pose.yaw, self._s, settings.lookahead_dist)
+        yaw = _travel_yaw(section, pose.yaw)
+        curvature, bearing = self._curvature(section, pose.x, pose.y, yaw, self._s, self._lookaheads[self._index])
         rotate = min(settings.rotate_to_heading_angular_vel, self._robot.limits.angular_speed)
         back_to_path = Twist2D(0.0, math.copysign(min(rotate, max(0.1, 2.0 * abs(bearing))), bearing))
         if abs(bearing) > settings.rotate_to_heading_min_angle:
             return [back_to_path, Twist2D(0.0, -back_to_path.w)]
         speed = self._regulated_speed(curvature, section, pose, costmap)
-        tight = self._curvature(section, pose.x, pose.y, pose.yaw, self._s, settings.min_lookahead_dist)[0]
+        tight = self._curvature(section, pose.x, pose.y, yaw, self._s, settings.min_lookahead_dist)[0]
         slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
-        return [Twist2D(speed, speed * curvature), Twist2D(slow, slow * tight), back_to_path]
+        way = -1.0 if section.backward else 1.0
+        return [Twist2D(way * speed, speed * curvature), Twist2D(way * slow, slow * tight), back_to_path]
 
     @staticmethod
     def _curvature(section: Section, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:
@@ -248,8 +276,10 @@ class RegulatedPurePursuit:
     def _regulated_speed(self, curvature: float, section: Section, pose: Pose2D, costmap: Costmap) -> float:
         """Speed [m/s] for a curvature, the distance to obstacles and the distance to the end of the section."""
         settings, limits = self.settings, self._robot.limits
-        wanted = limits.linear_speed if settings.desired_linear_vel is None else settings.desired_linear_vel
-        wanted = min(wanted, limits.linear_speed)
+        fastest = limits.linear_speed
+        if section.backward and limits.reverse_speed is not None:
+            fastest = limits.reverse_speed
+        wanted = fastest if settings.desired_linear_vel is None else min(settings.desired_linear_vel, fastest)
         regulated = wanted
         radius = 1.0 / max(abs(curvature), 1e-9)
         if radius < settings.regulated_linear_scaling_min_radius:
@@ -286,3 +316,8 @@ class RegulatedPurePursuit:
         limits = self._robot.limits
         stop = limits.linear_speed * (0.1 + limits.linear_speed / (2.0 * limits.linear_acceleration))
         return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop
+
+
+def _travel_yaw(section: Section, yaw: float) -> float:
+    """Where a robot with this yaw [rad] drives on a section; and the yaw of a robot that drives there."""
+    return yaw + math.pi if section.backward else yaw

@@ -22,11 +22,13 @@ class Vertex:
         x, y: [m], map frame.
         turn: Angle to turn by there [rad], counter-clockwise; the way round that the planner chose, so it may be
             beyond ±π.
+        backward: Whether the robot drives on from there backwards.
     """
 
     x: float
     y: float
     turn: float
+    backward: bool = False
 
 
 class Section:
@@ -35,13 +37,15 @@ class Section:
     Args:
         points: (x, y) [m] of its corners, map frame, at least two, no two neighbours at one place.
         end_turn: Angle [rad] to turn by at its end.
+        backward: Whether it is driven backwards: its headings are where it leads, not where the robot looks.
     """
 
-    __slots__ = ("end_turn", "headings", "length", "points", "starts")
+    __slots__ = ("backward", "end_turn", "headings", "length", "points", "starts")
 
-    def __init__(self, points: Sequence[tuple[float, float]], end_turn: float) -> None:
+    def __init__(self, points: Sequence[tuple[float, float]], end_turn: float, *, backward: bool = False) -> None:
         self.points = list(points)
         self.end_turn = end_turn
+        self.backward = backward
         self.starts = [0.0]
         self.headings: list[float] = []
         for (x0, y0), (x1, y1) in zip(self.points, self.points[1:], strict=False):
@@ -86,32 +90,47 @@ def path_vertices(path: Path) -> list[Vertex]:
     the goal's yaw. A path that stays at one place is a single vertex.
     """
     poses: list[list[float]] = path.poses.tolist()
+    driven_back: list[bool] = path.backward.tolist()
     places: list[list[float]] = []  # x, y, sum of the turns in place there
+    backward: list[bool] = []  # of the way there
     for i, (x, y, yaw) in enumerate(poses):
         if places and math.hypot(x - places[-1][0], y - places[-1][1]) <= _SAME_PLACE_M:
             places[-1][2] += wrap_angle(yaw - poses[i - 1][2])
         else:
             places.append([x, y, 0.0])
+            backward.append(i > 0 and driven_back[i - 1])
     yaw = poses[0][2]
+    last = len(places) - 1
     vertices: list[Vertex] = []
     for i, (x, y, turned) in enumerate(places):
-        following = places[i + 1] if i + 1 < len(places) else None
-        heading = poses[-1][2] if following is None else math.atan2(following[1] - y, following[0] - x)
+        heading = poses[-1][2] if i == last else _robot_yaw(places[i], places[i + 1], backward=backward[i + 1])
         # The turns in place say which way round; the exact amount is from direction to direction.
         turn = turned + wrap_angle(heading - yaw - turned)
-        if i in (0, len(places) - 1) or abs(turn) > _STRAIGHT_RAD:
-            vertices.append(Vertex(x, y, turn))
+        cusp = 0 < i < last and backward[i] != backward[i + 1]
+        if i in (0, last) or cusp or abs(turn) > _STRAIGHT_RAD:
+            vertices.append(Vertex(x, y, turn, i < last and backward[i + 1]))
             yaw = heading
     return vertices
 
 
+def _robot_yaw(here: Sequence[float], there: Sequence[float], *, backward: bool) -> float:
+    """Yaw [rad] of a robot that drives straight from one place to the next."""
+    heading = math.atan2(there[1] - here[1], there[0] - here[0])
+    return heading + math.pi if backward else heading
+
+
+def changes_direction(vertices: Sequence[Vertex], i: int) -> bool:
+    """Whether the robot comes to a vertex inside the path forward and leaves it backwards, or the other way round."""
+    return 0 < i < len(vertices) - 1 and vertices[i].backward != vertices[i - 1].backward
+
+
 def cut_sections(vertices: Sequence[Vertex], stops: Sequence[bool]) -> list[Section]:
-    """Join the vertices to sections that end where `stops` is true, and at the last vertex."""
+    """Join the vertices to sections that end where `stops` is true, where the direction changes, and at the end."""
     sections: list[Section] = []
     points = [(vertices[0].x, vertices[0].y)]
     for i, vertex in enumerate(vertices[1:], start=1):
         points.append((vertex.x, vertex.y))
-        if stops[i] or i == len(vertices) - 1:
-            sections.append(Section(points, vertex.turn))
+        if stops[i] or changes_direction(vertices, i) or i == len(vertices) - 1:
+            sections.append(Section(points, vertex.turn, backward=vertices[i - 1].backward))
             points = [points[-1]]
     return sections

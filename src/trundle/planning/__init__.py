@@ -3,6 +3,7 @@
 from trundle.planning.fields import cost_field
 from trundle.planning.grid_search import Cancellation, GridPath, GridPaths, GridSearch
 from trundle.planning.planner import Planner, create_planner, planner_names
+from trundle.planning.point_path import PointPath, any_angle_path
 
 __all__ = [
     "Cancellation",
@@ -10,6 +11,8 @@ __all__ = [
     "GridPaths",
     "GridSearch",
     "Planner",
+    "PointPath",
+    "any_angle_path",
     "cost_field",
     "create_planner",
     "planner_names",

@@ -55,12 +55,15 @@ class BinaryPlanner(FootprintPlanner):
     def _find_cells(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: tuple[int, int], goal: tuple[int, int]
     ) -> npt.NDArray[np.int32]:
+        return self._search(costmap, costs).shortest_path(start, goal).cells
+
+    def _search(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> GridSearch:
+        """The search over cells below 253; that of the costmap's own costs is kept."""
         if costs is not costmap.data:
             # For this query alone: a table would cost more than it saves.
-            method = "jps" if self._method == "jps_plus" else self._method
-            return GridSearch(costs >= INSCRIBED, method=method).shortest_path(start, goal).cells
+            return GridSearch(costs >= INSCRIBED, method="jps" if self._method == "jps_plus" else self._method)
         last = self._last
         if last is None or last[0]() is not costmap:
             last = weakref.ref(costmap), GridSearch(costs >= INSCRIBED, method=self._method)
             self._last = last
-        return last[1].shortest_path(start, goal).cells
+        return last[1]

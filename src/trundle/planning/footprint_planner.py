@@ -141,10 +141,10 @@ class FootprintPlanner:
         if len(cells) == 0:
             return None
         centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
-        ends = _to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
+        ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
         points = np.concatenate([ends[:1], centres, ends[1:]])
         chosen, cost = _core.shortcut(costs, self._line_weights, points)
-        vertices = _to_map(costmap, points[chosen])
+        vertices = to_map(costmap, points[chosen])
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
 
@@ -199,12 +199,12 @@ def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     return keep
 
 
-def _to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:
+def to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:
     """Points [m] of the map frame in grid units."""
     return costmap.origin.inverse().transform_points(points) / costmap.resolution
 
 
-def _to_map(costmap: Costmap, points: FloatArray) -> FloatArray:
+def to_map(costmap: Costmap, points: FloatArray) -> FloatArray:
     """Points in grid units in the map frame [m]."""
     return costmap.origin.transform_points(points * costmap.resolution)
 

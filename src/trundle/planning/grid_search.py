@@ -15,6 +15,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
 from trundle.geometry import FloatArray
+from trundle.planning.point_path import POINT_METHODS, PointMethod, PointPath
 
 Status = Literal["found", "unreachable", "timeout", "cancelled"]
 STATUSES: tuple[Status, ...] = ("found", "unreachable", "timeout", "cancelled")
@@ -206,6 +207,44 @@ class GridSearch:
             return GridPath("found", straight + _ROOT_2 * diagonal, corners)
         if code > 0:
             return GridPath(STATUSES[code], math.inf if code == 1 else math.nan, corners)
+        raise self._refusal(code, "the ", start, goal)
+
+    def any_angle_path(
+        self,
+        start: CellLike,
+        goal: CellLike,
+        *,
+        method: PointMethod = "exact",
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> PointPath:
+        """Find the way of a point between the centres of two cells, in any direction, as `any_angle_path` explains.
+
+        Args:
+            start: (row, col).
+            goal: (row, col).
+            method: "exact" for the shortest way; "theta_star" for that of Theta* (K. Daniel, A. Nash, S. Koenig,
+                A. Felner, 2010), which turns at the centres of cells and is not the shortest.
+            deadline_s: Give up after this time [s]; `status` is "timeout" then.
+            cancel: Give up when this says so; `status` is "cancelled" then.
+
+        Raises:
+            OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
+            BlockedPoseError: If an end is blocked.
+            InputError: If an end is no pair of whole numbers, or another argument is none of these.
+        """
+        if method not in POINT_METHODS:
+            raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
+        flag = _check_limits(deadline_s, cancel)
+        try:
+            found = self._grid.find_point_way(start, goal, method == "theta_star", deadline_s, flag)
+        except ValueError as error:
+            raise InputError(f"a map of {self._shape[0]} x {self._shape[1]} cells: {error}") from error
+        code, length, corners = found
+        if code == 0:
+            return PointPath("found", length, corners)
+        if code > 0:
+            return PointPath(STATUSES[code], math.inf if code == 1 else math.nan, corners)
         raise self._refusal(code, "the ", start, goal)
 
     def plan_many(

@@ -18,6 +18,9 @@ PLANNERS = Registry(
         "astar": "trundle.planning.astar:AStarPlanner",
         "jps": "trundle.planning.jps:JpsPlanner",
         "jps_plus": "trundle.planning.jps:JpsPlusPlanner",
+        "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
+        "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
+        "theta_star": "trundle.planning.any_angle:ThetaStarPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
     },
 )

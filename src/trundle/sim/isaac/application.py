@@ -113,7 +113,9 @@ def check_installation() -> None:
         InputError: If it has none, or one for another Python; the message says how to start trundle.
     """
     here = ".".join(map(str, sys.version_info[:2]))
-    if importlib.util.find_spec("isaacsim") is None:
+    found = importlib.util.find_spec("isaacsim")
+    # Without a loader it is a mere folder of that name, such as Isaac Sim's own in the folder that we are in.
+    if found is None or found.loader is None:
         root = os.environ.get("ISAAC_PATH") or os.environ.get("ISAACSIM_PATH")
         python = f"{root}/python.sh" if root else "/path/to/isaac-sim/python.sh"
         raise InputError(

@@ -1,0 +1,172 @@
+// `HybridAStar` as Python sees it: ways of an oriented footprint between poses.
+#include "hybrid_search.hpp"
+
+#include "arrays.hpp"
+#include "patience.hpp"
+
+#include <nanobind/stl/optional.h>
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace trundle {
+
+namespace {
+
+// Parts that go on alike become one.
+std::vector<Stretch> merged(const std::vector<Stretch> &parts) {
+  std::vector<Stretch> out;
+  for (const Stretch &part : parts) {
+    if (!out.empty()) {
+      Stretch &last = out.back();
+      const bool same_way = last.length * part.length > 0.0 || (last.length == 0.0 && part.length == 0.0);
+      // Of two turns in place those of one direction; of two arcs those of one curvature.
+      const bool alike = part.length == 0.0 ? last.turn * part.turn > 0.0
+                                            : std::fabs(last.turn * part.length - part.turn * last.length) <
+                                                  1e-9 * std::fabs(part.length * last.length);
+      if (same_way && alike) {
+        last.length += part.length, last.turn += part.turn;
+        continue;
+      }
+    }
+    out.push_back(part);
+  }
+  return out;
+}
+
+// Poses along the parts, at most `spacing` apart and with less than half a turn between two, and for each pose but the
+// first whether it is reached backwards.
+void sample(const PlanarPose &start, const PlanarPose &goal, const std::vector<Stretch> &parts, double spacing,
+            std::vector<double> &poses, std::vector<std::uint8_t> &backward) {
+  constexpr double kLongestTurn = 2.0;  // [rad]
+  const auto add = [&](const PlanarPose &pose, bool back) {
+    poses.insert(poses.end(), {pose.x, pose.y, pose.yaw});
+    backward.push_back(back ? 1 : 0);
+  };
+  poses = {start.x, start.y, start.yaw};
+  PlanarPose pose = start;
+  for (const Stretch &part : parts) {
+    const double pieces = std::max(std::fabs(part.length) / spacing, std::fabs(part.turn) / kLongestTurn);
+    const int count = std::max(1, static_cast<int>(std::ceil(std::min(pieces - 1e-9, 1e8))));
+    for (int i = 1; i <= count; ++i) {
+      const double share = static_cast<double>(i) / count;
+      add(Stretch{part.length * share, part.turn * share}.from(pose), part.length < 0.0);
+    }
+    pose = part.from(pose);
+  }
+  if (parts.empty()) add(goal, false);
+  // What has come together in rounding on the way.
+  poses[poses.size() - 3] = goal.x, poses[poses.size() - 2] = goal.y;
+  if (!parts.empty()) poses[poses.size() - 1] = pose.yaw;
+}
+
+bool is_number(double value, double least, double most) { return value >= least && value <= most; }
+
+}  // namespace
+
+class HybridAStar {
+ public:
+  HybridAStar(double radius, bool reverse, bool in_place, double reverse_penalty, double change_cost, double turn_cost,
+              double cost_weight, double heuristic_weight, double cell_size)
+      : settings_{{radius, reverse, in_place, reverse_penalty, change_cost, turn_cost}, cost_weight, heuristic_weight,
+                  cell_size} {
+    if (!is_number(radius, 0.0, 1e6) || (radius < 1e-3 && !(radius == 0.0 && in_place))) {
+      throw nb::value_error("the radius must be from 0.001 to 1e6, or 0 for a robot that turns in place");
+    }
+    if (!is_number(reverse_penalty, 1.0, 1e6) || !is_number(change_cost, 0.0, 1e6) || !is_number(turn_cost, 0.0, 1e6) ||
+        !is_number(cost_weight, 0.0, 1e3) || !is_number(heuristic_weight, 1.0, 1e3) || !is_number(cell_size, 1e-6, 1e6)) {
+      throw nb::value_error("a cost or weight is out of range");
+    }
+  }
+
+  nb::tuple plan(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 1> start,
+                 In<double, 1> goal, bool any_yaw, double step, double spacing, std::uint64_t max_expansions,
+                 std::optional<double> seconds, Flag cancel) const {
+    const HybridQuery query{costs.data(),     static_cast<std::int64_t>(costs.shape(0)),
+                            static_cast<std::int64_t>(costs.shape(1)),
+                            resolution,       outline.data(),
+                            outline.shape(0), pose_of(start),
+                            pose_of(goal),    any_yaw,
+                            step,             max_expansions};
+    if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
+    if (!is_number(resolution, 1e-6, 1e6) || !is_number(step, 1e-6, 1e6) || !is_number(spacing, 1e-6, 1e6)) {
+      throw nb::value_error("resolution, step and spacing must be positive numbers");
+    }
+    for (const PlanarPose &pose : {query.start, query.goal}) {
+      if (!is_inside(query, pose)) throw nb::value_error("start and goal must lie on the grid");
+    }
+    const Patience patience = patience_of(seconds, cancel);
+    HybridWay way;
+    std::vector<double> poses, parts;
+    std::vector<std::uint8_t> backward;
+    {
+      nb::gil_scoped_release release;
+      std::unique_ptr<HybridMemory> memory = borrow();
+      way = HybridSearch(settings_, query, patience, *memory).find();
+      give_back(std::move(memory));
+      if (way.status == SearchStatus::kFound && !way.spent) {
+        const std::vector<Stretch> joined = merged(way.parts);
+        sample(query.start, query.goal, joined, spacing, poses, backward);
+        for (const Stretch &part : joined) parts.insert(parts.end(), {part.length, part.turn});
+      }
+    }
+    const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
+    return nb::make_tuple(way.spent ? 4 : static_cast<int>(way.status), to_numpy(std::move(poses), {count, 3}),
+                          to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), way.cost,
+                          nb::make_tuple(way.expansions, way.field_cells, way.exact_checks));
+  }
+
+  // Memory that is kept for the next query.
+  std::size_t bytes() const {
+    std::lock_guard lock(pool_lock_);
+    std::size_t sum = 0;
+    for (const auto &memory : pool_) sum += memory->bytes();
+    return sum;
+  }
+
+ private:
+  static PlanarPose pose_of(const In<double, 1> &values) {
+    if (values.shape(0) != 3) throw nb::value_error("a pose needs three numbers");
+    return {values.data()[0], values.data()[1], values.data()[2]};
+  }
+
+  static bool is_inside(const HybridQuery &query, const PlanarPose &pose) {
+    const double col = pose.x / query.resolution, row = pose.y / query.resolution;
+    return col >= 0.0 && row >= 0.0 && col < static_cast<double>(query.cols) && row < static_cast<double>(query.rows) &&
+           std::fabs(pose.yaw) < 1e6;
+  }
+
+  std::unique_ptr<HybridMemory> borrow() const {
+    std::lock_guard lock(pool_lock_);
+    if (pool_.empty()) return std::make_unique<HybridMemory>();
+    auto memory = std::move(pool_.back());
+    pool_.pop_back();
+    return memory;
+  }
+  void give_back(std::unique_ptr<HybridMemory> memory) const {
+    std::lock_guard lock(pool_lock_);
+    pool_.push_back(std::move(memory));
+  }
+
+  const HybridSearch::Settings settings_;
+  mutable std::mutex pool_lock_;
+  mutable std::vector<std::unique_ptr<HybridMemory>> pool_;
+};
+
+}  // namespace trundle
+
+void bind_hybrid_astar(nanobind::module_ &m) {
+  namespace nb = nanobind;
+  nb::class_<trundle::HybridAStar>(m, "HybridAStar")
+      .def(nb::init<double, bool, bool, double, double, double, double, double, double>(), nb::kw_only(),
+           nb::arg("radius"), nb::arg("reverse"), nb::arg("in_place"), nb::arg("reverse_penalty"),
+           nb::arg("change_cost"), nb::arg("turn_cost"), nb::arg("cost_weight"), nb::arg("heuristic_weight"),
+           nb::arg("cell_size"))
+      .def("plan", &trundle::HybridAStar::plan, nb::arg("costs").noconvert(), nb::arg("resolution"),
+           nb::arg("outline").noconvert(), nb::arg("start").noconvert(), nb::arg("goal").noconvert(),
+           nb::arg("any_yaw"), nb::arg("step"), nb::arg("spacing"), nb::arg("max_expansions"),
+           nb::arg("seconds").none(), nb::arg("cancel").none())
+      .def_prop_ro("bytes", &trundle::HybridAStar::bytes);
+}

@@ -1,0 +1,314 @@
+// Hybrid A*: Dolgov, Thrun, Montemerlo and Diebel, "Practical search techniques in path planning for autonomous driving"
+// (STAIR 2008), section 2: continuous poses, one for each cell and heading; two heuristics, of which the larger counts;
+// and curves straight to the goal that are tried on the way.
+//
+// What is added: the heuristics are worked out only where they are asked for, and a node is checked with the footprint
+// when it is taken from the queue, not when it is put there, as most never are taken. Weighted A* (Pohl 1970) ends once
+// no way that is cheaper by more than its weight can be left.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "grid_steps.hpp"
+#include "hybrid_memory.hpp"
+#include "hybrid_shots.hpp"
+
+namespace trundle {
+
+struct HybridQuery {
+  const std::uint8_t *costs;
+  std::int64_t rows, cols;
+  double resolution;
+  const double *outline;
+  std::size_t corners;
+  PlanarPose start, goal;  // inside the grid; [m, m, rad] from its corner
+  bool any_yaw;
+  double step;             // how far a point of the outline may move between two checked poses [m]
+  std::uint64_t max_expansions;
+};
+
+struct HybridWay {
+  SearchStatus status = SearchStatus::kUnreachable;
+  bool spent = false;  // whether it stopped at the most expansions
+  double cost = 0.0;
+  std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
+  std::vector<Stretch> parts;
+};
+
+class HybridSearch {
+ public:
+  static constexpr int kHeadings = 72;
+
+  struct Settings {
+    MotionModel model;
+    double cost_weight;       // how much dearer than a free cell one of cost 252 is, less 1
+    double heuristic_weight;  // at least 1
+    double cell_size;         // of states and of the field [m]; at least a cell of the map
+  };
+
+  HybridSearch(const Settings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory)
+      : settings_(settings),
+        model_(settings.model),
+        query_(query),
+        patience_(patience),
+        memory_(memory),
+        shots_(settings.model) {
+    factor_ = std::max(1, static_cast<int>(std::lround(std::min(settings.cell_size / query.resolution, 1e6))));
+    cell_ = query.resolution * factor_;
+    for (int cost = 0; cost < 256; ++cost) {
+      weights_[cost] = cost >= PoseChecker::kInscribed ? 0.0f : static_cast<float>(1.0 + settings.cost_weight * cost / 252.0);
+    }
+    memory.nodes.clear();
+    memory.queue.clear();
+    memory.closed.begin();
+    memory.checker.begin(query.costs, query.rows, query.cols, query.resolution, query.outline, query.corners, query.step);
+    make_motions();
+  }
+
+  HybridWay find() {
+    HybridWay way;
+    status_ = patience_.left();
+    if (status_ == SearchStatus::kFound) begin();
+    while (!memory_.queue.empty() && status_ == SearchStatus::kFound) {
+      const QueueEntry entry = memory_.queue.front();
+      if (entry.sum >= best_cost_ || spent_after_first()) break;
+      std::pop_heap(memory_.queue.begin(), memory_.queue.end());
+      memory_.queue.pop_back();
+      if (!settle(entry)) continue;
+      if (++expansions_ > query_.max_expansions) {
+        way.spent = true;
+        break;
+      }
+      if (expansions_ % 64 == 0 && (status_ = patience_.left()) != SearchStatus::kFound) break;
+      if (--until_shot_ <= 0) shoot(entry.node);
+      expand(entry.node);
+    }
+    finish(way);
+    return way;
+  }
+
+ private:
+  struct Motion {
+    Stretch stretch;
+    double cost;  // where cells cost 1
+    int direction, bins;
+  };
+
+  static constexpr double kHeadingStep = 2.0 * kPi / kHeadings;
+  static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
+
+  // Every motion leads to another cell or another heading; arcs turn by whole headings.
+  void make_motions() {
+    const double least = 1.41422 * cell_;
+    double straight = least;
+    int bins = 0;
+    if (model_.radius > 0.0) {
+      bins = std::clamp(static_cast<int>(std::ceil(std::min(least / (model_.radius * kHeadingStep), 100.0))), 1, 18);
+      straight = std::max(least, std::min(model_.radius * bins * kHeadingStep, 4.0 * cell_));
+    }
+    for (const int direction : {1, -1}) {
+      if (direction < 0 && !model_.reverse) break;
+      add_motion({direction * straight, 0.0}, direction, 0);
+      for (int side = -1; side <= 1 && bins > 0; side += 2) {
+        const double turn = bins * kHeadingStep;
+        add_motion({direction * model_.radius * turn, direction * side * turn}, direction, direction * side * bins);
+      }
+    }
+    constexpr int kTurnBins = 3;
+    for (int side = -1; side <= 1 && model_.in_place; side += 2) {
+      add_motion({0.0, side * kTurnBins * kHeadingStep}, 0, side * kTurnBins);
+    }
+  }
+
+  void add_motion(const Stretch &stretch, int direction, int bins) {
+    const double cost =
+        direction == 0 ? model_.turn_cost * std::fabs(stretch.turn) : model_.length_cost(stretch.length);
+    motions_.push_back({stretch, cost, direction, bins});
+  }
+
+  void begin() {
+    for (int k = 0; k < kHeadings; ++k) {
+      yaws_[k] = query_.start.yaw + k * kHeadingStep;
+      cos_[k] = std::cos(yaws_[k]), sin_[k] = std::sin(yaws_[k]);
+    }
+    memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, least_cost(query_.start), kNoNode, 0, 0, true});
+    // Where the way is open nothing else is needed, and no field is begun.
+    shoot(0);
+    HybridNode &start = memory_.nodes[0];
+    if (best_cost_ > settings_.heuristic_weight * start.to_go) {
+      start.to_go = std::max(start.to_go, field_at(start.x, start.y));
+    }
+    if (std::isfinite(start.to_go)) push(0);
+  }
+
+  void push(std::uint32_t node) {
+    const HybridNode &n = memory_.nodes[node];
+    memory_.queue.push_back({n.cost + settings_.heuristic_weight * n.to_go, node});
+    std::push_heap(memory_.queue.begin(), memory_.queue.end());
+  }
+
+  PlanarPose pose_of(const HybridNode &node) const { return {node.x, node.y, yaws_[node.heading]}; }
+
+  int direction_of(const HybridNode &node) const {
+    return node.parent == kNoNode ? 0 : motions_[node.motion].direction;
+  }
+
+  double least_cost(const PlanarPose &pose) const {
+    const double dx = query_.goal.x - pose.x, dy = query_.goal.y - pose.y;
+    if (query_.any_yaw) return std::hypot(dx, dy);
+    const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+    return model_.least_cost(cos * dx + sin * dy, cos * dy - sin * dx,
+                             wrap(std::remainder(query_.goal.yaw - pose.yaw, 2.0 * kPi)));
+  }
+
+  // What the field says; where it was not begun yet, it is now.
+  double field_at(double x, double y) {
+    if (!field_begun_) {
+      memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, weights_);
+      memory_.field.set_goal(cell(query_.goal.y), cell(query_.goal.x), cell(query_.start.y), cell(query_.start.x));
+      field_begun_ = true;
+    }
+    return static_cast<double>(memory_.field.at(cell(y), cell(x), patience_, status_)) * cell_;
+  }
+
+  // By the map's cells, so that what lies on the map lies in one of these.
+  std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres / query_.resolution) / factor_; }
+
+  std::uint64_t key_of(const HybridNode &node) const {
+    const auto cols = static_cast<std::uint64_t>((query_.cols + factor_ - 1) / factor_);
+    const std::uint64_t place = static_cast<std::uint64_t>(cell(node.y)) * cols + static_cast<std::uint64_t>(cell(node.x));
+    return place * kHeadings + node.heading;
+  }
+
+  // Take a node from the queue; false where it is not to be expanded, or not yet.
+  bool settle(const QueueEntry &entry) {
+    HybridNode &node = memory_.nodes[entry.node];
+    const std::uint64_t key = key_of(node);
+    if (memory_.closed.contains(key)) return false;
+    if (!node.checked) {
+      const HybridNode &parent = memory_.nodes[node.parent];
+      if (!check(parent, motions_[node.motion], node)) return false;
+      const double sum = node.cost + settings_.heuristic_weight * node.to_go;
+      if (sum > entry.sum + 1e-9 && !memory_.queue.empty() && sum > memory_.queue.front().sum) {
+        push(entry.node);
+        return false;
+      }
+    }
+    memory_.closed.insert(key);
+    return true;
+  }
+
+  bool check(const HybridNode &parent, const Motion &motion, HybridNode &node) {
+    double sum = 0.0;
+    if (!memory_.checker.fits(pose_of(parent), motion.stretch, weights_, model_.turn_cost, kInfinite, sum)) return false;
+    const double dearer = motion.direction < 0 ? model_.reverse_penalty : 1.0;
+    node.cost = parent.cost + dearer * sum + change(parent, motion);
+    node.to_go = std::max(node.to_go, least_cost(pose_of(node)));
+    node.checked = true;
+    return true;
+  }
+
+  double change(const HybridNode &from, const Motion &motion) const {
+    return direction_of(from) * motion.direction < 0 ? model_.change_cost : 0.0;
+  }
+
+  void expand(std::uint32_t index) {
+    for (std::size_t m = 0; m < motions_.size(); ++m) {
+      const Motion &motion = motions_[m];
+      const HybridNode from = memory_.nodes[index];
+      const PlanarPose to = motion.stretch.from(pose_of(from), cos_[from.heading], sin_[from.heading]);
+      const std::uint8_t cost = memory_.checker.cost_at(to.x, to.y);
+      if (cost >= PoseChecker::kInscribed) continue;
+      HybridNode node{to.x, to.y, 0.0, 0.0, index, 0, static_cast<std::uint8_t>(m), false};
+      node.heading = static_cast<std::uint8_t>((from.heading + motion.bins + kHeadings) % kHeadings);
+      if (memory_.closed.contains(key_of(node))) continue;
+      node.to_go = field_at(to.x, to.y);
+      if (std::isinf(node.to_go)) continue;
+      const float least = std::min(weights_[memory_.checker.cost_at(from.x, from.y)], weights_[cost]);
+      node.cost = from.cost + motion.cost * static_cast<double>(least) + change(from, motion);
+      if (node.cost + node.to_go >= best_cost_) continue;
+      memory_.nodes.push_back(node);
+      push(static_cast<std::uint32_t>(memory_.nodes.size() - 1));
+    }
+  }
+
+  // Try to end from a node, and keep the cheapest way so far.
+  void shoot(std::uint32_t index) {
+    const HybridNode &node = memory_.nodes[index];
+    // The nearer to the goal the more often, and the longer in vain the less.
+    until_shot_ = std::clamp(static_cast<int>(node.to_go / (10.0 * cell_)), 1, 32) + static_cast<int>(expansions_ / 64);
+    for (const Shot &shot : shots_.find(pose_of(node), query_.goal, query_.any_yaw, direction_of(node))) {
+      if (node.cost + shot.cost >= best_cost_) break;
+      const double cost = shot_cost(node, shot);
+      if (cost >= best_cost_) continue;
+      if (best_node_ == kNoNode) first_found_ = expansions_;
+      best_cost_ = cost, best_node_ = index, best_shot_ = shot;
+    }
+  }
+
+  double shot_cost(const HybridNode &node, const Shot &shot) {
+    double cost = node.cost;
+    int direction = direction_of(node);
+    PlanarPose pose = pose_of(node);
+    for (int i = 0; i < shot.count; ++i) {
+      const Stretch &part = shot.parts[i];
+      const int now = (part.length > 0.0) - (part.length < 0.0);
+      const double dearer = now < 0 ? model_.reverse_penalty : 1.0;
+      if (now * direction < 0) cost += model_.change_cost;
+      direction = now;
+      double sum = 0.0;
+      if (!memory_.checker.fits(pose, part, weights_, model_.turn_cost, (best_cost_ - cost) / dearer, sum)) return kInfinite;
+      cost += dearer * sum;
+      pose = part.from(pose);
+    }
+    return cost;
+  }
+
+  // Once there is a way, it looks for a better one for a while that is in proportion.
+  bool spent_after_first() const {
+    return best_node_ != kNoNode && expansions_ > 8 * first_found_ + 2000;
+  }
+
+  void finish(HybridWay &way) {
+    way.expansions = expansions_;
+    way.field_cells = field_begun_ ? memory_.field.expanded() : 0;
+    way.exact_checks = memory_.checker.exact_checks();
+    way.status = status_;
+    if (best_node_ == kNoNode) {
+      if (status_ == SearchStatus::kFound && !way.spent) way.status = SearchStatus::kUnreachable;
+      return;
+    }
+    way.status = SearchStatus::kFound, way.spent = false;
+    way.cost = best_cost_;
+    for (std::uint32_t n = best_node_; memory_.nodes[n].parent != kNoNode; n = memory_.nodes[n].parent) {
+      way.parts.push_back(motions_[memory_.nodes[n].motion].stretch);
+    }
+    std::reverse(way.parts.begin(), way.parts.end());
+    way.parts.insert(way.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
+  }
+
+  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+  const Settings settings_;
+  const MotionModel model_;
+  const HybridQuery query_;
+  const Patience &patience_;
+  HybridMemory &memory_;
+  Shots shots_;
+  int factor_ = 1, until_shot_ = 0;
+  double cell_ = 0.0;
+  float weights_[256];
+  double yaws_[kHeadings], cos_[kHeadings], sin_[kHeadings];
+  std::vector<Motion> motions_;
+  SearchStatus status_ = SearchStatus::kFound;
+  bool field_begun_ = false;
+  std::uint64_t expansions_ = 0, first_found_ = 0;
+  double best_cost_ = kInfinite;
+  std::uint32_t best_node_ = kNoNode;
+  Shot best_shot_;
+};
+
+}  // namespace trundle

@@ -1,0 +1,144 @@
+// Whether a robot fits on the way along an arc, a straight line or a turn in place, and what the cells under it cost.
+//
+// A pose in a cell of 253 and more does not fit, since the inscribed circle touches there. One in a tile around which no
+// cell is blocked as far as the circumscribed circle reaches does; tiles are looked at when they are first asked for.
+// Between the two the oriented outline is tested exactly.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "lazy_cost_to_go.hpp"
+#include "oriented_footprint.hpp"
+
+namespace trundle {
+
+struct PlanarPose {
+  double x, y, yaw;
+};
+
+// `length` [m] driven, negative backwards, while the yaw changes by `turn` [rad] at an even rate.
+struct Stretch {
+  double length, turn;
+
+  PlanarPose from(const PlanarPose &pose) const { return from(pose, std::cos(pose.yaw), std::sin(pose.yaw)); }
+
+  PlanarPose from(const PlanarPose &pose, double cos, double sin) const {
+    double along = length, across = 0.5 * length * turn;  // of a short turn; the error is below 1e-12 of the length
+    if (std::fabs(turn) > 1e-6) {
+      along = length * std::sin(turn) / turn;
+      across = length * (1.0 - std::cos(turn)) / turn;
+    }
+    return {pose.x + cos * along - sin * across, pose.y + sin * along + cos * across, pose.yaw + turn};
+  }
+};
+
+class PoseChecker {
+ public:
+  static constexpr std::uint8_t kInscribed = 253;
+
+  // `step` is how far a point of the outline moves at most between two poses that are looked at [m].
+  void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, double resolution, const double *outline,
+             std::size_t corners, double step) {
+    costs_ = {costs, rows, cols}, resolution_ = resolution, outline_ = outline, corners_ = corners, step_ = step;
+    frame_ = {0.0, 0.0, 0.0, 1.0, 0.0, resolution};
+    radius_ = 0.0;
+    for (std::size_t i = 0; i < corners; ++i) {
+      radius_ = std::max(radius_, std::hypot(outline[2 * i], outline[2 * i + 1]));
+    }
+    // A footprint that reaches beyond any map fits nowhere, and its exact size does not matter.
+    const double most = static_cast<double>(std::max(rows, cols)) + 1.0;
+    reach_ = static_cast<std::int64_t>(std::min(std::ceil(radius_ / resolution), most));
+    tile_cols_ = (cols + kTile - 1) / kTile;
+    const auto tiles = static_cast<std::size_t>(((rows + kTile - 1) / kTile) * tile_cols_);
+    tiles_.fit(tiles);
+    stamp_ += 2;
+    if (stamp_ == 0) tiles_.clear(), stamp_ = 2;  // after 2^31 queries
+    exact_ = 0;
+  }
+
+  double radius() const { return radius_; }
+  std::uint64_t exact_checks() const { return exact_; }
+  std::size_t bytes() const { return tiles_.bytes(); }
+
+  // Cost of the cell under a point, 255 outside the map.
+  std::uint8_t cost_at(double x, double y) const {
+    const double col = x / resolution_, row = y / resolution_;
+    if (!(col >= 0.0 && row >= 0.0 && col < static_cast<double>(costs_.cols) && row < static_cast<double>(costs_.rows))) {
+      return 255;
+    }
+    return costs_.data[static_cast<std::ptrdiff_t>(row) * costs_.cols + static_cast<std::ptrdiff_t>(col)];
+  }
+
+  // Whether the robot fits at all poses of a stretch but its first; `sum` grows by the length of the stretch, or its turn
+  // times `per_radian`, times `weights[cost]`. Stops early where the sum passes `limit`.
+  bool fits(const PlanarPose &pose, const Stretch &stretch, const float *weights, double per_radian, double limit,
+            double &sum) {
+    const double moved = std::fabs(stretch.length) + radius_ * std::fabs(stretch.turn);
+    const double parts = std::clamp(std::ceil(moved / step_ - 1e-9), 1.0, 1e9);
+    const Stretch part{stretch.length / parts, stretch.turn / parts};
+    const double share = stretch.length != 0.0 ? std::fabs(part.length) : per_radian * std::fabs(part.turn);
+    // The chord of each part turns by the same angle from one to the next.
+    const PlanarPose chord = part.from({0.0, 0.0, 0.0}, 1.0, 0.0);
+    const double turn_cos = std::cos(part.turn), turn_sin = std::sin(part.turn);
+    double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw), x = pose.x, y = pose.y;
+    for (int i = 1; i <= static_cast<int>(parts); ++i) {
+      x += cos * chord.x - sin * chord.y;
+      y += sin * chord.x + cos * chord.y;
+      const double next_cos = cos * turn_cos - sin * turn_sin;
+      sin = sin * turn_cos + cos * turn_sin;
+      cos = next_cos;
+      const std::uint8_t cost = cost_at(x, y);
+      if (cost >= kInscribed) return false;
+      sum += share * static_cast<double>(weights[cost]);
+      if (sum > limit) return false;
+      if (!is_clear(x, y) && touches(x, y, pose.yaw + part.turn * i)) return false;
+    }
+    return true;
+  }
+
+  bool touches(double x, double y, double yaw) {
+    ++exact_;
+    const double pose[3] = {x, y, yaw};
+    return footprint::collides(costs_, frame_, outline_, corners_, pose, polygon_, box_, spans_);
+  }
+
+ private:
+  static constexpr std::int64_t kTile = 4;  // cells
+
+  // Whether no cell is blocked as far as the robot reaches from anywhere in the tile of a point inside the map.
+  bool is_clear(double x, double y) {
+    const auto row = static_cast<std::int64_t>(y / resolution_) / kTile;
+    const auto col = static_cast<std::int64_t>(x / resolution_) / kTile;
+    std::uint32_t &tile = tiles_[static_cast<std::size_t>(row * tile_cols_ + col)];
+    if (tile != stamp_ && tile != stamp_ + 1) tile = stamp_ + (look_around(row * kTile, col * kTile) ? 1U : 0U);
+    return tile == stamp_ + 1;
+  }
+
+  bool look_around(std::int64_t row, std::int64_t col) const {
+    const std::int64_t first_row = row - reach_, last_row = row + kTile + reach_ - 1;
+    const std::int64_t first_col = col - reach_, last_col = col + kTile + reach_ - 1;
+    if (first_row < 0 || first_col < 0 || last_row >= costs_.rows || last_col >= costs_.cols) return false;
+    for (std::int64_t r = first_row; r <= last_row; ++r) {
+      if (footprint::next_blocked(costs_.data + r * costs_.cols, first_col, last_col) <= last_col) return false;
+    }
+    return true;
+  }
+
+  footprint::Costs costs_{};
+  footprint::Frame frame_{};
+  const double *outline_ = nullptr;
+  std::size_t corners_ = 0;
+  double resolution_ = 1.0, radius_ = 0.0, step_ = 1.0;
+  std::int64_t reach_ = 0, tile_cols_ = 0;
+  std::uint32_t stamp_ = 0;
+  std::uint64_t exact_ = 0;
+  ZeroedTable<std::uint32_t> tiles_;
+  std::vector<footprint::Point> polygon_;
+  footprint::Box box_{};
+  footprint::Spans spans_;
+};
+
+}  // namespace trundle

@@ -1,0 +1,241 @@
+"""`HybridAStarPlanner`: ways that a robot can drive which cannot turn in place, or is long; by name `hybrid_astar`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from trundle import _core
+from trundle.costmap import Costmap
+from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
+from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
+from trundle.path import Path
+from trundle.planning.ends import find_end
+from trundle.planning.grid_search import Cancellation
+from trundle.planning.query import Query, no_path
+
+MOTION_MODELS = ("dubins", "reeds_shepp")
+
+_UNREACHABLE, _TIMEOUT, _CANCELLED = 1, 2, 3
+
+_PADDING_SHARE = 0.9
+"""Share of the padding that may pass between two checked poses; the rest is for a path's chords instead of arcs."""
+
+_LEAST_STEP_M = 0.005
+"""Checked poses are no closer than this, however close to something the robot starts."""
+
+
+@dataclass(frozen=True, slots=True)
+class HybridAStarSettings:
+    """Settings of `HybridAStarPlanner`, under the names of Nav2's Smac planner where it has one.
+
+    Attributes:
+        motion_model: "dubins" drives forward only, "reeds_shepp" both ways.
+        minimum_turning_radius: Of the tightest arc [m]; 0 with `in_place` for straight lines and turns in place alone.
+        in_place: Whether the robot also turns in place, as differential robots can.
+        reverse_penalty: How many times dearer than forward a metre backwards is; at least 1.
+        change_penalty: Cost of a change between forward and backward [m].
+        turn_penalty: Cost of turning in place [m/rad].
+        cost_weight: A cell of cost c is 1 + cost_weight · c / 252 times as dear as a free one.
+        heuristic_weight: At least 1; with more it finds sooner a way that may be dearer by as much.
+        cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map.
+        padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
+            [m]. Poses are checked so closely that nothing can pass between two of them.
+        start_tolerance: How far a start where the robot does not fit may be moved [m].
+        goal_tolerance: How far a goal where the robot does not fit may be moved [m].
+        spacing: Largest distance between two poses of the path [m].
+        max_expansions: How many nodes to expand before it gives up.
+        deadline_s: How long to search before it gives up [s]; none means as long as it takes.
+    """
+
+    motion_model: str = "reeds_shepp"
+    minimum_turning_radius: float = 0.4
+    in_place: bool = False
+    reverse_penalty: float = 2.0
+    change_penalty: float = 0.3
+    turn_penalty: float = 0.5
+    cost_weight: float = 2.0
+    heuristic_weight: float = 1.2
+    cell_size: float = 0.1
+    padding: float = 0.02
+    start_tolerance: float = 0.05
+    goal_tolerance: float = 0.25
+    spacing: float = 0.05
+    max_expansions: int = 200_000
+    deadline_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.motion_model not in MOTION_MODELS:
+            raise InputError(f"motion_model is one of {', '.join(MOTION_MODELS)}; got {self.motion_model!r}")
+        if self.in_place not in (True, False):
+            raise InputError(f"in_place is true or false, got {self.in_place!r}")
+        tightest = 0.0 if self.in_place else 0.01
+        self._check("minimum_turning_radius", tightest, 1e4, "; 0 is for in_place alone" if not self.in_place else "")
+        if 0.0 < self.minimum_turning_radius < 0.01:
+            raise InputError(f"minimum_turning_radius must be 0, or 0.01 or more, got {self.minimum_turning_radius!r}")
+        self._check("reverse_penalty", 1.0, 1e3)
+        self._check("heuristic_weight", 1.0, 1e2)
+        for name in ("change_penalty", "turn_penalty", "cost_weight"):
+            self._check(name, 0.0, 1e3)
+        for name in ("padding", "start_tolerance", "goal_tolerance"):
+            self._check(name, 0.0, 1e4)
+        for name in ("cell_size", "spacing"):
+            self._check(name, 1e-3, 1e4)
+        if not (isinstance(self.max_expansions, int) and 1 <= self.max_expansions <= 10**8):
+            raise InputError(f"max_expansions must be a whole number from 1 to 1e8, got {self.max_expansions!r}")
+        if self.deadline_s is not None:
+            self._check("deadline_s", 1e-9, 1e9)
+
+    def _check(self, name: str, least: float, most: float, hint: str = "") -> None:
+        value = getattr(self, name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
+            raise InputError(f"{name} must be a number from {least:g} to {most:g}{hint}, got {value!r}")
+
+
+class HybridAStarPlanner:
+    """Searches poses, not cells: every path is made of arcs and lines that the robot can drive as it is.
+
+    Hybrid A* with 72 headings (Dolgov et al. 2008), Dubins or Reeds-Shepp curves to the goal, and the oriented
+    footprint at every pose. `Path.cost` is the length [m] with the settings' penalties and weights in it;
+    `Path.backward` says which legs are driven backwards. What it needs besides the map it works out while it searches,
+    and its memory is kept for the next plan; several threads may use one planner.
+
+    Args:
+        settings: Any field of `HybridAStarSettings`.
+
+    Raises:
+        InputError: If a setting is out of range.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        self.settings = HybridAStarSettings(**settings)
+        self._search = _core.HybridAStar(
+            radius=float(self.settings.minimum_turning_radius),
+            reverse=self.settings.motion_model == "reeds_shepp",
+            in_place=bool(self.settings.in_place),
+            reverse_penalty=float(self.settings.reverse_penalty),
+            change_cost=float(self.settings.change_penalty),
+            turn_cost=float(self.settings.turn_penalty),
+            cost_weight=float(self.settings.cost_weight),
+            heuristic_weight=float(self.settings.heuristic_weight),
+            cell_size=float(self.settings.cell_size),
+        )
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that is kept for the next plan."""
+        return self._search.bytes
+
+    def plan(
+        self,
+        costmap: Costmap,
+        start: Pose2D,
+        goal: Pose2D,
+        *,
+        goal_yaw_free: bool = False,
+        cancel: Cancellation | None = None,
+    ) -> Path:
+        """Plan from `start` to `goal`, poses in the map frame.
+
+        Args:
+            costmap: What to stay clear of.
+            start: Where the robot stands.
+            goal: Where it shall stand.
+            goal_yaw_free: End with the yaw that the robot arrives with, one of 16, not with the goal's.
+            cancel: Give up when this says so.
+
+        Raises:
+            OutsideMapError: If the start or the goal lies outside the map.
+            BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
+            NoPathError: If no way of such arcs and lines joins them.
+            PlanningStoppedError: If it gave up: out of time, out of expansions, or cancelled.
+        """
+        settings = self.settings
+        first = find_end(costmap, start, "start", settings.start_tolerance)
+        last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free)
+        query = Query(costmap, first, last, first, last, goal_yaw_free)
+        padding = self._padding_at_ends(query)
+        status, poses, backward, _, cost, effort = self._search.plan(
+            costmap.data,
+            costmap.resolution,
+            pad_outline(costmap.footprint, padding),
+            _on_grid(costmap, first.pose),
+            _on_grid(costmap, last.pose),
+            goal_yaw_free,
+            max(2.0 * _PADDING_SHARE * padding, _LEAST_STEP_M),
+            self._spacing(padding),
+            settings.max_expansions,
+            settings.deadline_s,
+            None if cancel is None else cancel.flag,
+        )
+        if status != 0:
+            raise self._failure(query, status, effort[0])
+        return Path(
+            _in_map(query, poses),
+            cost=cost,
+            planner="hybrid_astar",
+            start_snapped_m=first.snapped_m,
+            goal_snapped_m=last.snapped_m,
+            backward=backward.view(np.bool_),
+        )
+
+    def _padding_at_ends(self, query: Query) -> float:
+        """The padding, or what there is room for where the robot starts and ends."""
+        padding = float(self.settings.padding)
+        if padding == 0.0:
+            return 0.0
+        ends = [query.start.pose] if query.goal_yaw_free else [query.start.pose, query.goal.pose]
+        room = query.costmap.clearance([end.as_tuple() for end in ends], cap=2.0 * padding).min()
+        return min(padding, _PADDING_SHARE * float(room))
+
+    def _spacing(self, padding: float) -> float:
+        """Between two poses the arc leaves its chord by s² / 8 r, which the rest of the padding has room for."""
+        radius = self.settings.minimum_turning_radius
+        if radius == 0.0:
+            return float(self.settings.spacing)
+        room = max((1.0 - _PADDING_SHARE) * padding, 1e-5)
+        return min(float(self.settings.spacing), math.sqrt(8.0 * radius * room))
+
+    def _failure(self, query: Query, status: int, expansions: int) -> PlanningError:
+        goal = query.goal
+        where = {"pose": goal.pose.as_tuple(), "cell": goal.cell}
+        settings = self.settings
+        if status == _UNREACHABLE and expansions == 0:
+            return no_path(query, None)
+        if status == _UNREACHABLE:
+            how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
+            also = "turning in place, " if settings.in_place else ""
+            only = "" if settings.motion_model == "reeds_shepp" else "driving forward only, "
+            return NoPathError(
+                f"no path {query.ends}: there is room for the inscribed circle, but with {how}{also}{only}the "
+                f"footprint gets there by none of {expansions} poses that were tried",
+                **where,
+            )
+        if status == _TIMEOUT:
+            why = f"the deadline of {settings.deadline_s:g} s passed"
+        elif status == _CANCELLED:
+            why = "it was cancelled"
+        else:
+            why = f"{settings.max_expansions} nodes were expanded (max_expansions)"
+        return PlanningStoppedError(f"no path {query.ends} found yet when {why}", **where)
+
+
+def _on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:
+    """A pose of the map frame in the frame of the grid's corner; what rounding puts outside lies on the edge."""
+    x, y, yaw = (costmap.origin.inverse() @ pose).as_tuple()
+    rows, cols = costmap.shape
+    edge = costmap.resolution * (1.0 - 1e-12)
+    return np.array([min(max(x, 0.0), cols * edge), min(max(y, 0.0), rows * edge), yaw])
+
+
+def _in_map(query: Query, poses: FloatArray) -> FloatArray:
+    """Poses in the frame of the grid's corner in the map frame, with the ends exactly as they were asked for."""
+    origin = query.costmap.origin
+    out = np.column_stack([origin.transform_points(poses[:, :2]), wrap_angles(poses[:, 2] + origin.yaw)])
+    out[0] = query.start.pose.as_tuple()
+    goal = query.goal.pose
+    out[-1] = (goal.x, goal.y, out[-1, 2] if query.goal_yaw_free else goal.yaw)
+    return out

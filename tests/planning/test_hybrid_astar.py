@@ -1,0 +1,396 @@
+import math
+import threading
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trundle import _core
+from trundle.costmap import Costmap
+from trundle.errors import (
+    BlockedPoseError,
+    InputError,
+    NoPathError,
+    OutsideMapError,
+    PlanningStoppedError,
+)
+from trundle.geometry import Pose2D
+from trundle.maps.grid import OccupancyGrid
+from trundle.planning import Cancellation, Planner, create_planner
+from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.robots import Robot
+from trundle.testing import check_planner
+
+CARTER = Robot.load("nova_carter").outline
+LONG = ((1.0, 0.2), (-0.4, 0.2), (-0.4, -0.2), (1.0, -0.2))
+KINDS = [
+    {},
+    {"in_place": True},
+    {"motion_model": "dubins"},
+    {"motion_model": "dubins", "in_place": True},
+    {"in_place": True, "minimum_turning_radius": 0.0},
+]
+
+
+def room(width, height, *blocks, resolution=0.05):
+    """A room with walls of one cell, its inside from (0, 0), and blocks (x0, y0, x1, y1) [m] in it."""
+    data = np.zeros((round(height / resolution) + 2, round(width / resolution) + 2), np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    for block in blocks:
+        x0, y0, x1, y1 = (round(value / resolution) + 1 for value in block)
+        data[y0:y1, x0:x1] = 100
+    return data
+
+
+def costmap_of(data, footprint: npt.ArrayLike = CARTER, resolution=0.05, origin=None):
+    return Costmap.from_grid(
+        OccupancyGrid(data, resolution, origin or Pose2D(-resolution, -resolution)), np.array(footprint)
+    )
+
+
+def densely(path, step=0.01):
+    """Poses along the straight lines and turns that a path stands for."""
+    pieces = [path.poses[:1]]
+    for a, b in zip(path.poses[:-1], path.poses[1:], strict=True):
+        change = np.array([b[0] - a[0], b[1] - a[1], math.remainder(b[2] - a[2], 2 * math.pi)])
+        count = 1 + int(max(math.hypot(*change[:2]), abs(change[2])) / step)
+        pieces.append(a + np.linspace(0, 1, count + 1)[1:, None] * change)
+    return np.concatenate(pieces)
+
+
+def swept_area_blocked(costmap, path):
+    """Area [m²] of blocked cells that the footprint sweeps over: hulls of neighbouring placements, by shapely."""
+    poses = densely(path)
+    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    corners = costmap.footprint
+    placed = np.stack(
+        [
+            poses[:, :1] + cos[:, None] * corners[:, 0] - sin[:, None] * corners[:, 1],
+            poses[:, 1:2] + sin[:, None] * corners[:, 0] + cos[:, None] * corners[:, 1],
+        ],
+        axis=2,
+    )
+    both = np.concatenate([placed[:-1], placed[1:]], axis=1)
+    swept = shapely.union_all(shapely.convex_hull(shapely.multipoints(both)))
+    rows, cols = np.nonzero(costmap.data >= 254)
+    edges = [
+        costmap.origin.transform_points(costmap.resolution * np.column_stack([cols + dx, rows + dy]))
+        for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]
+    shapely.prepare(swept)
+    cells = [shapely.Polygon(corners) for corners in np.stack(edges, axis=1)]
+    return sum(cell.intersection(swept).area for cell in cells if swept.intersects(cell))
+
+
+def assert_drivable(costmap, path, start, goal, *, radius=0.4, in_place=False, forward_only=False):
+    assert path.poses[0] == pytest.approx(start.as_tuple(), abs=1e-12)
+    assert path.poses[-1] == pytest.approx(goal.as_tuple(), abs=1e-12)
+    assert swept_area_blocked(costmap, path) == 0.0
+    steps = np.diff(path.poses, axis=0)
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    turns = np.remainder(steps[:, 2] + np.pi, 2 * np.pi) - np.pi
+    moving = lengths > 1e-6
+    if not in_place:
+        assert np.abs(turns[~moving]).max(initial=0.0) < 1e-6
+    # An arc of radius r that turns by a has a chord of 2 r sin(a / 2), in the direction of its middle.
+    if radius > 0.0:
+        assert (np.abs(np.sin(turns[moving] / 2)) <= lengths[moving] / (2 * radius) + 1e-7).all()
+    chord = np.arctan2(steps[moving, 1], steps[moving, 0])
+    ahead = path.poses[:-1][moving, 2] + turns[moving] / 2 + np.where(path.backward[moving], np.pi, 0.0)
+    assert np.abs(np.remainder(chord - ahead + np.pi, 2 * np.pi) - np.pi).max(initial=0.0) < 1e-4
+    assert not path.backward[~moving].any()
+    if forward_only:
+        assert not path.backward.any()
+
+
+@pytest.mark.parametrize("options", KINDS, ids=str)
+def test_every_kind_keeps_the_promises_of_the_seam(options):
+    check_planner(lambda: create_planner("hybrid_astar", **options))
+    assert isinstance(create_planner("hybrid_astar"), Planner)
+
+
+def test_in_the_open_the_path_is_the_shortest_curve():
+    costmap = costmap_of(room(20, 20), footprint=LONG)
+    rng = np.random.default_rng(1)
+    for _ in range(30):
+        start, goal = (Pose2D(*rng.uniform((8, 8, -3), (12, 12, 3))) for _ in range(2))
+        ends = np.array([start.as_tuple()]), np.array([goal.as_tuple()])
+        for reverse, model in ((False, "dubins"), (True, "reeds_shepp")):
+            planner = HybridAStarPlanner(
+                motion_model=model, minimum_turning_radius=0.8, reverse_penalty=1.0, change_penalty=0.0
+            )
+            path = planner.plan(costmap, start, goal)
+            shortest = np.abs(_core.shortest_curves(*ends, 0.8, reverse)[0, :, 0]).sum()
+            assert path.cost == pytest.approx(shortest)
+            assert path.length == pytest.approx(shortest, rel=1e-3)
+
+
+def test_a_robot_that_turns_in_place_turns_and_drives_straight():
+    costmap = costmap_of(room(20, 20))
+    start, goal = Pose2D(5, 5, 1.0), Pose2D(15, 5, -1.0)
+    path = HybridAStarPlanner(in_place=True, minimum_turning_radius=0.0, turn_penalty=0.5).plan(costmap, start, goal)
+    assert path.length == pytest.approx(10.0)
+    assert path.cost == pytest.approx(10.0 + 0.5 * 2.0)
+
+
+WALLS = room(10, 6, (4, 0, 4.3, 4.6), (6.5, 1.6, 6.8, 6))
+
+
+@pytest.mark.parametrize("options", KINDS, ids=str)
+@pytest.mark.parametrize("footprint", [CARTER, LONG], ids=["carter", "long"])
+def test_paths_round_walls_are_free_drivable_and_end_where_asked(options, footprint):
+    costmap = costmap_of(WALLS, footprint)
+    radius = options.get("minimum_turning_radius", 0.4)
+    for start, goal in (
+        (Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0)),
+        (Pose2D(8.5, 1.5, 0.0), Pose2D(1.5, 4.5, 3.0)),
+        (Pose2D(5.4, 3.0, 1.57), Pose2D(5.4, 3.5, -1.57)),
+    ):
+        path = HybridAStarPlanner(**options).plan(costmap, start, goal)
+        assert_drivable(
+            costmap,
+            path,
+            start,
+            goal,
+            radius=radius,
+            in_place=options.get("in_place", False),
+            forward_only=options.get("motion_model") == "dubins",
+        )
+        assert path.length <= path.cost + 1e-9 or radius == 0.0
+
+
+@given(
+    seed=st.integers(0, 10_000),
+    density=st.floats(0.0, 0.02),
+    kind=st.sampled_from(KINDS),
+    yaw=st.floats(-3.0, 3.0),
+)
+@settings(deadline=None, max_examples=40)
+def test_paths_among_random_blocks_are_free_and_drivable(seed, density, kind, yaw):
+    rng = np.random.default_rng(seed)
+    data = room(4, 4)
+    data[rng.random(data.shape) < density] = 100
+    costmap = costmap_of(data, ((0.2, 0.12), (-0.3, 0.12), (-0.3, -0.12), (0.2, -0.12)), origin=Pose2D(3.0, -2.0, yaw))
+    ends = [costmap.origin @ Pose2D(*rng.uniform((0.5, 0.5, -3), (3.5, 3.5, 3))) for _ in range(2)]
+    if costmap.footprint_collides([end.as_tuple() for end in ends]).any():
+        return
+    planner = HybridAStarPlanner(max_expansions=3000, **kind)
+    try:
+        path = planner.plan(costmap, *ends)
+    except (NoPathError, PlanningStoppedError):
+        return
+    radius = kind.get("minimum_turning_radius", 0.4)
+    assert_drivable(costmap, path, *ends, radius=radius, in_place=kind.get("in_place", False))
+
+
+@pytest.mark.parametrize("options", [{}, {"in_place": True}, {"motion_model": "dubins"}], ids=str)
+def test_it_drives_through_a_corridor_too_narrow_for_the_circumscribed_circle(options):
+    # 0.8 m wide and with a bend, for a robot that needs 1.31 m to turn in place.
+    costmap = costmap_of(room(10, 6, (3, 0, 7, 2.0), (3, 2.8, 7, 6)))
+    assert 2 * costmap.circumscribed_radius > 1.3
+    start, goal = Pose2D(1.5, 1.5, 2.0), Pose2D(8.5, 4.5, 1.0)
+    path = HybridAStarPlanner(**options).plan(costmap, start, goal)
+    assert_drivable(costmap, path, start, goal, in_place=options.get("in_place", False))
+    assert (costmap.clearance(densely(path)) < 0.2).any()
+
+
+def test_it_backs_out_of_a_dead_end_where_nothing_can_turn():
+    costmap = costmap_of(room(8, 5, (4, 0, 8, 2.0), (4, 2.7, 8, 5)))
+    start, goal = Pose2D(7.0, 2.35, 0.0), Pose2D(1.5, 2.5, 0.0)
+    path = HybridAStarPlanner(in_place=True).plan(costmap, start, goal)
+    assert path.backward[:20].all()
+    assert_drivable(costmap, path, start, goal, in_place=True)
+    with pytest.raises(NoPathError, match="driving forward only"):
+        HybridAStarPlanner(motion_model="dubins").plan(costmap, start, goal)
+
+
+def test_it_parks_parallel_to_a_wall_beside_where_it_stands():
+    costmap = costmap_of(room(6, 2.2))
+    start, goal = Pose2D(3, 0.5, 0.0), Pose2D(3, 1.6, 0.0)
+    path = HybridAStarPlanner().plan(costmap, start, goal)
+    assert path.backward.any()
+    assert not path.backward.all()
+    assert_drivable(costmap, path, start, goal)
+
+
+def test_a_start_closer_to_a_wall_than_the_padding_is_left_all_the_same():
+    costmap = costmap_of(room(6, 4))
+    start, goal = Pose2D(0.607 + 0.004, 2.0, 0.0), Pose2D(4.0, 3.0, 1.0)
+    assert 0.0 < costmap.clearance([start.as_tuple()])[0] < 0.02
+    assert_drivable(costmap, HybridAStarPlanner().plan(costmap, start, goal), start, goal)
+
+
+def test_where_there_is_room_the_padding_is_kept():
+    costmap = costmap_of(WALLS)
+    path = HybridAStarPlanner(padding=0.05).plan(costmap, Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0))
+    # Poses are closer than the padding to each other, and each of those checked keeps all of it.
+    assert costmap.clearance(path.poses).min() >= 0.05 / 2
+
+
+def test_cells_that_cost_are_kept_away_from():
+    costmap = costmap_of(room(12, 6, (4, 2.0, 8, 3.0)))
+    start, goal = Pose2D(1.5, 3.4, 0.0), Pose2D(10.5, 3.4, 0.0)
+    careless, careful = (HybridAStarPlanner(cost_weight=weight).plan(costmap, start, goal) for weight in (0.0, 5.0))
+    assert costmap.clearance(careful.poses).min() > costmap.clearance(careless.poses).min() + 0.05
+    assert careless.length < careful.length
+
+
+def test_the_price_of_reversing_decides_which_way_round():
+    costmap = costmap_of(room(12, 6))
+    start, goal = Pose2D(6, 3, 0.0), Pose2D(3, 3, 0.0)
+    assert HybridAStarPlanner(reverse_penalty=1.0).plan(costmap, start, goal).backward.all()
+    assert not HybridAStarPlanner(reverse_penalty=20.0).plan(costmap, start, goal).backward.all()
+
+
+def test_with_a_free_yaw_it_ends_as_it_arrives():
+    costmap = costmap_of(WALLS)
+    start, goal = Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5)
+    for options in KINDS:
+        path = HybridAStarPlanner(**options).plan(costmap, start, goal, goal_yaw_free=True)
+        assert path.length <= HybridAStarPlanner(**options).plan(costmap, start, goal).length + 1.0
+        radius = options.get("minimum_turning_radius", 0.4)
+        assert_drivable(costmap, path, start, path.goal, radius=radius, in_place=options.get("in_place", False))
+        assert path.goal.distance_to(goal) < 1e-9
+
+
+def test_nothing_to_do_is_a_path_that_stays():
+    costmap = costmap_of(room(4, 4))
+    pose = Pose2D(2, 2, 0.5)
+    path = HybridAStarPlanner().plan(costmap, pose, pose)
+    assert path.length == path.cost == 0.0
+    assert len(path) == 2
+
+
+def test_the_same_question_gives_the_same_path_whatever_was_asked_before_and_beside():
+    costmap, other = costmap_of(WALLS), costmap_of(room(30, 20))
+    start, goal = Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0)
+    fresh = HybridAStarPlanner().plan(costmap, start, goal).poses
+    planner = HybridAStarPlanner()
+    planner.plan(other, Pose2D(2, 2), Pose2D(28, 18, 1.0))
+    found: list[np.ndarray] = []
+
+    def ask() -> None:
+        found.extend(planner.plan(costmap, start, goal).poses for _ in range(5))
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 20
+    assert all(np.array_equal(poses, fresh) for poses in found)
+    assert planner.nbytes > 0
+
+
+# No path -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_goal_behind_a_closed_wall_is_unreachable_at_once():
+    costmap = costmap_of(room(10, 6, (4, 0, 4.3, 6)))
+    with pytest.raises(NoPathError, match="separated") as caught:
+        HybridAStarPlanner().plan(costmap, Pose2D(2, 3), Pose2D(8, 3))
+    assert caught.value.pose == (8.0, 3.0, 0.0)
+
+
+def test_a_gap_that_only_the_inscribed_circle_fits_is_no_way():
+    # 0.4 m wide: the circle needs 0.28, the footprint 0.5.
+    costmap = costmap_of(room(4, 2, (2.0, 0, 2.3, 0.8), (2.0, 1.2, 2.3, 2)))
+    with pytest.raises(NoPathError, match="footprint") as caught:
+        HybridAStarPlanner().plan(costmap, Pose2D(1, 1), Pose2D(3.2, 1))
+    assert caught.value.cell == costmap.world_to_cell(3.2, 1)
+
+
+def test_ends_that_cannot_be_are_named():
+    costmap = costmap_of(WALLS)
+    planner = HybridAStarPlanner()
+    with pytest.raises(OutsideMapError, match="goal"):
+        planner.plan(costmap, Pose2D(2, 2), Pose2D(50, 2))
+    with pytest.raises(BlockedPoseError, match="start") as caught:
+        planner.plan(costmap, Pose2D(4.1, 2), Pose2D(2, 2))
+    assert caught.value.pose == (4.1, 2.0, 0.0)
+    snapped = planner.plan(costmap, Pose2D(2, 2), Pose2D(8.0, 0.2))
+    assert 0.0 < snapped.goal_snapped_m <= 0.25
+
+
+def test_a_footprint_larger_than_the_map_fits_nowhere():
+    costmap = costmap_of(room(4, 4), footprint=((9, 9), (-9, 9), (-9, -9), (9, -9)))
+    with pytest.raises(BlockedPoseError, match="nowhere"):
+        HybridAStarPlanner().plan(costmap, Pose2D(2, 2), Pose2D(3, 3))
+
+
+HARD = Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [({"deadline_s": 1e-9}, "deadline of 1e-09 s"), ({"max_expansions": 3}, "3 nodes were expanded")],
+)
+def test_it_gives_up_when_told_to(options, why):
+    with pytest.raises(PlanningStoppedError, match=why):
+        HybridAStarPlanner(**options).plan(costmap_of(WALLS), *HARD)
+
+
+def test_a_cancelled_plan_stops():
+    cancel = Cancellation()
+    assert len(HybridAStarPlanner().plan(costmap_of(WALLS), *HARD, cancel=cancel)) > 2
+    cancel.cancel()
+    with pytest.raises(PlanningStoppedError, match="cancelled"):
+        HybridAStarPlanner().plan(costmap_of(WALLS), *HARD, cancel=cancel)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"motion_model": "ackermann"}, "dubins, reeds_shepp"),
+        ({"minimum_turning_radius": 0.0}, "in_place"),
+        ({"minimum_turning_radius": math.nan}, "minimum_turning_radius"),
+        ({"minimum_turning_radius": 0.001, "in_place": True}, "0.01 or more"),
+        ({"in_place": "yes"}, "in_place"),
+        ({"reverse_penalty": 0.5}, "reverse_penalty"),
+        ({"heuristic_weight": 0.9}, "heuristic_weight"),
+        ({"padding": -0.1}, "padding"),
+        ({"cost_weight": "2"}, "cost_weight"),
+        ({"spacing": 0.0}, "spacing"),
+        ({"cell_size": math.inf}, "cell_size"),
+        ({"max_expansions": 0}, "max_expansions"),
+        ({"deadline_s": 0.0}, "deadline_s"),
+        ({"radius": 1.0}, "radius"),
+    ],
+)
+def test_options_out_of_range_are_refused(options, message):
+    with pytest.raises(InputError, match=message):
+        create_planner("hybrid_astar", **options)
+
+
+def test_the_kernel_refuses_what_it_cannot_use():
+    search = _core.HybridAStar(
+        radius=0.4, reverse=True, in_place=False, reverse_penalty=2.0, change_cost=0.3, turn_cost=0.5,
+        cost_weight=2.0, heuristic_weight=1.2, cell_size=0.1,
+    )  # fmt: skip
+    costs = np.zeros((20, 30), np.uint8)
+    outline = np.ascontiguousarray(CARTER) * 0.1
+    inside = np.array([0.5, 0.5, 0.0])
+
+    def ask(**other: Any):
+        usual: dict[str, Any] = {"resolution": 0.05, "outline": outline, "start": inside, "goal": inside, "step": 0.03}
+        limits: dict[str, Any] = {"max_expansions": 100, "seconds": None, "cancel": None}
+        return search.plan(costs, any_yaw=False, spacing=0.05, **limits, **{**usual, **other})
+
+    assert ask()[0] == 0
+    refused: list[dict[str, Any]] = [
+        {"outline": outline[:2].copy()},
+        {"start": np.array([0.5, 0.5])},
+        {"goal": np.array([1.5, 0.5, 0.0])},
+        {"goal": np.array([math.nan, 0.5, 0.0])},
+        {"start": np.array([0.5, -0.01, 0.0])},
+        {"start": np.array([0.5, 0.5, math.inf])},
+        {"resolution": 0.0},
+        {"step": math.nan},
+    ]
+    for wrong in refused:
+        with pytest.raises(ValueError, match=r"outline|pose|grid|positive"):
+            ask(**wrong)
