@@ -5,6 +5,7 @@ from PIL import Image
 
 from support.command_line import Trundle, room
 from trundle.maps import OccupancyGrid
+from trundle.planning import planner_names
 
 
 def test_a_straight_path(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
@@ -159,3 +160,26 @@ def test_movingai_maps_are_planned_on(trundle: Trundle, tmp_path: Path) -> None:
     far, _ = grid.cell_to_world(7, 18)
     done = trundle("plan", "small.map", "--start", f"{x},{y}", "--goal", f"{far},{y}", "--json")
     assert done.code == 0, done.err
+
+
+def test_all_planners_are_compared_on_one_query(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    ends = ["--start", "0,0,0", "--goal", "5,2,1.57"]
+    done = trundle("plan", room_map, *ends, "--compare", "-o", tmp_path / "all.png", "--json")
+    assert done.code == 0, done.err
+    rows = {row["planner"]: row for row in done.json["planners"]}
+    assert set(rows) == set(planner_names())
+    assert all(row["length_m"] >= 5.38 and row["planning_ms"] > 0.0 for row in rows.values())
+    assert rows["blog"]["length_m"] > rows["astar"]["length_m"] > rows["any_angle"]["length_m"] - 1e-6
+    with Image.open(tmp_path / "all.png") as picture:
+        assert picture.width > 800
+    table = trundle("plan", room_map, *ends, "--compare", "-o", tmp_path / "all.png").out
+    assert [line.split()[0] for line in table.splitlines()[1:-1]] == sorted(planner_names())
+
+
+def test_a_comparison_without_any_way_says_why_and_leaves_no_picture(trundle: Trundle, tmp_path: Path) -> None:
+    room(door_m=0.0).save(tmp_path / "halves.yaml")
+    options = ["--start", "0,0,0", "--goal", "5,2,1.57", "--compare", "-o", tmp_path / "all.png"]
+    done = trundle("plan", tmp_path / "halves.yaml", *options)
+    assert done.code == 1
+    assert "separated by occupied" in done.out
+    assert not (tmp_path / "all.png").exists()

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
+from trundle.cli import options, output, plan_compare, sources
 from trundle.errors import NoPathError, UnknownNameError
 
 app = App(
@@ -16,7 +16,8 @@ app = App(
     help_epilogue=(
         "Examples:\n"
         "  trundle plan map.yaml --start -6,-1,3.14 --goal 5,3 -o overlay.png\n"
-        "  trundle plan map.yaml --planner blog --seed 3 --json"
+        "  trundle plan map.yaml --planner blog --seed 3 --json\n"
+        "  trundle plan map.yaml --start -13,0 --goal 13,0 --compare"
     ),
 )
 
@@ -30,6 +31,7 @@ def plan(
     goal: options.Goal = None,
     robot: options.RobotName = "nova_carter",
     planner: options.PlannerName = "least_cost",
+    compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
     backend: options.Backend = "mujoco",
@@ -43,12 +45,15 @@ def plan(
 
     Args:
         map_file: The YAML of a ROS map.
+        compare: Plan by every planner there is: a table of them, and all their paths in one picture. The times are
+            medians of repeated plans on one map.
         backend: Taken as every step takes it; a plan needs no simulator, and none is started.
         out: The picture, or a folder for overlay.png.
     """
     from trundle.files import atomic_path
     from trundle.maps import OccupancyGrid
     from trundle.navigation import Navigator
+    from trundle.planning import planner_names
     from trundle.record.overlay import draw_plan
     from trundle.sim import simulator_names
 
@@ -59,6 +64,8 @@ def plan(
     target = options.output_file(out, "overlay.png", (".png",))
     navigator = Navigator(OccupancyGrid.load(map_file, compat=compat), robot, planner=planner)
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
+    if compare:
+        return plan_compare.compare(navigator, begin, end, planner_names(), target=target, json=json)
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)

@@ -29,6 +29,18 @@ GOOD: Rgb = (21, 128, 61)
 BAD: Rgb = (185, 28, 28)
 WARNING: Rgb = (180, 83, 9)
 
+# P. Tol's "bright" and "vibrant" schemes, which the colour-blind can tell apart, for things side by side.
+SEVERAL: tuple[Rgb, ...] = (
+    (187, 187, 187),
+    (204, 187, 68),
+    (102, 204, 238),
+    (170, 51, 119),
+    (34, 136, 51),
+    (238, 119, 51),
+    (68, 119, 170),
+    (204, 51, 17),
+)
+
 # Anchors of matplotlib's "plasma" (S. van der Walt, N. Smith, 2015, CC0), which reads well in grey and for the
 # colour-blind; cut before its yellow end, which would fade on a white map.
 _SPEED_ANCHORS = ((13, 8, 135), (106, 0, 168), (177, 42, 144), (225, 100, 98), (252, 150, 55))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -23,6 +23,7 @@ from trundle.record.colors import (
     PAGE,
     PLANNED,
     ROBOT,
+    SEVERAL,
     START,
     UNKNOWN,
     WARNING,
@@ -70,6 +71,38 @@ def draw_plan(costmap: Costmap, path: Path, robot: Robot, *, title: str = "", li
         status=None,
         lines=lines or [f"{path.length:.2f} m{cost}"],
         legend=_LEGEND,
+        pixels_per_metre=view.pixels_per_metre,
+    )
+
+
+def draw_paths(costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, title: str = "") -> Image.Image:
+    """Draw several paths between the same ends on their map, each in a colour of its own.
+
+    Args:
+        costmap: What they were planned on.
+        robot: Whose footprint is drawn at both ends.
+        paths: At least one, by name; later ones lie on top.
+        title: Headline; none means the robot's name.
+    """
+    view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]))
+    legend: list[Mark] = []
+    for index, (name, path) in enumerate(paths.items()):
+        color = SEVERAL[index % len(SEVERAL)]
+        # The first ones are wider, so that they are seen where others follow the same way.
+        view.line(path.poses[:, :2], color, 4.0 + 1.5 * (len(paths) - 1 - index))
+        legend.append(Mark("line", color, name))
+    first = next(iter(paths.values()))
+    for pose, color in ((first.start, START), (first.goal, GOAL)):
+        _draw_robot(view, robot, pose, color)
+    picture = view.finish()
+    ends = [(first.start.as_tuple(), "start", START), (first.goal.as_tuple(), "goal", GOAL)]
+    _draw_tags(view, robot, picture, ends)
+    return compose_page(
+        picture,
+        title=title or robot.name,
+        status=None,
+        lines=[" · ".join(f"{name} {path.length:.2f} m" for name, path in paths.items())],
+        legend=legend,
         pixels_per_metre=view.pixels_per_metre,
     )
 

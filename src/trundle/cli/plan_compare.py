@@ -1,0 +1,102 @@
+"""`trundle plan --compare`: every planner on one query, as a table and a picture."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, TypedDict
+
+from trundle.cli import output
+from trundle.errors import PlanningError
+from trundle.geometry import Pose2D, wrap_angle
+
+if TYPE_CHECKING:
+    from trundle.costmap import Costmap
+    from trundle.mission import Goal
+    from trundle.navigation import Navigator
+    from trundle.path import Path
+    from trundle.planning import Planner
+
+_ROUNDS = 5
+
+
+class Row(TypedDict):
+    """How one planner did.
+
+    `clearance_m` is the smallest distance from the footprint at the path's poses to something, 0 where it touches.
+    """
+
+    planner: str
+    length_m: float | None
+    turning_rad: float | None
+    clearance_m: float | None
+    planning_ms: float
+    message: str
+
+
+def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *, target: FilePath, json: bool) -> int:
+    """Plan from `begin` to `end` by every planner, print a table and draw all paths.
+
+    Returns:
+        The exit code: 0 where at least one planner found a way.
+    """
+    from trundle.planning import create_planner
+    from trundle.record.overlay import draw_paths
+    from trundle.record.run_folder import save_png
+
+    rows: list[Row] = []
+    paths: dict[str, Path] = {}
+    for name in names:
+        row, path = _try(create_planner(name), name, navigator.costmap, begin, Pose2D.of(end))
+        rows.append(row)
+        if path is not None:
+            paths[name] = path
+    if paths:
+        save_png(draw_paths(navigator.costmap, navigator.robot, paths), target)
+    _print(rows, target if paths else None, json=json)
+    return 0 if paths else 1
+
+
+def _try(planner: Planner, name: str, costmap: Costmap, begin: Pose2D, end: Pose2D) -> tuple[Row, Path | None]:
+    """Plan several times: the first makes what a planner keeps of a map, and the median of the others counts."""
+    row = Row(planner=name, length_m=None, turning_rad=None, clearance_m=None, planning_ms=0.0, message="")
+    times: list[float] = []
+    path: Path | None = None
+    for _ in range(_ROUNDS):
+        began = time.perf_counter()
+        try:
+            path = planner.plan(costmap, begin, end)
+        except PlanningError as error:
+            row["message"] = str(error)
+            break
+        finally:
+            times.append(1000.0 * (time.perf_counter() - began))
+    row["planning_ms"] = statistics.median(times[1:] or times)
+    if path is not None:
+        row["length_m"] = path.length
+        row["turning_rad"] = sum(abs(wrap_angle(turn)) for turn in (path.poses[1:, 2] - path.poses[:-1, 2]).tolist())
+        row["clearance_m"] = float(costmap.clearance(path.poses).min())
+    return row, path
+
+
+def _print(rows: list[Row], target: FilePath | None, *, json: bool) -> None:
+    if json:
+        output.print_json({"planners": rows, "overlay": target})
+        return
+    output.print_table(
+        ("planner", "length m", "turning rad", "clearance m", "ms", ""),
+        [
+            (
+                row["planner"],
+                row["length_m"],
+                row["turning_rad"],
+                row["clearance_m"],
+                row["planning_ms"],
+                "touches something" if row["clearance_m"] == 0.0 else row["message"],
+            )
+            for row in rows
+        ],
+    )
+    if target is not None:
+        print(f"overlay  {target}")
