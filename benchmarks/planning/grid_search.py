@@ -2,9 +2,9 @@
 
     python -m benchmarks.planning.grid_search MAPS [--queries 60] [--city Berlin_0_1024] [--only peers,...]
 
-MAPS is a folder of MovingAI maps, each `NAME.map` with its `NAME.map.scen`. The contestants take turns, query by query. Times
-are the calling thread's on the processor: all but `plan_many` run in one thread, and where other work shares the machine, the
-clock on the wall would count its turns against the long calls only.
+MAPS is a folder of MovingAI maps, each `NAME.map` with its `NAME.map.scen`. The contestants take turns, query by query.
+Times are the calling thread's on the processor: all but `plan_many` run in one thread, and where other work shares the
+machine, the clock on the wall would count its turns against the long calls only.
 
 Cold means: before each call that is timed, 96 MB are written to, three times the last-level cache of most machines, so
 that neither the map nor what a search keeps nor the interpreter lies in a cache. Warm means the same call once more.
