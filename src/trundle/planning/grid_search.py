@@ -220,7 +220,7 @@ class GridSearch:
         """
         if method not in POINT_METHODS:
             raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
-        flag = _check_limits(deadline_s, cancel)
+        flag = check_limits(deadline_s, cancel)
         try:
             found = self._grid.find_point_way(start, goal, method == "theta_star", deadline_s, flag)
         except ValueError as error:
