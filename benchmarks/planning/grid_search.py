@@ -3,9 +3,12 @@
     python -m benchmarks.planning.grid_search MAPS [--queries 60] [--city Berlin_0_1024] [--only peers,...]
 
 MAPS is a folder of MovingAI maps, each `NAME.map` with its `NAME.map.scen`. The contestants take turns, query by query.
+Times are the calling thread's on the processor: all but `plan_many` run in one thread, and where other work shares the
+machine, the clock on the wall would count its turns against the long calls only.
 
-Cold means: before each call that is timed, 96 MB are written to, three times the last-level cache of most machines, so
-that neither the map nor what a search keeps nor the interpreter lies in a cache. Warm means the same call once more.
+Before each cold call 96 MB are written to, three times the last-level cache of most machines. 'Cold' then makes the
+same call on a map of 16 x 16 cells, so that the library and the interpreter are near, and the map and what the search
+keeps are not; 'all cold' does not. Warm means the same call once more.
 
 pyastar2d solves an easier problem: diagonals cost it 1, and it cuts corners. tcod is given the rules of the `.scen`
 files by a graph with conditions (one for each diagonal), and both get their maps in their own form beforehand.
@@ -36,12 +39,13 @@ def flush_caches() -> None:
     np.add(_FLUSH, 1.0, out=_FLUSH)
 
 
-def microseconds(run: Callable[[], Any], *, cold: bool = False) -> float:
-    if cold:
-        flush_caches()
-    begin = time.perf_counter_ns()
+def microseconds(run: Callable[[], Any], *, first: Callable[[], Any] | None = None) -> float:
+    """How long a call takes, after another one."""
+    if first is not None:
+        first()
+    begin = time.thread_time_ns()
     run()
-    return 1e-3 * (time.perf_counter_ns() - begin)
+    return 1e-3 * (time.thread_time_ns() - begin)
 
 
 def read(folder: Path, name: str) -> tuple[np.ndarray, list[MovingAIQuery]]:
@@ -131,33 +135,48 @@ def race_methods(folder: Path, names: list[str]) -> None:
     print_table((*header, "chosen / astar: median", "of all the time"), rows)
 
 
+def make_ours(blocked: np.ndarray) -> Callable[[MovingAIQuery], Any]:
+    search = GridSearch(blocked)
+    return lambda query: search.shortest_path(query.start, query.goal)
+
+
 def race_peers(folder: Path, names: list[str], count: int) -> None:
-    print(f"\n## Beside peers, {count} queries a map drawn by seed, cold, medians in microseconds\n")
+    print(f"\n## Beside peers, {count} queries a map drawn by seed, medians in microseconds\n")
+    tiny = MovingAIQuery(0, "", 16, 16, (1, 2), (14, 12), 14.0)
+    makers = {"ours": make_ours, "pyastar2d": make_pyastar2d, "tcod": make_tcod}
+    near = {name: make(np.zeros((16, 16), bool)) for name, make in makers.items()}
     rows = []
     for name in names:
         blocked, queries = read(folder, name)
         drawn = [queries[i] for i in np.random.default_rng(0).permutation(len(queries))[:count]]
-        search = GridSearch(blocked)
-        contestants: dict[str, Callable[[MovingAIQuery], Any]] = {
-            "path": lambda q, s=search: s.shortest_path(q.start, q.goal),
-            "cells": lambda q, s=search: s.shortest_path(q.start, q.goal).cells,
-            "pyastar2d": make_pyastar2d(blocked),
-            "tcod": make_tcod(blocked),
-        }
-        times: dict[str, list[float]] = {contestant: [] for contestant in ("warm", *contestants)}
+        contestants = {contestant: make(blocked) for contestant, make in makers.items()}
+        times: dict[str, list[float]] = {}
+
+        def note(
+            what: str, call: Callable[[], Any], first: Callable[[], Any], times: dict[str, list[float]] = times
+        ) -> None:
+            times.setdefault(what, []).append(microseconds(call, first=first))
+
         for query in drawn:
             for contestant, run in contestants.items():
-                times[contestant].append(microseconds(lambda r=run, q=query: r(q), cold=True))
-            again = contestants["path"]
-            times["warm"].append(min(microseconds(lambda r=again, q=query: r(q)) for _ in range(3)))
-        row = [name, *(f"{statistics.median(times[c]):.0f}" for c in ("warm", "path", "cells", "pyastar2d", "tcod"))]
+
+                def flush(again: Callable[[MovingAIQuery], Any] = near[contestant]) -> None:
+                    flush_caches()
+                    again(tiny)
+
+                note(contestant, lambda r=run, q=query: r(q), flush)
+                note(f"{contestant} all cold", lambda r=run, q=query: r(q), flush_caches)
+            ours = contestants["ours"]
+            note("cells", lambda r=ours, q=query: r(q).cells, lambda: (flush_caches(), near["ours"](tiny).cells))
+            note("warm", lambda r=ours, q=query: r(q), lambda r=ours, q=query: r(q))
+        row = [name, *(f"{statistics.median(times[what]):.0f}" for what in ("warm", *makers, "cells", "ours all cold"))]
         for peer in ("pyastar2d", "tcod"):
-            each = [theirs / ours for theirs, ours in zip(times[peer], times["path"], strict=True)]
-            medians = statistics.median(times[peer]) / statistics.median(times["path"])
-            row.append(f"{medians:.0f} ({statistics.median(each):.0f})")
+            for what in ("", " all cold"):
+                over = statistics.median(times[peer + what]) / statistics.median(times["ours" + what])
+                row.append(f"{over:.0f}")
         rows.append(tuple(row))
-    print_table(("map", "warm", "cold", "with .cells", "pyastar2d", "tcod", "pyastar2d over it", "tcod over it"), rows)
-    print("\n'Over it': the medians' ratio, and in brackets the median of the queries' ratios.")
+    header = ("map", "warm", "cold", "pyastar2d", "tcod", "cold with .cells", "all cold")
+    print_table((*header, "pyastar2d / cold", "all cold", "tcod / cold", "all cold"), rows)
 
 
 def race_large(folder: Path, city: str) -> None:
@@ -202,10 +221,14 @@ def race_calls(folder: Path, city: str) -> None:
     blocked, queries = read(folder, city)
     search = GridSearch(blocked)
     starts, goals = (np.array([getattr(query, end) for query in queries]) for end in ("start", "goal"))
-    one, two = [], []
-    for _ in range(15):
-        one.append(microseconds(lambda: search.plan_many(starts, goals, threads=1)))
-        two.append(microseconds(lambda: search.plan_many(starts, goals, threads=2)))
+    wall: dict[int, list[float]] = {1: [], 2: []}
+    processor: dict[int, list[float]] = {1: [], 2: []}
+    for _ in range(40):
+        for threads in wall:
+            begin, spent = time.perf_counter(), time.process_time()
+            search.plan_many(starts, goals, threads=threads)
+            processor[threads].append(time.process_time() - spent)
+            wall[threads].append(time.perf_counter() - begin)
     walled = blocked.copy()
     walled[:, walled.shape[1] // 2] = True
     closed = GridSearch(walled)
@@ -216,10 +239,16 @@ def race_calls(folder: Path, city: str) -> None:
     unreachable = [microseconds(lambda: closed.shortest_path(left, right)) for _ in range(2000)]
     row, col = free[len(free) // 2].tolist()
     rows = [
-        (f"plan_many, {len(queries)} queries, one thread", f"{1e-3 * statistics.median(one):.1f} ms"),
-        ("plan_many, two threads", f"{1e-3 * statistics.median(two):.1f} ms"),
-        ("one over two: medians", f"{statistics.median(one) / statistics.median(two):.2f}"),
-        ("one over two: best", f"{min(one) / min(two):.2f}"),
+        *(
+            (
+                f"plan_many, {len(queries)} queries, {threads} thread{'s' * (threads > 1)}",
+                f"median {1e3 * statistics.median(wall[threads]):.1f} ms, best {1e3 * min(wall[threads]):.1f} ms; "
+                f"on processors {1e3 * statistics.median(processor[threads]):.1f} ms",
+            )
+            for threads in wall
+        ),
+        ("one thread over two: best", f"{min(wall[1]) / min(wall[2]):.2f}"),
+        ("one thread over two: medians", f"{statistics.median(wall[1]) / statistics.median(wall[2]):.2f}"),
         ("unreachable goal", describe(unreachable)),
         (
             "update of one cell",

@@ -194,6 +194,16 @@ def test_a_point_that_breaks_down_fails_and_the_next_ones_follow(
     assert found["close"]["status"] == "pass"
 
 
+@pytest.mark.parametrize(("start", "kinds"), [("-2.5,-1,0", []), ("2.5,-1,0", ["contact"])])
+def test_the_robot_check_begins_where_it_is_told_to_in_an_environment(
+    trundle: Trundle, fake, start: str, kinds: list[str]
+) -> None:
+    options = ["--backend", "isaac", "--headless", "--environment", "warehouse", "--start", start, "--json"]
+    done = trundle("doctor", "robot", "nova_carter", *options)
+    assert [finding["kind"] for finding in done.json["findings"]] == kinds
+    assert done.code == (1 if kinds else 0)
+
+
 def test_options_of_isaac_sim_are_refused_elsewhere(trundle: Trundle) -> None:
     done = trundle("doctor", "--backend", "mujoco", "--headless")
     assert done.code == 2

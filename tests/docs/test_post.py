@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from trundle.cli.entry import run_command
 from trundle.doctor import check_drive
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D
@@ -121,6 +122,13 @@ def test_the_robot_check_names_the_wheel_base_in_the_words_of_the_page(post) -> 
         configured = simulator.robot.drive.model_copy(update={"track_width": post.POST_TRACK})
         (finding,) = check_drive(simulator, configured=configured).findings
     assert f"{finding.kind}: {finding.message}" in TEXT
+
+
+@pytest.mark.parametrize(("end", "code"), [("collides", 1), ("arrives", 0)])
+def test_the_commands_end_as_the_page_says(end: str, code: int, tmp_path: Path) -> None:
+    found = re.findall(rf"^trundle (run .*?) +# {end}$", (DOCS / "blog.md").read_text(), re.MULTILINE)
+    assert len(found) == 1
+    assert run_command([*found[0].split(), "--no-video", "--quiet", "-o", str(tmp_path)]) == code
 
 
 def test_its_pictures_are_small_and_new_ones_can_be_made(post, wrong, right, own) -> None:

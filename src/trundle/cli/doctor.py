@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output
+from trundle.cli import isaac, options, output, sources
 from trundle.cli.engine import import_engine
 from trundle.errors import InputError
 
@@ -66,6 +66,7 @@ def robot(
     backend: options.Backend = "mujoco",
     wheel_radius: float | None = None,
     track_width: float | None = None,
+    start: options.Pose = None,
     isaac_options: isaac.IsaacOptions | None = None,
     json: options.Json = False,
 ) -> int:
@@ -93,8 +94,9 @@ def robot(
         if not 0.0 < value < math.inf:
             raise InputError(f"--{key.replace('_', '-')} {value:g}: give a positive number of metres")
     configured = machine.drive.model_copy(update=changes)
-    with simulate(World("empty", ()), machine, backend=backend, **simulator_options) as simulator:
-        check = check_drive(simulator, configured=configured)
+    empty = World("empty", ())
+    with simulate(empty, machine, backend=backend, **simulator_options) as simulator:
+        check = check_drive(simulator, configured=configured, start=sources.start_pose(empty, start))
         _report(check, machine, backend, configured, json=json)
     return 1 if check.findings else 0
 

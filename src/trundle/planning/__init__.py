@@ -1,7 +1,8 @@
 """Planners: from a costmap, a start and a goal to a `Path`; and searches over cells."""
 
+from trundle.planning.cancellation import Cancellation
 from trundle.planning.fields import cost_field
-from trundle.planning.grid_search import Cancellation, GridPath, GridPaths, GridSearch
+from trundle.planning.grid_search import GridPath, GridPaths, GridSearch
 from trundle.planning.planner import Planner, create_planner, planner_names
 from trundle.planning.point_path import PointPath, any_angle_path
 

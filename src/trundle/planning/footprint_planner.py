@@ -143,8 +143,8 @@ class FootprintPlanner:
         centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
         ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
         points = np.concatenate([ends[:1], centres, ends[1:]])
-        chosen, cost = _core.shortcut(costs, self._line_weights, points)
-        vertices = to_map(costmap, points[chosen])
+        straightened, cost = self._straighten(costs, points)
+        vertices = to_map(costmap, straightened)
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
 
@@ -156,6 +156,11 @@ class FootprintPlanner:
         `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
         """
         return _core.grid_search(costs, self._search_weights, start, goal)[0]
+
+    def _straighten(self, costs: npt.NDArray[np.uint8], points: FloatArray) -> tuple[FloatArray, float]:
+        """A cheaper line than the one through `points` (x, y) in grid units, with the same ends, and its cost."""
+        chosen, cost = _core.shortcut(costs, self._line_weights, points)
+        return points[chosen], cost
 
     def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
         first = np.array(query.start.pose.as_tuple())

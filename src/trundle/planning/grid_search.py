@@ -15,6 +15,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
 from trundle.geometry import FloatArray
+from trundle.planning.cancellation import Cancellation, check_limits
 from trundle.planning.point_path import POINT_METHODS, PointMethod, PointPath
 
 Status = Literal["found", "unreachable", "timeout", "cancelled"]
@@ -25,22 +26,6 @@ CellLike = Sequence[int] | npt.NDArray[np.integer]
 CellArray = npt.NDArray[np.int32]
 Span = slice | tuple[int, int] | int
 """Some rows or columns: a slice, a (first, end) pair, or one of them."""
-
-
-class Cancellation:
-    """Stops a search from another thread: hand it to the search, and call `cancel`."""
-
-    def __init__(self) -> None:
-        self.flag: npt.NDArray[np.uint8] = np.zeros(1, dtype=np.uint8)
-
-    def cancel(self) -> None:
-        """Stop every search that this was handed to, now and in future."""
-        self.flag[0] = 1
-
-    @property
-    def cancelled(self) -> bool:
-        """Whether `cancel` was called."""
-        return bool(self.flag[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +186,7 @@ class GridSearch:
             BlockedPoseError: If an end is blocked.
             InputError: If an end is no pair of whole numbers, or the deadline is not positive.
         """
-        flag = _check_limits(deadline_s, cancel)
+        flag = check_limits(deadline_s, cancel)
         code, straight, diagonal, corners = self._grid.find_way(start, goal, deadline_s, flag)
         if code == 0:
             return GridPath("found", straight + _ROOT_2 * diagonal, corners)
@@ -235,7 +220,7 @@ class GridSearch:
         """
         if method not in POINT_METHODS:
             raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
-        flag = _check_limits(deadline_s, cancel)
+        flag = check_limits(deadline_s, cancel)
         try:
             found = self._grid.find_point_way(start, goal, method == "theta_star", deadline_s, flag)
         except ValueError as error:
@@ -270,7 +255,7 @@ class GridSearch:
             BlockedPoseError: If an end is blocked.
             InputError: If an argument is none of these.
         """
-        flag = _check_limits(deadline_s, cancel)
+        flag = check_limits(deadline_s, cancel)
         if threads is None:
             threads = min(8, os.cpu_count() or 1)
         if not (isinstance(threads, int) and 1 <= threads <= 1024):
@@ -369,14 +354,3 @@ def _as_span(span: Span, what: str, count: int) -> tuple[int, int]:
     if not 0 <= first <= end <= count:
         raise OutsideMapError(f"{what} {first}:{end} are not within the map: there are 0:{count}")
     return first, end
-
-
-def _check_limits(deadline_s: float | None, cancel: Cancellation | None) -> npt.NDArray[np.uint8] | None:
-    """The flag of a cancellation, if there is one."""
-    if deadline_s is not None and not (isinstance(deadline_s, (int, float)) and deadline_s > 0.0):
-        raise InputError(f"deadline_s must be a positive number of seconds, got {deadline_s!r}")
-    if cancel is None:
-        return None
-    if not isinstance(cancel, Cancellation):
-        raise InputError(f"cancel must be a Cancellation, got {type(cancel).__name__}")
-    return cancel.flag

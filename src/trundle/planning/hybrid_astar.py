@@ -13,8 +13,8 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
+from trundle.planning.cancellation import Cancellation
 from trundle.planning.ends import find_end
-from trundle.planning.grid_search import Cancellation
 from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")

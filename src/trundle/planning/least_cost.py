@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
+from trundle import _core
+from trundle.geometry import FloatArray
 from trundle.planning.footprint_planner import FootprintPlanner
 
 NEUTRAL_COST = 50.0
@@ -14,7 +19,8 @@ COST_WEIGHT = 0.8
 class LeastCostPlanner(FootprintPlanner):
     """Weighs length against the costs of the cells, as Nav2's NavFn does: 50 + 0.8 · cost per length.
 
-    `Path.cost` is the integral of that weight along the path [m]. For the options see `FootprintPlanner`.
+    The vertices of the shortcut are then moved off the cells' centres to where the way is cheapest. `Path.cost` is the
+    integral of the weight along the path [m], constant in a cell. For the options see `FootprintPlanner`.
     """
 
     def __init__(
@@ -36,3 +42,7 @@ class LeastCostPlanner(FootprintPlanner):
             max_replans=max_replans,
             spacing=spacing,
         )
+
+    def _straighten(self, costs: npt.NDArray[np.uint8], points: FloatArray) -> tuple[FloatArray, float]:
+        straight, _ = super()._straighten(costs, points)
+        return _core.relax(costs, self._line_weights, straight)

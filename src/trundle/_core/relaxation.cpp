@@ -1,0 +1,157 @@
+// Lowers the cost ∫ weight ds of a polyline by moving its vertices sideways, off the cells' centres.
+//
+// The line is divided into pieces of a few cells, and every vertex may stay or go one step to either side, across the
+// line: dynamic programming along the line finds the best choice of all of them at once, with the exact cost of every
+// piece. That is repeated while it helps, then with shorter pieces and smaller steps. Staying is always a choice, so the
+// cost never rises, and a piece that is blocked costs infinity, so the line stays free. It ends where no such step
+// helps: the best line near the one that it began with, not the best of the map.
+#include "line_cost.hpp"
+
+#include <array>
+
+namespace trundle {
+
+using namespace lines;
+
+namespace {
+
+// Pieces of `spacing` cells, steps of `offset` cells, at most `passes` times.
+struct Level {
+  double spacing, offset;
+  int passes;
+};
+constexpr Level kLevels[] = {{8.0, 1.0, 10}, {4.0, 0.5, 10}, {2.0, 0.25, 10}, {2.0, 0.1, 5}};
+
+// A pass that gains less than this share is the last of its level; a vertex that gains less is left out at the end.
+constexpr double kWorthwhile = 1e-5;
+
+std::vector<Point> divide(const std::vector<Point> &line, double spacing) {
+  std::vector<Point> finer{line[0]};
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Point a = line[i - 1], b = line[i];
+    const int pieces = std::max(1, static_cast<int>(std::ceil(distance(a, b) / spacing - kOnBorder)));
+    for (int k = 1; k < pieces; ++k) {
+      const double t = static_cast<double>(k) / pieces;
+      finer.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    }
+    finer.push_back(b);
+  }
+  return finer;
+}
+
+// Where vertex b may go: it stays, or moves across the line from a by b to c.
+std::array<Point, 3> choices(const Point &a, const Point &b, const Point &c, double offset) {
+  const double before = std::max(distance(a, b), kOnBorder), after = std::max(distance(b, c), kOnBorder);
+  const double along_x = (b.x - a.x) / before + (c.x - b.x) / after;
+  const double along_y = (b.y - a.y) / before + (c.y - b.y) / after;
+  const double scale = offset / std::max(std::hypot(along_x, along_y), kOnBorder);
+  const double across_x = -along_y * scale, across_y = along_x * scale;
+  return {b, {b.x + across_x, b.y + across_y}, {b.x - across_x, b.y - across_y}};
+}
+
+// Moves the vertices of a line of two pieces or more where that makes it cheaper, and returns what it costs then.
+double move_vertices(const WeightedGrid &grid, std::vector<Point> &line, double offset, double cheapest) {
+  constexpr std::size_t kChoices = 3;
+  const std::size_t count = line.size();
+  std::vector<std::array<Point, kChoices>> places(count);
+  std::vector<std::array<std::uint8_t, kChoices>> before(count);
+  places.front().fill(line.front());
+  places.back().fill(line.back());
+  for (std::size_t i = 1; i + 1 < count; ++i) places[i] = choices(line[i - 1], line[i], line[i + 1], offset);
+  std::array<double, kChoices> best{0.0, kInfinity, kInfinity};
+  for (std::size_t i = 1; i < count; ++i) {
+    std::array<double, kChoices> next;
+    next.fill(kInfinity);
+    const std::size_t choices_here = i + 1 < count ? kChoices : 1;
+    for (std::size_t here = 0; here < choices_here; ++here) {
+      for (std::size_t there = 0; there < kChoices; ++there) {
+        const Point &from = places[i - 1][there], &to = places[i][here];
+        const double room = next[here] - best[there];
+        if (!(distance(from, to) * cheapest < room)) continue;
+        const double cost = best[there] + line_cost(grid, from, to, room, cheapest);
+        if (cost < next[here]) {
+          next[here] = cost;
+          before[i][here] = static_cast<std::uint8_t>(there);
+        }
+      }
+    }
+    best = next;
+  }
+  std::size_t choice = 0;
+  for (std::size_t i = count; i-- > 1;) {
+    line[i] = places[i][choice];
+    choice = before[i][choice];
+  }
+  return best[0];
+}
+
+double cost_of(const WeightedGrid &grid, const std::vector<Point> &line) {
+  double cost = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) cost += line_cost(grid, line[i - 1], line[i], kInfinity, 0.0);
+  return cost;
+}
+
+// The line without the vertices that it hardly needs.
+std::vector<Point> thin(const WeightedGrid &grid, const std::vector<Point> &line, double cheapest) {
+  std::vector<Point> kept{line[0]};
+  double with = 0.0;  // what the pieces since the last kept vertex cost
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    with += line_cost(grid, line[i - 1], line[i], kInfinity, 0.0);
+    const double limit = (with + line_cost(grid, line[i], line[i + 1], kInfinity, 0.0)) * (1.0 + kWorthwhile);
+    if (line_cost(grid, kept.back(), line[i + 1], limit, cheapest) <= limit) continue;
+    kept.push_back(line[i]);
+    with = 0.0;
+  }
+  kept.push_back(line.back());
+  return kept;
+}
+
+double relax_line(const WeightedGrid &grid, std::vector<Point> &line) {
+  const double cheapest = cheapest_weight(grid.weights), cost = cost_of(grid, line);
+  if (cost == kInfinity) return cost;
+  std::vector<Point> moved = line;
+  for (const Level &level : kLevels) {
+    moved = divide(moved, level.spacing);
+    if (moved.size() < 3) continue;
+    double last = kInfinity;
+    for (int pass = 0; pass < level.passes; ++pass) {
+      const double now = move_vertices(grid, moved, level.offset, cheapest);
+      if (!(now < last * (1.0 - kWorthwhile))) break;
+      last = now;
+    }
+  }
+  moved = thin(grid, moved, cheapest);
+  const double now = cost_of(grid, moved);
+  if (!(now < cost)) return cost;
+  line = std::move(moved);
+  return now;
+}
+
+}  // namespace
+
+static nb::tuple relax(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> points) {
+  const WeightedGrid grid = make_grid(costs, weights);
+  std::vector<Point> line = read_points(points);
+  if (line.empty()) throw nb::value_error("a path needs a point");
+  double cost = 0.0;
+  {
+    nb::gil_scoped_release release;
+    cost = relax_line(grid, line);
+  }
+  const std::size_t count = line.size();
+  std::vector<double> flat;
+  flat.reserve(2 * count);
+  for (const Point &point : line) {
+    flat.push_back(point.x);
+    flat.push_back(point.y);
+  }
+  return nb::make_tuple(to_numpy(std::move(flat), {count, 2}), cost);
+}
+
+}  // namespace trundle
+
+void bind_relaxation(nanobind::module_ &m) {
+  namespace nb = nanobind;
+  m.def("relax", &trundle::relax, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
+        nb::arg("points").noconvert());
+}
