@@ -11,6 +11,7 @@ from trundle.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costm
 from trundle.errors import InputError, MapError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
+from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
 
 SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
@@ -276,3 +277,85 @@ def test_collision_does_not_depend_on_the_maps_frame(x, y, yaw, turn):
     clearance = local.clearance([pose.as_tuple()])[0]
     if abs(clearance) > 1e-6:
         assert moved.clearance([there.as_tuple()])[0] == pytest.approx(clearance, abs=1e-6)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    shape=st.tuples(st.integers(1, 40), st.integers(1, 70)),
+    radius=st.sampled_from([0.0, 0.3, 0.9]),
+    masked=st.booleans(),
+)
+def test_local_updates_equal_a_rebuild(seed, shape, radius, masked):
+    rng = np.random.default_rng(seed)
+    data = make_grid(*shape, 0.05, seed).data.copy()
+    keepout = None
+    if masked:
+        painted = rng.choice(np.array([0, 0, 0, 30, 100], dtype=np.int8), (5, 5))
+        keepout = KeepoutMask(OccupancyGrid(painted, 0.13, Pose2D(-0.1, -0.2)))
+    costmap = Costmap.from_grid(OccupancyGrid(data, 0.05), LONG, radius, 3.0, keepout=keepout)
+    for _ in range(3):
+        row, col = int(rng.integers(shape[0])), int(rng.integers(shape[1]))
+        rows = slice(row, int(rng.integers(row, shape[0])) + 1)
+        cols = slice(col, int(rng.integers(col, shape[1])) + 1)
+        values = rng.choice(np.array([-1, 0, 0, 0, 50, 100], dtype=np.int8), data[rows, cols].shape)
+        data[rows, cols] = values
+        costmap = costmap.update(rows, cols, values)
+        rebuilt = Costmap.from_grid(OccupancyGrid(data, 0.05), LONG, radius, 3.0, keepout=keepout)
+        assert (costmap.data == rebuilt.data).all()
+
+
+def test_an_update_makes_a_new_costmap_and_leaves_the_old_one():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((40, 40), np.int8), 0.05, Pose2D(1.0, 2.0)), SQUARE)
+    changed = costmap.update(slice(10, 12), slice(None), 100)
+    assert (changed.data[10:12] == LETHAL).all()
+    assert not costmap.data.any()
+    assert (
+        changed.update(slice(10, 12), slice(0, 40), np.zeros((2, 40), np.int8)).data.tolist() == costmap.data.tolist()
+    )
+    assert (changed.origin, changed.resolution) == (costmap.origin, costmap.resolution)
+    assert not changed.data.flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("rows", "cols", "values"),
+    [
+        (slice(0, 5), slice(0, 2), 100),
+        (slice(2, 2), slice(0, 2), 100),
+        (slice(-1, 2), slice(0, 2), 100),
+        (slice(0, 4, 2), slice(0, 2), 100),
+        (1, slice(0, 2), 100),
+        (slice(0, 2), slice(0, 2), 101),
+        (slice(0, 2), slice(0, 2), -2),
+        (slice(0, 2), slice(0, 2), 0.5),
+        (slice(0, 2), slice(0, 2), [100, 0]),
+    ],
+)
+def test_what_cannot_be_updated_is_refused(rows, cols, values):
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((4, 4), np.int8), 0.05), SQUARE)
+    with pytest.raises(InputError):
+        costmap.update(rows, cols, values)
+
+
+def test_what_is_kept_out_is_lethal_and_inflates_for_the_robot():
+    painted = np.zeros((1, 41), np.int8)
+    painted[0, 20] = 100
+    mask = KeepoutMask(OccupancyGrid(painted, 0.05))
+    free = OccupancyGrid(np.zeros((1, 41), np.int8), 0.05)
+    costmap = Costmap.from_grid(free, SQUARE, 0.5, 10.0, keepout=mask)
+    assert (costmap.data == Costmap.from_grid(OccupancyGrid(painted, 0.05), SQUARE, 0.5, 10.0).data).all()
+    assert costmap.update(slice(0, 1), slice(0, 41), 0).data[0, 20] == LETHAL
+
+
+def test_a_mask_makes_free_cells_dearer_but_unknown_ones_not_known():
+    grid = OccupancyGrid(np.array([[0, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]], np.int8), 0.1)
+    mask = KeepoutMask(OccupancyGrid(np.full((1, 12), 50, np.int8), 0.1))
+    data = Costmap.from_grid(grid, SQUARE, 0.3, keepout=mask).data[0]
+    assert data[1] == NO_INFORMATION
+    assert data[2] == INSCRIBED
+    assert (data[5:] == 127).all()
+
+
+def test_keepout_costs_of_another_shape_are_refused():
+    with pytest.raises(MapError, match="keepout"):
+        Costmap(np.zeros((2, 2), np.uint8), 0.1, Pose2D(0, 0), SQUARE, 0.5, keepout=np.zeros((2, 3), np.uint8))

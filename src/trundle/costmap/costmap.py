@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import cast
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +14,11 @@ from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribe
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import GridFrame
-from trundle.maps.grid import OccupancyGrid
+from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.robots import Robot
+
+if TYPE_CHECKING:
+    from trundle.maps.masks import KeepoutMask
 
 FREE_SPACE = 0
 INSCRIBED = 253
@@ -45,11 +48,13 @@ class Costmap(GridFrame):
         footprint: Corners of the robot's convex outline in base_link [m], counter-clockwise, shape (N, 2), read-only.
         inflation_radius: Distance from an occupied or unknown cell up to which costs rise [m].
         cost_scaling_factor: Decay of the cost with distance [1/m].
+        keepout: What a keep-out mask makes each cell cost at least, uint8, shape (rows, cols), read-only; or None.
         inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
         circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
 
     Raises:
-        MapError: If the costs are not a uint8 array of shape (rows, cols), or the resolution is not positive.
+        MapError: If the costs are not a uint8 array of shape (rows, cols), or the resolution is not positive; or the
+            keep-out costs are of another kind.
         InputError: If the footprint is no convex outline around base_link, or an inflation number is out of range.
     """
 
@@ -59,6 +64,7 @@ class Costmap(GridFrame):
     footprint: FloatArray
     inflation_radius: float
     cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR
+    keepout: npt.NDArray[np.uint8] | None = None
     inscribed_radius: float = field(init=False)
     circumscribed_radius: float = field(init=False)
 
@@ -69,9 +75,12 @@ class Costmap(GridFrame):
         resolution = float(self.resolution)
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
-        if data.flags.writeable or not data.flags.c_contiguous:
-            data = np.array(data, order="C", copy=True)
-            data.flags.writeable = False
+        keepout = self.keepout
+        if keepout is not None:
+            if keepout.shape != data.shape or keepout.dtype != np.uint8:
+                raise MapError(f"keepout needs uint8 costs of shape {data.shape}, got {keepout.dtype} {keepout.shape}")
+            object.__setattr__(self, "keepout", _frozen(keepout))
+        data = _frozen(data)
         outline = as_outline(self.footprint)
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
@@ -88,6 +97,8 @@ class Costmap(GridFrame):
         footprint: Robot | npt.ArrayLike,
         inflation_radius: float | None = None,
         cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR,
+        *,
+        keepout: KeepoutMask | None = None,
     ) -> Costmap:
         """Inflate a map for a robot.
 
@@ -101,16 +112,63 @@ class Costmap(GridFrame):
             footprint: A robot, or the corners of its convex outline in base_link [m], shape (N, 2).
             inflation_radius: [m]; none means the circumscribed radius + 0.3 m, so that costs keep the tail clear.
             cost_scaling_factor: k above [1/m].
+            keepout: What it keeps out is lethal and inflates as what is occupied does, so that no part of the robot
+                gets in; in cells where it has 1 to 99 costs are raised. Cells that are unknown otherwise stay unknown.
 
         Raises:
             InputError: If the footprint is no convex outline around base_link, or a number is out of range.
+            MapError: If the mask lies beside the map.
         """
         outline = as_outline(footprint)
         radius = circumscribed_radius(outline) + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
         table = cost_table(inscribed_radius(outline), radius, cost_scaling_factor, grid.resolution)
-        data = _core.inflate(grid.data, table)
+        floor = None if keepout is None else keepout.costs_on(grid)
+        data = _inflate(grid.data, table, floor)
         data.flags.writeable = False
-        return cls(data, grid.resolution, grid.origin, outline, float(radius), float(cost_scaling_factor))
+        return cls(
+            data, grid.resolution, grid.origin, outline, float(radius), float(cost_scaling_factor), keepout=floor
+        )
+
+    def update(self, rows: slice, cols: slice, occupancy: npt.ArrayLike) -> Costmap:
+        """Make a costmap in which a rectangle of the map has other occupancy; this one stays as it is.
+
+        It equals a costmap made anew of the changed map, and costs a copy of the bytes and an inflation around the
+        rectangle. What the keep-out mask asks for still holds there.
+
+        Args:
+            rows: Which rows, without a step.
+            cols: Which columns, without a step.
+            occupancy: Their new values as in an `OccupancyGrid`, −1 to 100: of the rectangle's shape, or one for all.
+
+        Raises:
+            InputError: If the rectangle is empty or not within the map, or the values are none of these.
+        """
+        row, row_end = _as_range(rows, "rows", self.shape[0])
+        col, col_end = _as_range(cols, "cols", self.shape[1])
+        values = np.asarray(occupancy)
+        size = row_end - row, col_end - col
+        if values.dtype.kind not in "iub" or values.shape not in ((), size):
+            raise InputError(f"a rectangle of {size} needs whole numbers of this shape or one, got {values.shape}")
+        if values.size and (values.min() < UNKNOWN or values.max() > OCCUPIED):
+            raise InputError("occupancy goes from -1 (unknown) over 0 (free) to 100 (occupied)")
+        table = cost_table(self.inscribed_radius, self.inflation_radius, self.cost_scaling_factor, self.resolution)
+        reach = math.isqrt(len(table) - 1)
+        # What the rectangle can change, and what that depends on.
+        changed = _widen((row, row_end, col, col_end), reach, self.shape)
+        window = _widen(changed, reach, self.shape)
+        old = self.data[_slices(window)]
+        cells = np.full(old.shape, FREE, dtype=np.int8)
+        cells[old == LETHAL] = OCCUPIED
+        cells[old == NO_INFORMATION] = UNKNOWN
+        cells[row - window[0] : row_end - window[0], col - window[2] : col_end - window[2]] = values
+        floor = None if self.keepout is None else self.keepout[_slices(window)]
+        costs = _inflate(cells, table, floor)
+        data = self.data.copy()
+        data[_slices(changed)] = costs[
+            changed[0] - window[0] : changed[1] - window[0], changed[2] - window[2] : changed[3] - window[2]
+        ]
+        data.flags.writeable = False
+        return replace(self, data=data)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -189,6 +247,43 @@ def cost_table(
     costs[distances <= inscribed + 1e-9] = INSCRIBED
     costs[0] = LETHAL
     return costs
+
+
+def _inflate(
+    cells: npt.NDArray[np.int8], table: npt.NDArray[np.uint8], floor: npt.NDArray[np.uint8] | None
+) -> npt.NDArray[np.uint8]:
+    """Costs of occupancy and of what a keep-out mask asks for at least."""
+    if floor is None:
+        return _core.inflate(np.ascontiguousarray(cells), table)
+    costs = _core.inflate(np.where(floor == LETHAL, np.int8(OCCUPIED), cells), table)
+    return np.maximum(costs, floor)
+
+
+def _frozen(data: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """The array itself where it can neither be written to nor is scattered, else a copy."""
+    if data.flags.writeable or not data.flags.c_contiguous:
+        data = np.array(data, order="C", copy=True)
+        data.flags.writeable = False
+    return data
+
+
+def _as_range(part: slice, what: str, count: int) -> tuple[int, int]:
+    if not isinstance(part, slice) or part.step not in (None, 1):
+        raise InputError(f"{what} must be a slice without a step, got {part!r}")
+    first = 0 if part.start is None else part.start
+    end = count if part.stop is None else part.stop
+    if not (isinstance(first, int | np.integer) and isinstance(end, int | np.integer) and 0 <= first < end <= count):
+        raise InputError(f"{what} must be a part of 0 to {count} that is not empty, got {part!r}")
+    return int(first), int(end)
+
+
+def _widen(window: tuple[int, int, int, int], by: int, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    row, row_end, col, col_end = window
+    return max(0, row - by), min(shape[0], row_end + by), max(0, col - by), min(shape[1], col_end + by)
+
+
+def _slices(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
+    return slice(window[0], window[1]), slice(window[2], window[3])
 
 
 def _as_poses(poses: npt.ArrayLike) -> FloatArray:

@@ -11,13 +11,16 @@ if TYPE_CHECKING:
     from trundle.maps.convert import Conversion, convert_grid
     from trundle.maps.height_field import HeightField
     from trundle.maps.losses import Loss, find_file_losses
+    from trundle.maps.masks import KeepoutMask, SpeedMask
     from trundle.maps.resample import resample_axis_aligned
 
 # What only some need, and imports more.
 _HOMES = {
     "Conversion": "trundle.maps.convert",
     "HeightField": "trundle.maps.height_field",
+    "KeepoutMask": "trundle.maps.masks",
     "Loss": "trundle.maps.losses",
+    "SpeedMask": "trundle.maps.masks",
     "convert_grid": "trundle.maps.convert",
     "find_file_losses": "trundle.maps.losses",
     "resample_axis_aligned": "trundle.maps.resample",
@@ -30,8 +33,10 @@ __all__ = [
     "UNKNOWN",
     "Conversion",
     "HeightField",
+    "KeepoutMask",
     "Loss",
     "OccupancyGrid",
+    "SpeedMask",
     "convert_grid",
     "find_file_losses",
     "resample_axis_aligned",

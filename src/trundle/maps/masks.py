@@ -1,0 +1,224 @@
+"""`KeepoutMask` and `SpeedMask`: zones that are painted as ROS maps, as Nav2's costmap filters read them.
+
+A mask lies in the map's frame with a resolution, an origin and a size of its own. Nav2 is told what a speed mask's
+values mean by its costmap filter info server; here the mask's YAML may say it, in the keys `type`, `base` and
+`multiplier` under Nav2's names, which Nav2's map server ignores there.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, cast, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import MapError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.frame import GridFrame
+from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.occupancy import Compat
+from trundle.maps.resample import CellLayout, resample
+from trundle.maps.values import VALUES, count_values
+
+SpeedUnit: TypeAlias = Literal["percent", "absolute"]
+
+_LETHAL = 254
+_KEEPOUT_TYPE = 0
+_SPEED_TYPES: dict[int, SpeedUnit] = {1: "percent", 2: "absolute"}
+_KINDS = {0: "a keep-out mask", 1: "a speed mask in percent", 2: "a speed mask in m/s", 3: "a binary mask"}
+"""`type` of Nav2's costmap filter info."""
+_LARGEST = 1e6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeepoutMask:
+    """Where the robot must not go, and where it would rather not.
+
+    Cells of 100 are kept out: no part of the robot may touch them. From 1 to 99 a cell is free, but costs at least
+    `254 · value / 100`, as in Nav2's keepout filter. 0, unknown cells and all beyond the mask change nothing.
+
+    Attributes:
+        grid: The mask, in the map's frame.
+        name: For messages: where it came from.
+    """
+
+    grid: OccupancyGrid
+    name: str = "the keep-out mask"
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, compat: Compat | None = None) -> KeepoutMask:
+        """Read a mask as a ROS map.
+
+        Raises:
+            MapError: If it cannot be read, or its YAML says that it is another kind of mask.
+        """
+        kind, fields = _read_info(path)
+        if kind not in (None, _KEEPOUT_TYPE) or (fields.get("base", 0.0), fields.get("multiplier", 1.0)) != (0.0, 1.0):
+            what = f"type {kind}, {_KINDS[kind]}" if kind else f"{' and '.join(fields)} of its own, as a speed mask has"
+            raise MapError(f"{os.fspath(path)}: no keep-out mask: it has {what}; give it as what it is")
+        return cls(OccupancyGrid.load(path, compat=compat), os.fspath(path))
+
+    def costs_on(self, frame: GridFrame) -> npt.NDArray[np.uint8]:
+        """What cells of another grid cost at least: 254 where they touch a kept-out cell, however little.
+
+        Returns:
+            uint8, shape `frame.shape`, read-only.
+
+        Raises:
+            MapError: If the mask lies beside the grid.
+        """
+        check_overlap(self.grid, frame, self.name)
+        # A rim of free cells, so that what hangs out of the mask is not taken for unknown.
+        rim = math.ceil(math.sqrt(2.0) * frame.resolution / self.grid.resolution) + 1
+        cells = np.pad(np.maximum(self.grid.data, FREE), rim)
+        corner = self.grid.origin @ Pose2D(-rim * self.grid.resolution, -rim * self.grid.resolution)
+        # In the frame of the grid, which is then aligned with the axes.
+        placed = OccupancyGrid(cells, self.grid.resolution, frame.origin.inverse() @ corner)
+        layout = CellLayout(frame.resolution, Pose2D(0.0, 0.0), *frame.shape)
+        values = np.maximum(resample(placed, layout).cells, FREE)
+        costs = np.round(np.arange(OCCUPIED + 1) * (_LETHAL / OCCUPIED)).astype(np.uint8)[values]
+        costs.flags.writeable = False
+        return costs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpeedMask:
+    """How fast the robot may drive, by where its base_link is.
+
+    The limit in a cell is `base + multiplier · value`, in percent of the robot's top speed or in m/s. 0 means no limit,
+    as does all beyond the mask. What Nav2 takes for no limit with a warning is refused here: a limit of 0 or less, more
+    than 100 %, and unknown cells.
+
+    Attributes:
+        grid: The mask, in the map's frame.
+        unit: "percent", Nav2's type 1, or "absolute" (m/s), its type 2.
+        base: [% or m/s].
+        multiplier: [% or m/s per unit of the mask]; 100 and −1 make darker paint slower in a mask of mode scale.
+        name: For messages: where it came from.
+
+    Raises:
+        MapError: If a cell has no limit that can be kept, or the unit is unknown.
+    """
+
+    grid: OccupancyGrid
+    unit: SpeedUnit = "percent"
+    base: float = 0.0
+    multiplier: float = 1.0
+    name: str = "the speed mask"
+
+    def __post_init__(self) -> None:
+        if self.unit not in get_args(SpeedUnit):
+            raise MapError(f'{self.name}: unit is {self.unit!r}, it must be "percent" or "absolute" (m/s)')
+        if not (math.isfinite(self.base) and math.isfinite(self.multiplier)):
+            raise MapError(f"{self.name}: base and multiplier must be finite, got {self.base} and {self.multiplier}")
+        most, mark = (100.0, "%") if self.unit == "percent" else (math.inf, "m/s")
+        for value in VALUES[count_values(self.grid.data) > 0].tolist():
+            limit = self.base + self.multiplier * value
+            if value == UNKNOWN:
+                found = "is unknown, which says no speed"
+            elif value == FREE or 0.0 < limit <= most:
+                continue
+            else:
+                found = f"has {value}, a limit of {self.base:g} + {self.multiplier:g} · {value} = {limit:g} {mark}"
+            row, col = (int(index) for index in np.argwhere(self.grid.data == value)[0])
+            x, y = self.grid.cell_to_world(row, col)
+            allowed = f"above 0 and at most {most:g} %" if self.unit == "percent" else "above 0 m/s"
+            raise MapError(
+                f"{self.name}: the cell at ({x:.2f}, {y:.2f}) {found}; a limit must be {allowed}. Paint white where "
+                "there is none (0), mend base and multiplier, use mode scale or raw for shades; a keep-out mask stops"
+            )
+
+    @classmethod
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        unit: SpeedUnit | None = None,
+        base: float | None = None,
+        multiplier: float | None = None,
+        compat: Compat | None = None,
+    ) -> SpeedMask:
+        """Read a mask as a ROS map. What is not given is taken from its YAML, else it is Nav2's: percent, 0 and 1.
+
+        Raises:
+            MapError: If it cannot be read, is another kind of mask, or has a limit that cannot be kept.
+        """
+        kind, fields = _read_info(path)
+        if kind is not None and kind not in _SPEED_TYPES:
+            raise MapError(
+                f"{os.fspath(path)}: type {kind}, {_KINDS[kind]}, is no speed mask; "
+                "write type: 1 for percent or type: 2 for m/s"
+            )
+        said = "percent" if kind is None else _SPEED_TYPES[kind]
+        return cls(
+            OccupancyGrid.load(path, compat=compat),
+            said if unit is None else unit,
+            fields.get("base", 0.0) if base is None else float(base),
+            fields.get("multiplier", 1.0) if multiplier is None else float(multiplier),
+            os.fspath(path),
+        )
+
+    def limits(self, top_speed: float) -> FloatArray:
+        """Limits [m/s] of the values 0 to 100 for a robot's top speed [m/s]; infinite for 0. Shape (101,)."""
+        values = self.base + self.multiplier * np.arange(OCCUPIED + 1)
+        limits = values * (top_speed / 100.0) if self.unit == "percent" else values
+        limits[FREE] = np.inf
+        return cast("FloatArray", limits)
+
+    def limit_at(self, x: npt.ArrayLike, y: npt.ArrayLike, top_speed: float) -> FloatArray:
+        """Limits [m/s] at points x, y [m] in the map frame, of any one shape; infinite where there is none."""
+        row, col = self.grid.world_to_cell(x, y)
+        inside = self.grid.contains(row, col)
+        values = np.where(inside, self.grid.data[np.where(inside, row, 0), np.where(inside, col, 0)], FREE)
+        return self.limits(top_speed)[values]
+
+
+def check_overlap(grid: OccupancyGrid, frame: GridFrame, name: str) -> None:
+    """Refuse a mask that shares no area with a map.
+
+    Raises:
+        MapError: If it does not.
+    """
+    # Two rectangles are apart where the sides of one of them part them.
+    for one, other in ((grid, frame), (frame, grid)):
+        corners = one.origin.inverse().transform_points(_corners(other))
+        size = np.array([one.shape[1], one.shape[0]]) * one.resolution
+        if (corners.max(axis=0) <= 1e-9).any() or (corners.min(axis=0) >= size - 1e-9).any():
+            raise MapError(
+                f"{name}: the mask lies beside the map: it covers {_extent(grid)}, the map {_extent(frame)}; "
+                "correct its origin and resolution"
+            )
+
+
+def _corners(frame: GridFrame) -> FloatArray:
+    rows, cols = frame.shape
+    return frame.origin.transform_points(np.array([[0, 0], [cols, 0], [cols, rows], [0, rows]]) * frame.resolution)
+
+
+def _extent(frame: GridFrame) -> str:
+    (x0, y0), (x1, y1) = (f(_corners(frame), axis=0) for f in (np.min, np.max))
+    return f"x {x0:.2f} to {x1:.2f}, y {y0:.2f} to {y1:.2f}"
+
+
+def _read_info(path: str | os.PathLike[str]) -> tuple[int | None, dict[str, float]]:
+    """What a mask's YAML says in Nav2's words: its `type`, and `base` and `multiplier` as far as they are there."""
+    from trundle.maps.ros_yaml import read_fields
+
+    try:
+        fields = read_fields(path)
+    except MapError:
+        return None, {}  # It may be no YAML file; the reader of maps says what is wrong with it.
+    kind: int | None = None
+    if "type" in fields.nodes:
+        number = fields.number("type", low=0, high=_LARGEST)
+        if number not in _KINDS:
+            kinds = ", ".join(f"{key} ({what})" for key, what in _KINDS.items())
+            raise MapError(f"{fields.place('type')}: type is {number:g}, it must be one of {kinds}")
+        kind = int(number)
+    numbers = {
+        key: fields.number(key, low=-_LARGEST, high=_LARGEST) for key in ("base", "multiplier") if key in fields.nodes
+    }
+    return kind, numbers
