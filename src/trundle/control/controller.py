@@ -23,7 +23,11 @@ CONTROLLERS = Registry(
 
 @runtime_checkable
 class Controller(Protocol):
-    """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`."""
+    """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`.
+
+    It may also have `set_speed_limit(limit)`, by which a `Navigator` tells it before each command how fast it may drive
+    now [m/s], infinity for as fast as it likes; the navigator slows the commands of one that has not.
+    """
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""

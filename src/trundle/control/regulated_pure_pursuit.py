@@ -105,6 +105,11 @@ class RegulatedPurePursuit:
         self._s = 0.0
         self._turn: _Turn | None = None
         self._done = True
+        self._speed_limit = math.inf
+
+    def set_speed_limit(self, limit: float) -> None:
+        """Drive no faster than this [m/s] from now on; infinity takes the limit away."""
+        self._speed_limit = limit
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
@@ -280,6 +285,7 @@ class RegulatedPurePursuit:
         if section.backward and limits.reverse_speed is not None:
             fastest = limits.reverse_speed
         wanted = fastest if settings.desired_linear_vel is None else min(settings.desired_linear_vel, fastest)
+        wanted = min(wanted, self._speed_limit)
         regulated = wanted
         radius = 1.0 / max(abs(curvature), 1e-9)
         if radius < settings.regulated_linear_scaling_min_radius:

@@ -10,14 +10,18 @@ from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
+import numpy as np
+
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import can_stop
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
+from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
-from trundle.planning import Planner, create_planner
+from trundle.planning import PathCheck, Planner, create_planner
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
@@ -26,6 +30,7 @@ _BLOCKED_AFTER_S = 0.5
 _BACK_UP_M = 0.3
 _BACK_UP_MPS = 0.15
 _MAX_RECOVERIES = 6
+_AHEAD_M = 1.0  # of the path in which the robot's place on it is looked for
 
 
 class NavigationStatus(StrEnum):
@@ -50,6 +55,10 @@ class Navigator:
 
     It knows no simulator: call `update` with the robot's pose once per control period and send the twist to the robot.
 
+    The map may change under way: `navigator.costmap = navigator.costmap.update(rows, cols, values)`. The next `update`
+    then checks what is left of the path, and plans again where that is blocked. A path that is not blocked is given up
+    only for one that is cheaper by `replan_margin`, so that the robot does not waver between ways that are as good.
+
     Args:
         grid: The map: a grid, a costmap made for this robot, or the path of a ROS map YAML.
         robot: A robot, a catalogue name or the path of a YAML file.
@@ -62,11 +71,18 @@ class Navigator:
         inflation_radius: Of the costmap [m]; none means the costmap's default for the robot.
         cost_scaling_factor: Of the costmap [1/m]; none means the costmap's default.
         control_frequency: How often `update` is called [Hz].
+        keepout: Where the robot must not go: a mask, or the path of its YAML.
+        speed_mask: How fast it may drive where: a mask, or the path of its YAML.
+        replan_interval_s: After so long [s] it looks for a better path; none means only where the path is blocked.
+        replan_margin: By what share of the old path's cost from here a new one must be cheaper to replace it, where
+            both are weighed as in `PathCheck.cost_from`.
 
     Attributes:
         robot: The robot.
         grid: The map, or None where a costmap was given.
-        costmap: What it plans and drives on.
+        costmap: What it plans and drives on; it may be replaced by another one under way.
+        speed_mask: The speed mask, or None.
+        speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         path: The path that it follows, or None.
         status: How it stands.
         error: Why there is no path, where there is none.
@@ -76,7 +92,7 @@ class Navigator:
     Raises:
         UnknownNameError: If a name is not known.
         MapError: If the map cannot be read.
-        InputError: If an option is out of range.
+        InputError: If an option is out of range, or a keep-out mask is given for a costmap.
     """
 
     def __init__(
@@ -93,23 +109,44 @@ class Navigator:
         inflation_radius: float | None = None,
         cost_scaling_factor: float | None = None,
         control_frequency: float = 20.0,
+        keepout: KeepoutMask | str | os.PathLike[str] | None = None,
+        speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
+        replan_interval_s: float | None = None,
+        replan_margin: float = 0.1,
     ) -> None:
         if not (math.isfinite(control_frequency) and control_frequency > 0.0):
             raise InputError(f"control_frequency must be a positive number of hertz, got {control_frequency}")
+        if replan_interval_s is not None and not (math.isfinite(replan_interval_s) and replan_interval_s > 0.0):
+            raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s}")
+        if not 0.0 <= replan_margin < 1.0:
+            raise InputError(f"replan_margin must be a share from 0 to below 1, got {replan_margin}")
         self.robot = Robot.load(robot)
         if isinstance(grid, Costmap):
+            if keepout is not None:
+                raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")
             self.grid, self.costmap = None, grid
         else:
             self.grid = _load_grid(grid)
-            self.costmap = _make_costmap(self.grid, self.robot, inflation_radius, cost_scaling_factor)
+            zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
+            self.costmap = _make_costmap(self.grid, self.robot, inflation_radius, cost_scaling_factor, zones)
+        self.speed_mask = (
+            speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
+        )
+        self._limiter: SpeedLimiter | None = None
+        if self.speed_mask is not None:
+            check_overlap(self.speed_mask.grid, self.costmap, self.speed_mask.name)
+            self._limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name = planner if isinstance(planner, str) else type(planner).__name__
         self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
         self.planner = create_planner(planner, **(planner_options or {}))
         self._plans_free_yaw = "goal_yaw_free" in inspect.signature(self.planner.plan).parameters
         self.controller = create_controller(controller, self.robot, **(controller_options or {}))
+        self._set_speed_limit = getattr(self.controller, "set_speed_limit", None)
         self.goal_checker = goal_checker or GoalChecker()
         self.progress_checker = progress_checker or ProgressChecker()
         self.dt = 1.0 / control_frequency
+        self.replan_interval_s = replan_interval_s
+        self.replan_margin = replan_margin
         self.reset()
 
     # Goals ----------------------------------------------------------------------------------------------------------
@@ -150,6 +187,11 @@ class Navigator:
 
     def _forget_progress(self) -> None:
         self.path: Path | None = None
+        self._check: PathCheck | None = None
+        self._index = 0
+        self._checked = self.costmap
+        self._planned_at = 0.0
+        self.speed_limit = math.inf
         self.error: PlanningError | None = None
         self.planning_time_s = 0.0
         self.replans = 0
@@ -169,20 +211,27 @@ class Navigator:
             InputError: If there is no goal.
             PlanningError: If there is no path.
         """
-        if self._goal is None:
-            raise InputError("there is no goal to plan to; call set_goal first")
-        began = clock.perf_counter()
-        try:
-            path = self._call_planner(Pose2D.of(start), self._goal)
-        finally:
-            self.planning_time_s += clock.perf_counter() - began
-        self.path = path
-        self.controller.set_path(path)
+        path = self._call_planner(Pose2D.of(start))
+        self._take(path, PathCheck(path))
         return path
 
-    def _call_planner(self, start: Pose2D, goal: Pose2D) -> Path:
+    def _call_planner(self, start: Pose2D) -> Path:
+        if self._goal is None:
+            raise InputError("there is no goal to plan to; call set_goal first")
         options = {"goal_yaw_free": True} if self._any_yaw and self._plans_free_yaw else {}
-        return self.planner.plan(self.costmap, start, goal, **options)
+        self._planned_at, self._checked = self._time, self.costmap
+        began = clock.perf_counter()
+        try:
+            return self.planner.plan(self.costmap, start, self._goal, **options)
+        finally:
+            self.planning_time_s += clock.perf_counter() - began
+
+    def _take(self, path: Path, check: PathCheck) -> None:
+        """Follow a path from now on."""
+        self.path, self._check, self._index = path, check, 0
+        self.controller.set_path(path)
+        if self._limiter is not None:
+            self._limiter.set_path(check)
 
     def update(
         self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None
@@ -219,10 +268,63 @@ class Navigator:
         if not self.progress_checker.is_moving_on(pose, self._time):
             self.status = NavigationStatus.STUCK
             return _STAND
+        self._advance(pose)
+        self._reconsider(pose)
+        self._limit_speed(pose, twist)
         if self._back_up_left > 0.0:
-            return self._back_up(pose, twist)
-        command = self.controller.compute_velocity(pose, twist, self.costmap, self.dt)
+            return self._slow_down(self._back_up(pose, twist))
+        command = self._slow_down(self.controller.compute_velocity(pose, twist, self.costmap, self.dt))
         return self._watch_for_block(command, pose, twist)
+
+    # Speed limits ---------------------------------------------------------------------------------------------------
+
+    def _limit_speed(self, pose: Pose2D, twist: Twist2D) -> None:
+        """Hand the speed that the mask allows to the controller, where it takes one."""
+        if self._limiter is None:
+            return
+        backwards = self._back_up_left > 0.0
+        self.speed_limit = self._limiter.limit(pose, twist, self._index, self.dt, backwards=backwards)
+        if self._set_speed_limit is not None:
+            self._set_speed_limit(self.speed_limit)
+
+    def _slow_down(self, command: Twist2D) -> Twist2D:
+        """The same arc within the speed limit, whatever the controller made of that."""
+        if abs(command.v) <= self.speed_limit:
+            return command
+        share = self.speed_limit / abs(command.v)
+        return Twist2D(share * command.v, share * command.w)
+
+    # Planning again -------------------------------------------------------------------------------------------------
+
+    def _advance(self, pose: Pose2D) -> None:
+        """Find the robot's place on the path, from the last one on."""
+        if self._check is None:
+            return
+        along, poses = self._check.along, self._check.poses
+        end = int(along.searchsorted(float(along[self._index]) + _AHEAD_M, side="right"))
+        dx, dy = poses[self._index : end, 0] - pose.x, poses[self._index : end, 1] - pose.y
+        self._index += int(np.argmin(dx * dx + dy * dy))
+
+    def _reconsider(self, pose: Pose2D) -> None:
+        """Plan again where a changed map blocks the path, or it is time to look for a better one."""
+        if self._check is None or self._back_up_left > 0.0:
+            return
+        changed = self.costmap is not self._checked
+        due = self.replan_interval_s is not None and self._time - self._planned_at >= self.replan_interval_s - 1e-9
+        if not (changed or due):
+            return
+        self._checked = self.costmap
+        blocked = self._check.first_hit(self.costmap, self._index) is not None
+        if blocked or due:
+            self._replan(pose, only_if_cheaper=not blocked)
+
+    def _is_cheaper(self, check: PathCheck, pose: Pose2D) -> bool:
+        """Whether a new path from here is cheaper by the margin than what is left of the old one."""
+        if self._check is None:
+            return True
+        x, y, _ = self._check.poses[self._index].tolist()
+        left = self._check.cost_from(self.costmap, self._index) + pose.distance_to(Pose2D(x, y))
+        return check.cost_from(self.costmap) < (1.0 - self.replan_margin) * left
 
     # Recovering -----------------------------------------------------------------------------------------------------
 
@@ -246,12 +348,15 @@ class Navigator:
             self._back_up_left = _BACK_UP_M
         return _STAND
 
-    def _replan(self, pose: Pose2D) -> bool:
+    def _replan(self, pose: Pose2D, *, only_if_cheaper: bool = False) -> bool:
         self.replans += 1
         try:
-            self.plan(pose)
+            path = self._call_planner(pose)
         except PlanningError:
             return False
+        check = PathCheck(path)
+        if not only_if_cheaper or self._is_cheaper(check, pose):
+            self._take(path, check)
         return True
 
     def _back_up(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
@@ -274,8 +379,12 @@ def _load_grid(grid: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:
 
 
 def _make_costmap(
-    grid: OccupancyGrid, robot: Robot, inflation_radius: float | None, cost_scaling_factor: float | None
+    grid: OccupancyGrid,
+    robot: Robot,
+    inflation_radius: float | None,
+    cost_scaling_factor: float | None,
+    keepout: KeepoutMask | None,
 ) -> Costmap:
     options = {"inflation_radius": inflation_radius, "cost_scaling_factor": cost_scaling_factor}
     given = {name: value for name, value in options.items() if value is not None}
-    return Costmap.from_grid(grid, robot.outline, **given)
+    return Costmap.from_grid(grid, robot.outline, **given, keepout=keepout)

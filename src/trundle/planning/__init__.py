@@ -3,6 +3,7 @@
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.fields import cost_field
 from trundle.planning.grid_search import GridPath, GridPaths, GridSearch
+from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, create_planner, planner_names
 from trundle.planning.point_path import PointPath, any_angle_path
 
@@ -11,6 +12,8 @@ __all__ = [
     "GridPath",
     "GridPaths",
     "GridSearch",
+    "PathCheck",
+    "PathHit",
     "Planner",
     "PointPath",
     "any_angle_path",

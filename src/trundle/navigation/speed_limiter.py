@@ -1,0 +1,89 @@
+"""`SpeedLimiter`: how fast the robot may drive now, so that it keeps the limits of a speed mask here and ahead."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.maps.masks import SpeedMask
+from trundle.planning import PathCheck
+from trundle.robots import Robot
+
+BRAKING_SHARE = 0.5
+"""Of the robot's deceleration, what is used to come down to a limit ahead."""
+
+_BESIDE_M = 0.1
+"""A limit so far beside the path holds as well: controllers cut corners."""
+
+_STEP_M = 0.025
+_DRIVING_MPS = 0.05
+
+
+class SpeedLimiter:
+    """The limit at the robot's base_link, and ahead as far as it needs to brake.
+
+    Ahead is along the path, 0.1 m to both sides of it, and along the arc that the robot drives now.
+
+    Args:
+        mask: The limits.
+        robot: Whose top speed they are a share of, and whose deceleration counts.
+    """
+
+    def __init__(self, mask: SpeedMask, robot: Robot) -> None:
+        self._mask = mask
+        self._top_speed = robot.limits.linear_speed
+        self._braking = BRAKING_SHARE * robot.limits.linear_acceleration
+        self._check: PathCheck | None = None
+        self._limits: FloatArray = np.zeros(0)
+
+    def set_path(self, check: PathCheck) -> None:
+        """Look ahead along this path from now on."""
+        x, y, yaw = check.poses[:, 0], check.poses[:, 1], check.poses[:, 2]
+        beside = np.array([[-_BESIDE_M], [0.0], [_BESIDE_M]])
+        limits = self._mask.limit_at(x - beside * np.sin(yaw), y + beside * np.cos(yaw), self._top_speed)
+        self._check, self._limits = check, limits.min(axis=0)
+
+    def limit(self, pose: Pose2D, twist: Twist2D, index: int, dt: float, *, backwards: bool = False) -> float:
+        """Speed [m/s] that may be driven for `dt` [s]; infinite where nothing limits it.
+
+        Args:
+            pose: Where the robot is, map frame.
+            twist: How it moves, base_link.
+            index: How far it is on the path: the index of the pose of the `PathCheck`.
+            dt: Control period [s].
+            backwards: Whether it is about to drive backwards.
+        """
+        reach = self._top_speed * (dt + self._top_speed / (2.0 * self._braking)) + _BESIDE_M + _STEP_M
+        s = np.arange(0.0, reach + _STEP_M, _STEP_M)
+        x, y = _arc(pose, twist, -s if backwards or twist.v < -_DRIVING_MPS else s)
+        limits, distances = self._mask.limit_at(x, y, self._top_speed), s - _STEP_M
+        if self._check is not None:
+            along = self._check.along
+            ahead = slice(index, int(along.searchsorted(float(along[index]) + reach)) + 1)
+            places = self._check.poses[ahead, :2]
+            # No way to a place is shorter than the straight line.
+            straight = np.hypot(places[:, 0] - pose.x, places[:, 1] - pose.y)
+            limits = np.concatenate([limits, self._limits[ahead]])
+            distances = np.concatenate([distances, straight - _BESIDE_M - _STEP_M])
+        some = np.isfinite(limits)
+        return float(self._allow(limits[some], distances[some], dt).min()) if some.any() else math.inf
+
+    def _allow(self, limits: FloatArray, distances: FloatArray, dt: float) -> FloatArray:
+        """Speeds v with v² = limit² + 2 · braking · (distance − v · dt), and the limit where v is below it."""
+        step = self._braking * dt
+        room = np.maximum(distances - limits * dt, 0.0)
+        return np.sqrt((limits + step) ** 2 + 2.0 * self._braking * room) - step
+
+
+def _arc(pose: Pose2D, twist: Twist2D, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points x, y [m] after driving s [m] as the robot moves now; straight on where it stands or turns in place."""
+    curvature = twist.w / twist.v if abs(twist.v) > _DRIVING_MPS else 0.0
+    if abs(curvature) < 1e-6:
+        return pose.x + s * math.cos(pose.yaw), pose.y + s * math.sin(pose.yaw)
+    yaw = pose.yaw + curvature * s
+    return (
+        pose.x + (np.sin(yaw) - math.sin(pose.yaw)) / curvature,
+        pose.y - (np.cos(yaw) - math.cos(pose.yaw)) / curvature,
+    )
