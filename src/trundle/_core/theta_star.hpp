@@ -2,6 +2,7 @@
 // over the centres of cells, where a cell's parent is its neighbour's parent if it can be seen from there.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -25,7 +26,7 @@ inline bool sees(const BitGrid &grid, HalfCell a, HalfCell b) {
     const double there = row == last ? b.x : a.x + across * (2 * (row + 1) - a.y) / up;
     const auto left = static_cast<std::int32_t>(std::floor((across < 0 ? there : here) / 2.0));
     const auto right = static_cast<std::int32_t>(std::ceil((across < 0 ? here : there) / 2.0));
-    if (next_blocked(grid, row, left) < (right > left ? right : left + 1)) return false;
+    if (next_blocked(grid, row, left) < right) return false;
     const auto corner = static_cast<std::int32_t>(there) / 2;
     if (row < last && there == 2.0 * corner) {
       const std::int32_t low = across > 0 ? corner : corner - 1, high = across > 0 ? corner - 1 : corner;
