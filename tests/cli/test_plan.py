@@ -1,11 +1,14 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from support.command_line import Trundle, room
+from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import planner_names
+from trundle.record.colors import KEPT_OUT
 
 
 def test_a_straight_path(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
@@ -183,3 +186,18 @@ def test_a_comparison_without_any_way_says_why_and_leaves_no_picture(trundle: Tr
     assert done.code == 1
     assert "separated by occupied" in done.out
     assert not (tmp_path / "all.png").exists()
+
+
+def test_masks_turn_the_path_aside_and_are_drawn(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    ends = ("--start", "0,0.5,0", "--goal", "6,0.5,0", "--robot", "turtlebot3_burger", "--json")
+    zone = OccupancyGrid(np.full((10, 10), 100, dtype=np.int8), 0.1, Pose2D(2.5, 0.0))
+    zone.save(tmp_path / "zones.yaml")
+    OccupancyGrid(np.full((5, 5), 50, dtype=np.int8), 0.2, Pose2D(4.5, 1.5)).save(tmp_path / "limits.yaml", mode="raw")
+    straight = trundle("plan", room_map, *ends).json
+    done = trundle("plan", room_map, *ends, "--keepout", "zones.yaml", "--speed-mask", "limits.yaml")
+    assert done.code == 0, done.err
+    assert done.json["length_m"] > straight["length_m"] + 0.05
+    with Image.open(tmp_path / "overlay.png") as picture:
+        assert KEPT_OUT in {color for _, color in picture.getcolors(1 << 24) or ()}
+    bad = trundle("plan", room_map, *ends, "--speed-mask", "zones.yaml", "--keepout", "none.yaml")
+    assert (bad.code, "none.yaml" in bad.err) == (2, True)

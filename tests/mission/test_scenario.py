@@ -1,8 +1,12 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Trajectory, run
 
 
@@ -226,3 +230,46 @@ def test_a_start_inside_a_rack_is_bad_input():
         start = ((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, 0.0)
         with pytest.raises(BlockedPoseError):
             run(mission.sim, mission.navigator, start, mission.goals)
+
+
+def save_zone(path, value, x0, y0, x1, y1):
+    """Write a mask of one zone [m] with cells of 0.2 m."""
+    shape = round((y1 - y0) / 0.2), round((x1 - x0) / 0.2)
+    OccupancyGrid(np.full(shape, value, dtype=np.int8), 0.2, Pose2D(x0, y0)).save(path, mode="raw")
+
+
+def test_a_mission_stays_out_of_a_zone_and_within_the_limit_of_another(tmp_path):
+    data = np.zeros((160, 240), dtype=np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    OccupancyGrid(data, 0.05).save(tmp_path / "hall.yaml")
+    save_zone(tmp_path / "zones.yaml", 100, 3.0, 2.0, 5.0, 6.0)
+    save_zone(tmp_path / "limits.yaml", 25, 7.0, 0.0, 9.0, 8.0)
+    text = (
+        "map: hall.yaml\nkeepout: zones.yaml\nspeed_mask: limits.yaml\nbackend: kinematic\n"
+        "start: [1.2, 4, 0]\ngoal: [10.8, 4]\n"
+    )
+    scenario = Scenario.load(write(tmp_path, text))
+    with scenario.build() as mission:
+        episode = mission.run()
+        limit = 0.25 * mission.robot.limits.linear_speed
+    assert episode.outcome is Outcome.ARRIVED
+    poses, speeds = episode.trajectory.poses, np.abs(episode.trajectory.v)
+    # The zone and nothing else, on finer cells than the navigator's, for every pose of the whole robot.
+    zone = np.zeros((800, 1200), dtype=np.int8)
+    zone[200:600, 300:500] = 100
+    assert not Costmap.from_grid(OccupancyGrid(zone, 0.01), mission.robot, 0.0).footprint_collides(poses).any()
+    inside = (poses[:, 0] >= 7.0) & (poses[:, 0] < 9.0)
+    assert inside.sum() > 100
+    assert speeds[inside].max() <= limit + 1e-6
+    assert speeds.max() > 0.7
+    scenario.save(tmp_path / "again.yaml")
+    assert Scenario.load(tmp_path / "again.yaml").prepare().navigator.speed_mask is not None
+
+
+def test_a_mask_that_cannot_be_used_is_named(tmp_path):
+    save_zone(tmp_path / "far.yaml", 100, 500.0, 0.0, 501.0, 1.0)
+    scenario = Scenario.load(write(tmp_path, "world: warehouse\nkeepout: far.yaml\n"))
+    with pytest.raises(InputError, match=r"far\.yaml: the mask lies beside the map"):
+        scenario.prepare()
+    with pytest.raises(InputError, match=r"none\.yaml"):
+        Scenario.make(world="warehouse", speed_mask="none.yaml").prepare()

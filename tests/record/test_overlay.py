@@ -5,13 +5,14 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
-from trundle.maps import OccupancyGrid
+from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission import Outcome, Trajectory
 from trundle.path import Path
 from trundle.record import colors
 from trundle.record.map_view import MapView
 from trundle.record.overlay import describe, draw_plan, draw_run
 from trundle.record.page import plain
+from trundle.record.zones import SpeedZones, zone_marks
 from trundle.robots import Robot
 
 
@@ -107,3 +108,43 @@ def test_focus_outside_the_map_still_gives_a_picture(costmap):
 
 def test_letters_that_the_font_lacks_are_replaced():
     assert plain("night·shift 창고\n") == "night·shift ???"
+
+
+def test_zones_of_masks_are_seen_and_told_in_the_legend(hall, robot):
+    rows, cols = hall.shape
+    painted = np.zeros((rows, cols), dtype=np.int8)
+    painted[:, : cols // 4] = 100
+    keepout = KeepoutMask(OccupancyGrid(painted, hall.resolution, hall.origin))
+    painted[:, : cols // 4] = 40
+    limits = SpeedMask(OccupancyGrid(painted[:, ::-1], hall.resolution, hall.origin))
+    costmap = Costmap.from_grid(hall, robot, keepout=keepout)
+    single = Path(np.array([[1.5, 1.5, 0.0]]))
+    plainly = np.asarray(MapView(Costmap.from_grid(hall, robot)).finish())
+    zones = SpeedZones(limits, robot.limits.linear_speed)
+    seen = np.asarray(MapView(costmap, zones=zones).finish())
+    pixels = plainly.shape[1]
+    assert (seen[:, : pixels // 5] == colors.KEPT_OUT).all()
+    free = (plainly[:, -pixels // 5 :] == colors.FREE).all(axis=2)
+    assert free.any()
+    assert (seen[:, -pixels // 5 :][free] == zones.marks()[0].color).all()
+    assert (seen[:, pixels // 2] == plainly[:, pixels // 2]).all()
+    assert [mark.text for mark in zone_marks(costmap, zones)] == ["kept out", "up to 0.32 m/s"]
+    assert zone_marks(Costmap.from_grid(hall, robot), None) == []
+    assert has(draw_plan(costmap, single, robot, speed_mask=limits), zones.marks()[0].color, 100)
+
+
+def test_many_limits_are_told_as_a_range(robot):
+    mask = SpeedMask(OccupancyGrid(np.array([[0, 10, 50, 100]], dtype=np.int8), 0.1))
+    assert [mark.text for mark in SpeedZones(mask, 1.0).marks()] == ["up to 0.1 to 1 m/s"]
+    nothing = SpeedMask(OccupancyGrid(np.zeros((1, 1), dtype=np.int8), 0.1))
+    assert SpeedZones(nothing, 1.0).marks() == []
+
+
+def test_zones_show_on_a_map_that_is_drawn_with_several_cells_a_pixel(robot):
+    grid = OccupancyGrid(np.zeros((300, 300), dtype=np.int8), 0.05)
+    painted = OccupancyGrid(np.full((2, 2), 50, dtype=np.int8), 2.0, Pose2D(8.0, 0.0))
+    view = MapView(Costmap.from_grid(grid, robot), long_side=50, max_side=60, zones=SpeedZones(SpeedMask(painted), 1.0))
+    pixels = np.asarray(view.finish())
+    (x, y), (x1, y1) = view.to_pixels([(9.0, 1.0), (5.0, 1.0)]).astype(int)
+    assert tuple(pixels[y, x]) == SpeedZones(SpeedMask(painted), 1.0).marks()[0].color
+    assert tuple(pixels[y1, x1]) == colors.FREE

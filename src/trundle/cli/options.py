@@ -27,6 +27,19 @@ Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),
 ]
+Keepout = Annotated[
+    Path | None,
+    Parameter(
+        name="--keepout", help="The YAML of a keep-out mask: a ROS map whose black areas the robot stays out of."
+    ),
+]
+SpeedMaskFile = Annotated[
+    Path | None,
+    Parameter(
+        name="--speed-mask",
+        help="The YAML of a speed mask: a ROS map of limits, with type, base and multiplier as in Nav2.",
+    ),
+]
 Start = Annotated[
     str | None,
     Parameter(

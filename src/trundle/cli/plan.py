@@ -34,6 +34,8 @@ def plan(
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
+    keepout: options.Keepout = None,
+    speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
     out: Annotated[FilePath, Parameter(name=["--out", "-o"])] = FilePath("overlay.png"),
     json: options.Json = False,
@@ -41,7 +43,7 @@ def plan(
 ) -> int:
     """Plan a path on a map; print its length, cost and time, and draw it.
 
-    The picture shows the map, its inflation, the path, and the robot's footprint at both ends.
+    The picture shows the map, its inflation, the zones of the masks, the path, and the robot's footprint at both ends.
 
     Args:
         map_file: The YAML of a ROS map.
@@ -51,7 +53,7 @@ def plan(
         out: The picture, or a folder for overlay.png.
     """
     from trundle.files import atomic_path
-    from trundle.maps import OccupancyGrid
+    from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
     from trundle.navigation import Navigator
     from trundle.planning import planner_names
     from trundle.record.overlay import draw_plan
@@ -62,7 +64,13 @@ def plan(
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
     target = options.output_file(out, "overlay.png", (".png",))
-    navigator = Navigator(OccupancyGrid.load(map_file, compat=compat), robot, planner=planner)
+    navigator = Navigator(
+        OccupancyGrid.load(map_file, compat=compat),
+        robot,
+        planner=planner,
+        keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
+        speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
+    )
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
     if compare:
         return plan_compare.compare(navigator, begin, end, planner_names(), target=target, json=json)
@@ -72,7 +80,7 @@ def plan(
     except NoPathError as error:
         output.remark(f"trundle: {error}", quiet=False)
         return 1
-    picture = draw_plan(navigator.costmap, path, navigator.robot)
+    picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask)
     with atomic_path(target) as temporary:
         picture.save(temporary, format="PNG")
     facts = {

@@ -21,6 +21,7 @@ app = App(
         "  trundle run map.yaml --robot nova_carter --start -6,-1,3.14 --goal 5,3\n"
         "  trundle run warehouse --seed 7 --set aisle_width=1.4\n"
         "  trundle run map.yaml --set height=0.4 --set unknown=free\n"
+        "  trundle run map.yaml --keepout zones.yaml --speed-mask limits.yaml\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
@@ -45,6 +46,8 @@ def run(
     settings: options.Settings = None,
     exclude: options.Exclude = None,
     compat: options.Compat = None,
+    keepout: options.Keepout = None,
+    speed_mask: options.SpeedMaskFile = None,
     time_limit: float | None = None,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
@@ -74,6 +77,8 @@ def run(
         "backend": backend,
         "seed": seed,
         "compat": compat,
+        "keepout": None if keepout is None else str(keepout),
+        "speed_mask": None if speed_mask is None else str(speed_mask),
         "time_limit_s": time_limit,
     }
     changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}

@@ -14,6 +14,7 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
+from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
 from trundle.mission.metrics import compute_metrics
 from trundle.navigation import NavigationStatus, Navigator
@@ -43,6 +44,7 @@ class RunInfo:
         planner: Name of the planner.
         controller: Name of the controller.
         seed: Of the simulator.
+        speed_mask: What limits its speed, or None.
     """
 
     name: str
@@ -56,6 +58,7 @@ class RunInfo:
     planner: str
     controller: str
     seed: int
+    speed_mask: SpeedMask | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -151,6 +154,7 @@ def run(
         planner=navigator.planner_name,
         controller=navigator.controller_name,
         seed=seed,
+        speed_mask=navigator.speed_mask,
     )
     return _Drive(sim, navigator, info, observers, stop_on_contact=stop_on_contact).run(unreachable)
 

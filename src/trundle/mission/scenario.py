@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from trundle.errors import InputError, ScenarioError
 from trundle.files import write_text
 from trundle.geometry import Pose2D
-from trundle.maps import OccupancyGrid
+from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.episode import Episode, Goal
 from trundle.mission.run import Observer, run
 from trundle.mission.sampling import sample_mission
@@ -98,7 +98,9 @@ class Scenario(Config):
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
         map_options: How it is extruded; none means walls of 1 m, and walls where it is unknown.
-        compat: "humble" reads the map as ROS 2 Humble does.
+        compat: "humble" reads the map and the masks as ROS 2 Humble does.
+        keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
+        speed_mask: Path of a speed mask's YAML; in a file, relative to that file.
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
@@ -119,6 +121,8 @@ class Scenario(Config):
     map: str | None = None
     map_options: MapOptions | None = None
     compat: Literal["humble"] | None = None
+    keepout: str | None = None
+    speed_mask: str | None = None
     robot: str = "nova_carter"
     start: Numbers | None = None
     goal: Numbers | None = None
@@ -214,6 +218,8 @@ class Scenario(Config):
             inflation_radius=self.inflation_radius,
             cost_scaling_factor=self.cost_scaling_factor,
             control_frequency=self.control_frequency,
+            keepout=None if self.keepout is None else KeepoutMask.load(self.keepout, compat=self.compat),
+            speed_mask=None if self.speed_mask is None else SpeedMask.load(self.speed_mask, compat=self.compat),
         )
         start, goals = self._pick_ends(navigator)
         exact = self.model_copy(
@@ -240,7 +246,8 @@ class Scenario(Config):
         return f"{Path(self.robot).stem}-{place}"
 
     def _paths(self) -> dict[str, str]:
-        paths = {} if self.map is None else {"map": self.map}
+        files = {"map": self.map, "keepout": self.keepout, "speed_mask": self.speed_mask}
+        paths = {key: path for key, path in files.items() if path is not None}
         if is_robot_file(self.robot):
             paths["robot"] = self.robot
         if self.world is not None and self.world.is_file:

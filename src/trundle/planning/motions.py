@@ -83,12 +83,18 @@ def sample(
         The poses (x, y, yaw), shape (N, 3), the motion that each belongs to, and how many each motion has.
     """
     table = np.array([(*motion.start, motion.yaw, *motion.end, motion.yaw + motion.turn) for motion in motions])
-    first, last = table[:, :3], table[:, 3:]
+    return sample_between(table[:, :3], table[:, 3:], step_m, step_rad)
+
+
+def sample_between(
+    first: FloatArray, last: FloatArray, step_m: float, step_rad: float
+) -> tuple[FloatArray, npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Poses along straight motions from each of `first` to each of `last`, shape (M, 3); the rest is as in `sample`."""
     change = last - first
     lengths = np.hypot(change[:, 0], change[:, 1])
     pieces = np.ceil(np.maximum(lengths / step_m, np.abs(change[:, 2]) / step_rad) - 1e-9)
     counts = np.maximum(pieces, 1.0).astype(np.intp) + 1
-    owner = np.repeat(np.arange(len(motions)), counts)
+    owner = np.repeat(np.arange(len(first)), counts)
     ends = np.cumsum(counts)
     position = np.arange(ends[-1]) - np.repeat(ends - counts, counts)
     poses = first[owner] + (position / (counts[owner] - 1))[:, np.newaxis] * change[owner]

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.geometry import FloatArray, wrap_angle
+from trundle.geometry import FloatArray, wrap_angles
 from trundle.path import Path
-from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, Motion, sample
+from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +45,9 @@ class PathCheck:
     """
 
     def __init__(self, path: Path) -> None:
-        motions = [
-            Motion((x, y), (x1, y1), yaw, wrap_angle(yaw1 - yaw))
-            for (x, y, yaw), (x1, y1, yaw1) in zip(path.poses[:-1].tolist(), path.poses[1:].tolist(), strict=True)
-        ]
-        self.poses = sample(motions, CHECK_STEP_M, CHECK_STEP_RAD)[0] if motions else path.poses
+        first, last = path.poses[:-1], path.poses[1:].copy()
+        last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
+        self.poses = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)[0] if len(first) else path.poses
         steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
         self.along: FloatArray = np.concatenate([[0.0], np.cumsum(steps)])
         self.poses.flags.writeable = False

@@ -11,7 +11,8 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D
-from trundle.record.colors import PAGE, Rgb, map_palette
+from trundle.record.colors import KEPT_OUT, PAGE, SLOW, Rgb, map_palette
+from trundle.record.zones import SpeedZones
 
 SMOOTH = 2
 """Lines are drawn on so many times as many pixels each way, then averaged."""
@@ -32,10 +33,17 @@ class MapView:
         focus: Points [m] in the map frame, shape (N, 2), that must be seen; none means the whole map.
         long_side: Least length of the longer side, in pixels of the finished picture.
         max_side: Largest length of the longer side; larger maps are shown with several cells a pixel.
+        zones: Where speed is limited; what is kept out the costmap knows itself.
     """
 
     def __init__(
-        self, costmap: Costmap, focus: FloatArray | None = None, *, long_side: int = LONG_SIDE, max_side: int = MAX_SIDE
+        self,
+        costmap: Costmap,
+        focus: FloatArray | None = None,
+        *,
+        long_side: int = LONG_SIDE,
+        max_side: int = MAX_SIDE,
+        zones: SpeedZones | None = None,
     ) -> None:
         self._costmap = costmap
         self._crop = _find_crop(costmap, focus)
@@ -50,11 +58,24 @@ class MapView:
         rows, cols = cells.shape
         self.size = (cols * enlarged, rows * enlarged)
         """Width and height of the finished picture [px]."""
-        image = Image.frombytes("P", (cols, rows), np.ascontiguousarray(cells[::-1]).tobytes())
-        image.putpalette(map_palette().tobytes())
+        pixels = map_palette()[cells]
+        if zones is not None:
+            self._tint(pixels, zones, merged)
+        if costmap.keepout is not None:
+            keepout = costmap.keepout[row0:row1, col0:col1]
+            pixels[(_merge_cells(keepout, merged) if merged > 1 else keepout) == LETHAL] = KEPT_OUT
         large = (self.size[0] * SMOOTH, self.size[1] * SMOOTH)
-        self._image = image.resize(large, Image.Resampling.NEAREST).convert("RGB")
+        self._image = Image.fromarray(pixels[::-1]).resize(large, Image.Resampling.NEAREST)
         self._draw = ImageDraw.Draw(self._image, "RGBA")
+
+    def _tint(self, pixels: npt.NDArray[np.uint8], zones: SpeedZones, merged: int) -> None:
+        """Blend the colour of limited speed into the colours of cells, each of which stands for `merged` a side."""
+        row0, _, col0, _ = self._crop
+        rows, cols = pixels.shape[:2]
+        middle = (merged - 1) / 2.0
+        row, col = row0 + middle + merged * np.arange(rows)[:, None], col0 + middle + merged * np.arange(cols)
+        strength = zones.strength(*self._costmap.cell_to_world(*np.broadcast_arrays(row, col)))[..., None]
+        pixels[...] = (pixels + strength * (np.array(SLOW) - pixels.astype(np.float64))).round().astype(np.uint8)
 
     @property
     def pixels_per_metre(self) -> float:

@@ -11,6 +11,7 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.masks import SpeedMask
 from trundle.mission import Episode, Goal, Outcome, Trajectory
 from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.path import Path
@@ -32,6 +33,7 @@ from trundle.record.colors import (
 )
 from trundle.record.map_view import MapView
 from trundle.record.page import Mark, compose_page, draw_tag
+from trundle.record.zones import SpeedZones, zone_marks
 from trundle.robots import Robot
 
 _SPEED_LEVELS = 24
@@ -46,7 +48,15 @@ _LEGEND = (
 _STATUS: dict[Outcome, Rgb] = {Outcome.ARRIVED: GOOD, Outcome.COLLIDED: BAD}
 
 
-def draw_plan(costmap: Costmap, path: Path, robot: Robot, *, title: str = "", lines: Sequence[str] = ()) -> Image.Image:
+def draw_plan(
+    costmap: Costmap,
+    path: Path,
+    robot: Robot,
+    *,
+    title: str = "",
+    lines: Sequence[str] = (),
+    speed_mask: SpeedMask | None = None,
+) -> Image.Image:
     """Draw a planned path on its map, with the robot's footprint at both ends.
 
     Args:
@@ -55,8 +65,10 @@ def draw_plan(costmap: Costmap, path: Path, robot: Robot, *, title: str = "", li
         robot: Whose footprint is drawn.
         title: Headline; none means the robot's and the planner's names.
         lines: Smaller lines below it; none means length and cost.
+        speed_mask: Where speed is limited, or none.
     """
-    view = MapView(costmap, path.poses[:, :2])
+    zones = None if speed_mask is None else SpeedZones(speed_mask, robot.limits.linear_speed)
+    view = MapView(costmap, path.poses[:, :2], zones=zones)
     view.line(path.poses[:, :2], PLANNED, 7)
     _draw_outlines(view, robot, path.poses, _along(path.poses))
     for pose, color in ((path.start, START), (path.goal, GOAL)):
@@ -70,7 +82,7 @@ def draw_plan(costmap: Costmap, path: Path, robot: Robot, *, title: str = "", li
         title=title or f"{robot.name} · {path.planner}",
         status=None,
         lines=lines or [f"{path.length:.2f} m{cost}"],
-        legend=_LEGEND,
+        legend=[*_LEGEND, *zone_marks(costmap, zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -107,18 +119,20 @@ def draw_paths(costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, tit
     )
 
 
-def draw_run(costmap: Costmap, robot: Robot, episode: Episode) -> Image.Image:
+def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: SpeedMask | None = None) -> Image.Image:
     """Draw a run on its map: planned paths, where the robot drove, coloured by speed, and its outcome.
 
     Args:
         costmap: What it was planned on.
         robot: Whose footprint is drawn.
         episode: The run.
+        speed_mask: Where speed was limited, or none.
     """
     trajectory = episode.trajectory
     goals = np.array([goal[:2] for goal in episode.goals])
     seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-    view = MapView(costmap, np.concatenate(seen))
+    zones = None if speed_mask is None else SpeedZones(speed_mask, robot.limits.linear_speed)
+    view = MapView(costmap, np.concatenate(seen), zones=zones)
     for path in episode.paths:
         view.line(path.poses[:, :2], PLANNED, 11)
     poses = trajectory.poses
@@ -143,7 +157,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode) -> Image.Image:
         title=episode.name,
         status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
         lines=describe(episode),
-        legend=_LEGEND,
+        legend=[*_LEGEND, *zone_marks(costmap, zones)],
         pixels_per_metre=view.pixels_per_metre,
         top_speed=top_speed,
     )

@@ -136,7 +136,10 @@ class RunFolder:
         if self._scenario is not None:
             save("scenario.yaml", self._scenario.save)
         if self._overlay:
-            save("overlay.png", lambda path: save_png(draw_run(info.costmap, info.robot, episode), path))
+            save(
+                "overlay.png",
+                lambda path: save_png(draw_run(info.costmap, info.robot, episode, speed_mask=info.speed_mask), path),
+            )
         if self._video:
             save("video.mp4", lambda path: write_video(path, info, episode, self._frames, report=self._report))
         self.record = {
