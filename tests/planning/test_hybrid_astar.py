@@ -296,6 +296,14 @@ def test_a_goal_behind_a_closed_wall_is_unreachable_at_once():
     assert caught.value.pose == (8.0, 3.0, 0.0)
 
 
+def test_a_wall_thinner_than_the_cells_that_guide_the_search_is_still_a_wall():
+    small = ((0.06, 0.06), (-0.06, 0.06), (-0.06, -0.06), (0.06, -0.06))
+    for left in (2.0, 2.05, 2.1, 2.15):
+        costmap = costmap_of(room(5, 4, (left, 0, left + 0.05, 4)), small)
+        with pytest.raises(NoPathError, match="separated"):
+            HybridAStarPlanner(minimum_turning_radius=0.2).plan(costmap, Pose2D(1, 2), Pose2D(3.5, 2))
+
+
 def test_a_gap_that_only_the_inscribed_circle_fits_is_no_way():
     # 0.4 m wide: the circle needs 0.28, the footprint 0.5.
     costmap = costmap_of(room(4, 2, (2.0, 0, 2.3, 0.8), (2.0, 1.2, 2.3, 2)))

@@ -66,7 +66,8 @@ class HybridAStar:
     ]:
         """Poses are in the frame of the grid's corner [m, m, rad].
 
-        Returns the status (0 found, 1 unreachable, 2 timeout, 3 cancelled, 4 out of expansions); poses, shape (N, 3);
+        Returns the status (0 found, 1 unreachable, 2 timeout, 3 cancelled, 4 out of expansions, 5 unreachable
+        for the inscribed circle, too); poses, shape (N, 3);
         for each leg between two of them 1 where it is driven backwards, shape (N - 1,); the lengths [m], negative
         backwards, and turns [rad] of the arcs, lines and turns in place, shape (M, 2); the cost [m]; and how many
         nodes were expanded, cells of the field settled, and poses checked with the outline.

@@ -76,7 +76,8 @@ class HybridAStar {
       throw nb::value_error("the radius must be from 0.001 to 1e6, or 0 for a robot that turns in place");
     }
     if (!is_number(reverse_penalty, 1.0, 1e6) || !is_number(change_cost, 0.0, 1e6) || !is_number(turn_cost, 0.0, 1e6) ||
-        !is_number(cost_weight, 0.0, 1e3) || !is_number(heuristic_weight, 1.0, 1e3) || !is_number(cell_size, 1e-6, 1e6)) {
+        !is_number(cost_weight, 0.0, 1e3) || !is_number(heuristic_weight, 1.0, 1e3) ||
+        !is_number(cell_size, 1e-6, 1e6)) {
       throw nb::value_error("a cost or weight is out of range");
     }
   }
@@ -113,7 +114,9 @@ class HybridAStar {
       }
     }
     const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
-    return nb::make_tuple(way.spent ? 4 : static_cast<int>(way.status), to_numpy(std::move(poses), {count, 3}),
+    int status = way.spent ? 4 : static_cast<int>(way.status);
+    if (way.closed_off && way.status == SearchStatus::kUnreachable) status = 5;
+    return nb::make_tuple(status, to_numpy(std::move(poses), {count, 3}),
                           to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), way.cost,
                           nb::make_tuple(way.expansions, way.field_cells, way.exact_checks));
   }

@@ -77,12 +77,12 @@ struct HybridMemory {
   std::vector<HybridNode> nodes;
   std::vector<QueueEntry> queue;
   StateSet closed;
-  LazyCostToGo field;
+  LazyCostToGo field, fine_field;
   PoseChecker checker;
 
   std::size_t bytes() const {
     return nodes.capacity() * sizeof(HybridNode) + queue.capacity() * sizeof(QueueEntry) + closed.bytes() +
-           field.bytes() + checker.bytes();
+           field.bytes() + fine_field.bytes() + checker.bytes();
   }
 };
 

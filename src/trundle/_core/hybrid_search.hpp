@@ -1,5 +1,5 @@
-// Hybrid A*: Dolgov, Thrun, Montemerlo and Diebel, "Practical search techniques in path planning for autonomous driving"
-// (STAIR 2008), section 2: continuous poses, one for each cell and heading; two heuristics, of which the larger counts;
+// Hybrid A*: Dolgov, Thrun, Montemerlo and Diebel, "Practical search techniques in path planning for autonomous
+// driving" (STAIR 2008), section 2: continuous poses, one for each cell and heading; two heuristics, of which the larger counts;
 // and curves straight to the goal that are tried on the way.
 //
 // What is added: the heuristics are worked out only where they are asked for, and a node is checked with the footprint
@@ -32,7 +32,8 @@ struct HybridQuery {
 
 struct HybridWay {
   SearchStatus status = SearchStatus::kUnreachable;
-  bool spent = false;  // whether it stopped at the most expansions
+  bool spent = false;       // whether it stopped at the most expansions
+  bool closed_off = false;  // whether not even the inscribed circle gets there
   double cost = 0.0;
   std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
   std::vector<Stretch> parts;
@@ -59,12 +60,14 @@ class HybridSearch {
     factor_ = std::max(1, static_cast<int>(std::lround(std::min(settings.cell_size / query.resolution, 1e6))));
     cell_ = query.resolution * factor_;
     for (int cost = 0; cost < 256; ++cost) {
-      weights_[cost] = cost >= PoseChecker::kInscribed ? 0.0f : static_cast<float>(1.0 + settings.cost_weight * cost / 252.0);
+      const double weight = cost >= PoseChecker::kInscribed ? 0.0 : 1.0 + settings.cost_weight * cost / 252.0;
+      weights_[cost] = static_cast<float>(weight);
     }
     memory.nodes.clear();
     memory.queue.clear();
     memory.closed.begin();
-    memory.checker.begin(query.costs, query.rows, query.cols, query.resolution, query.outline, query.corners, query.step);
+    memory.checker.begin(query.costs, query.rows, query.cols, query.resolution, query.outline, query.corners,
+                         query.step);
     make_motions();
   }
 
@@ -72,6 +75,10 @@ class HybridSearch {
     HybridWay way;
     status_ = patience_.left();
     if (status_ == SearchStatus::kFound) begin();
+    if (!memory_.queue.empty() && std::isinf(memory_.nodes[0].to_go)) {
+      way.closed_off = true;
+      memory_.queue.clear();
+    }
     while (!memory_.queue.empty() && status_ == SearchStatus::kFound) {
       const QueueEntry entry = memory_.queue.front();
       if (entry.sum >= best_cost_ || spent_after_first()) break;
@@ -82,9 +89,16 @@ class HybridSearch {
         way.spent = true;
         break;
       }
+      if (expansions_ == kDoubtful && best_node_ == kNoNode && is_closed_off()) {
+        way.closed_off = true;
+        break;
+      }
       if (expansions_ % 64 == 0 && (status_ = patience_.left()) != SearchStatus::kFound) break;
       if (--until_shot_ <= 0) shoot(entry.node);
       expand(entry.node);
+    }
+    if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off) {
+      way.closed_off = is_closed_off();
     }
     finish(way);
     return way;
@@ -97,6 +111,8 @@ class HybridSearch {
     int direction, bins;
   };
 
+  static constexpr std::uint64_t kDoubtful = 10'000;  // expansions
+  static constexpr int kFieldCells = 2;  // cells of states along a cell of the field
   static constexpr double kHeadingStep = 2.0 * kPi / kHeadings;
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 
@@ -141,7 +157,7 @@ class HybridSearch {
     if (best_cost_ > settings_.heuristic_weight * start.to_go) {
       start.to_go = std::max(start.to_go, field_at(start.x, start.y));
     }
-    if (std::isfinite(start.to_go)) push(0);
+    push(0);
   }
 
   void push(std::uint32_t node) {
@@ -167,20 +183,33 @@ class HybridSearch {
   // What the field says; where it was not begun yet, it is now.
   double field_at(double x, double y) {
     if (!field_begun_) {
-      memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, weights_);
-      memory_.field.set_goal(cell(query_.goal.y), cell(query_.goal.x), cell(query_.start.y), cell(query_.start.x));
+      memory_.field.begin(query_.costs, query_.rows, query_.cols, kFieldCells * factor_, weights_);
+      const PlanarPose &start = query_.start, &goal = query_.goal;
+      memory_.field.set_goal(field_cell(goal.y), field_cell(goal.x), field_cell(start.y), field_cell(start.x));
       field_begun_ = true;
     }
-    return static_cast<double>(memory_.field.at(cell(y), cell(x), patience_, status_)) * cell_;
+    const float cells = memory_.field.at(field_cell(y), field_cell(x), patience_, status_);
+    return static_cast<double>(cells) * kFieldCells * cell_;
+  }
+
+  // The field's cells may reach across thin walls. Those of the map do not; this is for searches that take long or fail.
+  bool is_closed_off() {
+    const auto of = [&](double metres) { return static_cast<std::int64_t>(metres / query_.resolution); };
+    const PlanarPose &start = query_.start, &goal = query_.goal;
+    memory_.fine_field.begin(query_.costs, query_.rows, query_.cols, 1, weights_);
+    memory_.fine_field.set_goal(of(goal.y), of(goal.x), of(start.y), of(start.x));
+    return std::isinf(memory_.fine_field.at(of(start.y), of(start.x), patience_, status_));
   }
 
   // By the map's cells, so that what lies on the map lies in one of these.
   std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres / query_.resolution) / factor_; }
 
+  std::int64_t field_cell(double metres) const { return cell(metres) / kFieldCells; }
+
   std::uint64_t key_of(const HybridNode &node) const {
     const auto cols = static_cast<std::uint64_t>((query_.cols + factor_ - 1) / factor_);
-    const std::uint64_t place = static_cast<std::uint64_t>(cell(node.y)) * cols + static_cast<std::uint64_t>(cell(node.x));
-    return place * kHeadings + node.heading;
+    const auto row = static_cast<std::uint64_t>(cell(node.y)), col = static_cast<std::uint64_t>(cell(node.x));
+    return (row * cols + col) * kHeadings + node.heading;
   }
 
   // Take a node from the queue; false where it is not to be expanded, or not yet.
@@ -203,7 +232,9 @@ class HybridSearch {
 
   bool check(const HybridNode &parent, const Motion &motion, HybridNode &node) {
     double sum = 0.0;
-    if (!memory_.checker.fits(pose_of(parent), motion.stretch, weights_, model_.turn_cost, kInfinite, sum)) return false;
+    if (!memory_.checker.fits(pose_of(parent), motion.stretch, weights_, model_.turn_cost, kInfinite, sum)) {
+      return false;
+    }
     const double dearer = motion.direction < 0 ? model_.reverse_penalty : 1.0;
     node.cost = parent.cost + dearer * sum + change(parent, motion);
     node.to_go = std::max(node.to_go, least_cost(pose_of(node)));
@@ -260,7 +291,8 @@ class HybridSearch {
       if (now * direction < 0) cost += model_.change_cost;
       direction = now;
       double sum = 0.0;
-      if (!memory_.checker.fits(pose, part, weights_, model_.turn_cost, (best_cost_ - cost) / dearer, sum)) return kInfinite;
+      const double room = (best_cost_ - cost) / dearer;
+      if (!memory_.checker.fits(pose, part, weights_, model_.turn_cost, room, sum)) return kInfinite;
       cost += dearer * sum;
       pose = part.from(pose);
     }
@@ -269,7 +301,7 @@ class HybridSearch {
 
   // Once there is a way, it looks for a better one for a while that is in proportion.
   bool spent_after_first() const {
-    return best_node_ != kNoNode && expansions_ > 8 * first_found_ + 2000;
+    return best_node_ != kNoNode && expansions_ > 4 * first_found_ + 500;
   }
 
   void finish(HybridWay &way) {

@@ -27,7 +27,7 @@ struct MotionModel {
   // A metre of an arc turns by at most 1 / radius, and a metre's cost in place by 1 / turn_cost, so no way of a robot
   // that turns in place is cheaper than the least time with |v| <= 1 and |w| <= 1 / rho, rho the smaller of the two: the
   // Reeds-Shepp curve of that radius, which stays the shortest with these inequalities instead of equalities (Sussmann
-  // and Tang, "Shortest paths for the Reeds-Shepp car", 1991, section 8).
+  // and Tang, "Shortest paths for the Reeds-Shepp car", 1991).
   double least_cost(double x, double y, double phi) const {
     const double rho = !in_place ? radius : radius > 0.0 ? std::min(radius, turn_cost) : turn_cost;
     const double distance = std::hypot(x, y);

@@ -1,8 +1,9 @@
 // What it costs a point to get from a cell to the goal, worked out backwards from the goal only as far as it is asked.
 //
-// A* from the goal towards one place, the start, on cells of `factor` × `factor` cells of the map: a cell costs as little
-// as its cheapest part. It stops as soon as a cell that is asked for is settled, and goes on from there at the next
-// question. The queue is Dial's (1969) with buckets one cheapest step wide; memory is stamped and never cleared.
+// A* from the goal towards one place, the start, on cells of `factor` × `factor` cells of the map: a cell costs what its
+// open parts cost on the average, and is closed where it has none. It stops as soon as a cell that is asked for is settled,
+// and goes on from there at the next question. The queue is Dial's (1969) with buckets one cheapest step wide; memory is
+// stamped and never cleared.
 #pragma once
 
 #include <algorithm>
@@ -104,18 +105,20 @@ class LazyCostToGo {
   float weight(std::int64_t row, std::int64_t col) const {
     const std::int64_t bottom = row * factor_, left = col * factor_;
     const std::int64_t top = std::min(bottom + factor_, map_rows_), right = std::min(left + factor_, map_cols_);
-    float least = 0.0f;
+    float sum = 0.0f;
+    int free = 0;
     for (std::int64_t r = bottom; r < top; ++r) {
       for (std::int64_t c = left; c < right; ++c) {
         const float w = weights_[costs_[r * map_cols_ + c]];
-        if (w > 0.0f && (least == 0.0f || w < least)) least = w;
+        if (w > 0.0f) sum += w, ++free;
       }
     }
-    return least;
+    return free > 0 ? sum / static_cast<float>(free) : 0.0f;
   }
 
   float octile(std::int64_t row, std::int64_t col) const {
-    const auto a = static_cast<float>(std::abs(row - towards_row_)), b = static_cast<float>(std::abs(col - towards_col_));
+    const auto a = static_cast<float>(std::abs(row - towards_row_));
+    const auto b = static_cast<float>(std::abs(col - towards_col_));
     return a < b ? b + 0.41421356f * a : a + 0.41421356f * b;
   }
 

@@ -66,9 +66,8 @@ class PoseChecker {
   // Cost of the cell under a point, 255 outside the map.
   std::uint8_t cost_at(double x, double y) const {
     const double col = x / resolution_, row = y / resolution_;
-    if (!(col >= 0.0 && row >= 0.0 && col < static_cast<double>(costs_.cols) && row < static_cast<double>(costs_.rows))) {
-      return 255;
-    }
+    const auto rows = static_cast<double>(costs_.rows), cols = static_cast<double>(costs_.cols);
+    if (!(col >= 0.0 && row >= 0.0 && col < cols && row < rows)) return 255;
     return costs_.data[static_cast<std::ptrdiff_t>(row) * costs_.cols + static_cast<std::ptrdiff_t>(col)];
   }
 

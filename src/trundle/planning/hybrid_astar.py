@@ -19,7 +19,7 @@ from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
 
-_UNREACHABLE, _TIMEOUT, _CANCELLED = 1, 2, 3
+_UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF = 1, 2, 3, 5
 
 _PADDING_SHARE = 0.9
 """Share of the padding that may pass between two checked poses; the rest is for a path's chords instead of arcs."""
@@ -203,7 +203,7 @@ class HybridAStarPlanner:
         goal = query.goal
         where = {"pose": goal.pose.as_tuple(), "cell": goal.cell}
         settings = self.settings
-        if status == _UNREACHABLE and expansions == 0:
+        if status == _CLOSED_OFF:
             return no_path(query, None)
         if status == _UNREACHABLE:
             how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
