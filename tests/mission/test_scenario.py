@@ -273,3 +273,17 @@ def test_a_mask_that_cannot_be_used_is_named(tmp_path):
         scenario.prepare()
     with pytest.raises(InputError, match=r"none\.yaml"):
         Scenario.make(world="warehouse", speed_mask="none.yaml").prepare()
+
+
+def test_the_default_time_limit_allows_for_a_speed_mask(tmp_path):
+    data = np.zeros((80, 240), dtype=np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    OccupancyGrid(data, 0.05).save(tmp_path / "hall.yaml")
+    save_zone(tmp_path / "limits.yaml", 10, 2.0, 0.0, 11.0, 4.0)
+    ends = {"start": (1.2, 2.0, 0.0), "goal": (10.8, 2.0), "backend": "kinematic"}
+    scenario = Scenario.make(map=str(tmp_path / "hall.yaml"), speed_mask=str(tmp_path / "limits.yaml"), **ends)
+    with scenario.build() as mission:
+        episode = mission.run()
+    # 8.8 m at 0.08 m/s take 110 s, which is more than 60 s and four times 12 s.
+    assert episode.outcome is Outcome.ARRIVED
+    assert episode.metrics.time_s > 109.0

@@ -121,7 +121,7 @@ def run(
         start: Where it starts: a pose, (x, y) or (x, y, yaw); map frame.
         goal: Where it is to go: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these.
         time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
-            what the planned paths take at the robot's top speed.
+            what the planned paths take at the robot's top speed, or at what a speed mask allows.
         observers: Who is told, in this order.
         seed: Of the simulator.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
@@ -138,9 +138,10 @@ def run(
     begin, goals = Pose2D.of(start), _read_goals(goal)
     if time_limit_s is not None and not (math.isfinite(time_limit_s) and time_limit_s > 0.0):
         raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
-    planned_m, unreachable = _plan_legs(navigator, begin, goals)
+    plans, unreachable = _plan_legs(navigator, begin, goals)
+    planned_m = sum(path.length for path in plans)
     if time_limit_s is None:
-        slow = SLOWNESS * planned_m / navigator.robot.limits.linear_speed
+        slow = SLOWNESS * sum(_fastest_s(navigator, path) for path in plans)
         time_limit_s = TIME_PER_GOAL_S * len(goals) + slow
     info = RunInfo(
         name=name,
@@ -343,14 +344,15 @@ def _read_goal(goal: Pose2D | Sequence[float]) -> Goal:
     return (pose.x, pose.y) if not isinstance(goal, Pose2D) and len(goal) == 2 else pose.as_tuple()
 
 
-def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[float, PlanningError | None]:
+def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
     """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
 
     Returns:
-        The length [m] of all plans, and why there is no path to the first goal, if so. The first goal and its plan
-        stay in the navigator.
+        The plans, as far as there are any, and why there is no path to the first goal, if so. The first goal and its
+        plan stay in the navigator.
     """
-    total, unreachable = 0.0, None
+    plans: list[Path] = []
+    unreachable: PlanningError | None = None
     here = start
     for index, goal in enumerate(goals):
         navigator.set_goal(goal)
@@ -362,13 +364,24 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
             unreachable = error if index == 0 else unreachable
             here = Pose2D.of(goal)
         else:
-            total += path.length
+            plans.append(path)
             here = path.goal
     if len(goals) > 1:
         navigator.set_goal(goals[0])
         if unreachable is None:
             navigator.plan(start)
-    return total, unreachable
+    return plans, unreachable
+
+
+def _fastest_s(navigator: Navigator, path: Path) -> float:
+    """What a path takes [s] at the robot's top speed, or at what the speed mask allows."""
+    top = navigator.robot.limits.linear_speed
+    if navigator.speed_mask is None:
+        return path.length / top
+    points = path.poses[:, :2]
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    speeds = np.minimum(navigator.speed_mask.limit_at(points[:, 0], points[:, 1], top), top)
+    return float((steps / np.minimum(speeds[1:], speeds[:-1])).sum())
 
 
 def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:
