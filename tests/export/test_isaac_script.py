@@ -213,3 +213,8 @@ def test_a_scenario_can_be_prepared_without_its_simulator():
     setting = Scenario.make(world="maze", backend="isaac", seed=1).prepare()
     assert setting.scenario.start == setting.start.as_tuple()
     assert not hasattr(setting, "sim")
+
+
+def test_a_path_that_leads_backwards_is_refused():
+    with pytest.raises(InputError, match="forward only"):
+        list(plan_stretches(Plan(np.array([[1.0, 0, 0], [0, 0, 0]]), backward=np.array([True]))))

@@ -115,7 +115,16 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
 
 
 def plan_stretches(plan: Plan) -> Iterator[Stretch]:
-    """Cut a path into what is driven without stopping, each with the turn in place before it."""
+    """Cut a path into what is driven without stopping, each with the turn in place before it.
+
+    Raises:
+        InputError: If the path is driven backwards somewhere, which the script cannot.
+    """
+    if plan.backward.any():
+        raise InputError(
+            f"the path of planner {plan.planner!r} is driven backwards in places, and the script drives forward only; "
+            "take planner least_cost, or hybrid_astar with motion_model dubins"
+        )
     vertices = path_vertices(plan)
     sections = cut_sections(vertices, [abs(vertex.turn) > _STOP_TO_TURN for vertex in vertices])
     turn = vertices[0].turn
