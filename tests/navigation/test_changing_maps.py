@@ -7,7 +7,7 @@ import pytest
 
 from trundle.control import create_controller
 from trundle.costmap import LETHAL, Costmap
-from trundle.errors import InputError, MapError
+from trundle.errors import BlockedPoseError, InputError, MapError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.navigation import NavigationStatus, Navigator
@@ -169,6 +169,13 @@ def test_it_drives_around_a_zone_to_keep_out_of():
     assert not zone_alone.footprint_collides(poses).any()
 
 
+def test_a_goal_in_a_zone_to_keep_out_of_is_named_as_such():
+    navigator = Navigator(room(), CARTER, keepout=KeepoutMask(zone(100, 5.0, 2.0, 7.0, 6.0)))
+    navigator.set_goal(6.0, 4.0)
+    with pytest.raises(BlockedPoseError, match="the keep-out mask keeps the robot out"):
+        navigator.plan((1.5, 4.0, 0.0))
+
+
 def test_a_keepout_mask_for_a_finished_costmap_is_refused():
     with pytest.raises(InputError, match="from_grid"):
         Navigator(Costmap.from_grid(room(), CARTER), CARTER, keepout=KeepoutMask(room()))
@@ -193,6 +200,22 @@ def test_it_never_exceeds_the_limit_in_a_zone_and_drives_fast_before_and_after(m
     assert np.median(speeds[inside]) > 0.9 * limit
     assert speeds[poses[:, 0] < 5.0].max() > 1.5 * limit
     assert speeds[poses[:, 0] >= 8.0].max() > 1.5 * limit
+
+
+def test_a_robot_that_brakes_badly_begins_early():
+    limits = CARTER.limits.model_copy(update={"linear_acceleration": 0.3})
+    robot = CARTER.model_copy(update={"limits": limits})
+    # From 0.8 to 0.2 m/s with half of 0.3 m/s² takes 2 m.
+    mask = SpeedMask(zone(20, 7.0, 0.0, 9.0, 8.0), "absolute", multiplier=0.01)
+    navigator = Navigator(room(), robot, speed_mask=mask)
+    navigator.set_goal(11.0, 4.0)
+    poses, speeds = drive(navigator, Pose2D(1.0, 4.0, 0.0))
+    assert navigator.status is NavigationStatus.ARRIVED
+    inside = (poses[:, 0] >= 7.0) & (poses[:, 0] < 9.0)
+    assert speeds[inside].max() <= 0.2 + 1e-6
+    fast = poses[speeds > 0.78, 0]
+    assert len(fast) > 0
+    assert 4.3 < fast.max() < 5.2
 
 
 def test_a_limit_round_a_corner_holds_as_soon_as_the_robot_is_there():

@@ -106,6 +106,8 @@ def _blocked_message(
     cost = costmap.data[cell]
     places = {NO_INFORMATION: "in unknown space", LETHAL: "in an obstacle"}
     where = places.get(int(cost), "too close to an obstacle or to unknown space")
+    if costmap.keepout is not None and costmap.keepout[cell] == LETHAL:
+        where = "where the keep-out mask keeps the robot out"
     message = f"the {what} ({pose.x:.2f}, {pose.y:.2f}, {np.degrees(pose.yaw):.0f}°) is {where}: the robot does not fit"
     if found is None:
         return f"{message}, and with this yaw it fits nowhere on the map"
