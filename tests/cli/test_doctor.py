@@ -131,7 +131,7 @@ def test_the_checklist_of_isaac_sim_passes_on_the_stand_in(
     assert done.code == 0, done.out
     names = [check["name"] for check in done.json["checks"]]
     assert names[2:5] == ["isaac sim", "usd", "gpu"]
-    assert names[5:] == ["start", "interface", "drive", "step", "mission", "contact", "picture", "close"]
+    assert names[5:] == ["start", "drive", "interface", "step", "mission", "contact", "picture", "close"]
     assert {check["status"] for check in done.json["checks"]} == {"pass"}
     page = (Path(__file__).parents[2] / "docs" / "isaac.md").read_text()
     assert [name for name in names if f"\npass     {name}  " not in page or f"`{name}`" not in page] == []

@@ -110,9 +110,9 @@ def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -
         return
     with simulator:
         yield MachineCheck("start", "pass", f"{backend} with {machine.name} on a floor with a box")
+        yield _attempt("drive", lambda: _check_drive(simulator))
         if backend == ISAAC:
             yield _attempt("interface", lambda: _check_interface(simulator))
-        yield _attempt("drive", lambda: _check_drive(simulator))
         yield _attempt("step", lambda: _check_step(simulator))
         yield _attempt("mission", lambda: _check_mission(simulator))
         yield _attempt("contact", lambda: _check_contact(simulator))
