@@ -220,7 +220,8 @@ for number in range(6):
     assert names(tmp_path / "whole") == FILES
     for number in range(6):
         check_whole(tmp_path / str(number))
-    assert names(tmp_path / "0") < FILES  # it was killed while it wrote
+    # It was killed while it wrote: a temporary name may be left, which no kill can be kept from leaving.
+    assert {name for name in names(tmp_path / "0") if not name.startswith(".")} < FILES
 
 
 def test_videos_are_whole_files(tmp_path):
