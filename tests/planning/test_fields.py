@@ -1,5 +1,7 @@
 """Cost fields against SciPy's Dijkstra on the graph of the same definition."""
 
+import threading
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -8,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from trundle.errors import BlockedPoseError, InputError, OutsideMapError
-from trundle.planning import cost_field
+from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
+from trundle.planning import Cancellation, cost_field
 
 
 def graph(costs: npt.NDArray[np.float64], wall: npt.NDArray[np.bool_], connectivity: int) -> csr_matrix:
@@ -186,3 +188,32 @@ def test_bad_goals_are_refused_with_their_cell() -> None:
 def test_bad_options_are_refused(options: dict[str, int]) -> None:
     with pytest.raises(InputError, match=next(iter(options))):
         cost_field(np.ones((2, 2), dtype=np.uint8), (0, 0), **options)
+
+
+def test_a_field_is_stopped_by_its_deadline_and_by_hand() -> None:
+    costs = np.ones((2000, 1500), dtype=np.uint8)
+    for threads in (1, 2):
+        with pytest.raises(PlanningStoppedError, match=r"2000 x 1500 was not done when 1e-09 s passed \(deadline_s\)"):
+            cost_field(costs, (0, 0), threads=threads, deadline_s=1e-9)
+    cancel = Cancellation()
+    field = cost_field(costs[:50], (0, 0), deadline_s=1e6, cancel=cancel)
+    assert field[0, -1] == 1499.0
+    cancel.cancel()
+    with pytest.raises(PlanningStoppedError, match="when it was cancelled"):
+        cost_field(costs, (0, 0), deadline_s=1e6, cancel=cancel)
+
+
+def test_a_running_field_is_cancelled_from_another_thread() -> None:
+    costs = np.random.default_rng(0).integers(1, 200, (6000, 6000)).astype(np.uint8)
+    cancel = Cancellation()
+    timer = threading.Timer(0.02, cancel.cancel)
+    timer.start()
+    with pytest.raises(PlanningStoppedError, match="cancelled"):
+        cost_field(costs, (0, 0), cancel=cancel)
+    timer.join()
+
+
+@pytest.mark.parametrize(("option", "value"), [("deadline_s", 0.0), ("deadline_s", np.nan), ("cancel", True)])
+def test_bad_limits_are_refused(option: str, value: object) -> None:
+    with pytest.raises(InputError, match=option):
+        cost_field(np.ones((2, 2), dtype=np.uint8), (0, 0), **{option: value})

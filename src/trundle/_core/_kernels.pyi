@@ -116,7 +116,9 @@ def cost_field(
     goals: npt.NDArray[np.int64],
     connectivity: int,
     threads: int,
-) -> npt.NDArray[np.float32]: ...
+    seconds: float | None,
+    cancel: npt.NDArray[np.uint8] | None,
+) -> tuple[int, npt.NDArray[np.float32] | None]: ...
 def line_costs(
     costs: npt.NDArray[np.uint8],
     weights: npt.NDArray[np.float64],

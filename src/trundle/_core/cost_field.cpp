@@ -6,6 +6,7 @@
 // point, whatever the order.
 #include "arrays.hpp"
 #include "field_rows.hpp"
+#include "patience.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -23,8 +24,9 @@ namespace {
 template <typename Cost, typename Number>
 class Field {
  public:
-  Field(const Grid<Cost> &grid, Number *values)
+  Field(const Grid<Cost> &grid, Number *values, const Patience &patience)
       : grid_(grid),
+        patience_(patience),
         tile_rows_((grid.rows + kTile - 1) / kTile),
         tile_cols_((grid.cols + kTile - 1) / kTile),
         settle_(choose_settle<Cost, Number>()),
@@ -40,8 +42,10 @@ class Field {
     wait(tile, 0);
   }
 
-  void solve(int threads) {
+  // Whether it came to the end.
+  SearchStatus solve(int threads) {
     run(threads, [this] { settle_tiles(); });
+    return status_;
   }
 
   // The costs to go as the caller counts them, infinity where there is no way, in `out`, which may be where the values
@@ -109,7 +113,7 @@ class Field {
     const auto tile = std::make_unique<Tile<Number>>();
     std::vector<Waiting> gains;
     std::unique_lock<std::mutex> lock(mutex_);
-    while (true) {
+    while (status_ == SearchStatus::kFound) {
       const std::int64_t index = take();
       if (index < 0) {
         if (busy_ == 0) break;
@@ -123,7 +127,9 @@ class Field {
       fetch_ahead(likely);
       gains.clear();
       settle_tile(index, *tile, gains);
+      const SearchStatus left = patience_.left();
       lock.lock();
+      if (left != SearchStatus::kFound) status_ = left;
       states_[index].busy = false;
       --busy_;
       for (const auto &[cost, neighbour] : gains) wait(neighbour, cost);
@@ -277,6 +283,7 @@ class Field {
   }
 
   const Grid<Cost> grid_;
+  const Patience patience_;
   const std::int64_t tile_rows_, tile_cols_;
   void (*const settle_)(const Grid<Cost> &, std::int64_t, std::int64_t, Tile<Number> &, bool);
   Number *const values_;
@@ -285,27 +292,39 @@ class Field {
   std::mutex mutex_;
   std::condition_variable freed_;
   int busy_ = 0;
+  SearchStatus status_ = SearchStatus::kFound;
 };
 
+// What a field is computed for, and within which limits.
+struct Task {
+  In<std::int64_t, 2> goals;
+  int threads;
+  Patience patience;
+};
+
+// The costs to go in `out`, which may be where the values are; `fits` is whether the numbers hold them.
 template <typename Cost, typename Number>
-bool solve(const Grid<Cost> &grid, const In<std::int64_t, 2> &goals, int threads, Number *values, float *out) {
-  Field<Cost, Number> field(grid, values);
-  for (std::size_t k = 0; k < goals.shape(0); ++k) field.add_goal(goals.data()[2 * k], goals.data()[2 * k + 1]);
-  field.solve(threads);
-  return field.write(out, threads);
+SearchStatus solve(const Grid<Cost> &grid, const Task &task, Number *values, float *out, bool &fits) {
+  Field<Cost, Number> field(grid, values, task.patience);
+  for (std::size_t k = 0; k < task.goals.shape(0); ++k) field.add_goal(task.goals(k, 0), task.goals(k, 1));
+  const SearchStatus status = field.solve(task.threads);
+  if (status == SearchStatus::kFound) fits = field.write(out, task.threads);
+  return status;
 }
 
 template <typename Number, typename Cost>
-void solve_wide(const Grid<Cost> &grid, const In<std::int64_t, 2> &goals, int threads, float *out) {
+SearchStatus solve_wide(const Grid<Cost> &grid, const Task &task, float *out) {
   const auto values = allocate<Number>(static_cast<std::size_t>(grid.rows * grid.cols));
-  solve<Cost, Number>(grid, goals, threads, values.get(), out);
+  bool fits;
+  return solve<Cost, Number>(grid, task, values.get(), out, fits);
 }
 
 }  // namespace
 
+// A `SearchStatus` and, where it is found, the field.
 template <typename Cost>
-static nb::ndarray<nb::numpy, float> cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int connectivity,
-                                                int threads) {
+static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int connectivity, int threads,
+                            std::optional<double> seconds, const Flag &cancel) {
   const auto rows = static_cast<std::int64_t>(costs.shape(0)), cols = static_cast<std::int64_t>(costs.shape(1));
   if (goals.shape(1) != 2) throw nb::value_error("goals need shape (N, 2): row, col");
   if (connectivity != 4 && connectivity != 8) throw nb::value_error("connectivity is 4 or 8");
@@ -315,23 +334,27 @@ static nb::ndarray<nb::numpy, float> cost_field(In<Cost, 2> costs, In<std::int64
     if (row < 0 || row >= rows || col < 0 || col >= cols) throw nb::index_error("a goal lies outside the grid");
     if (is_wall(costs(row, col))) throw nb::value_error("a goal lies in a wall");
   }
+  const Task task{goals, threads, patience_of(seconds, cancel)};
   auto out = allocate<float>(static_cast<std::size_t>(rows * cols));
+  SearchStatus status;
   {
     nb::gil_scoped_release release;
     const Grid<Cost> grid{costs.data(), rows, cols, connectivity == 8};
     if constexpr (std::is_floating_point_v<Cost>) {
-      solve_wide<double>(grid, goals, threads, out.get());
+      status = solve_wide<double>(grid, task, out.get());
     } else {
       // Counted where the result will stand: both have 32 bits.
       auto *values = new (out.get()) std::uint32_t[static_cast<std::size_t>(rows * cols)];
-      if (!solve<Cost, std::uint32_t>(grid, goals, threads, values, out.get())) {
-        solve_wide<std::uint64_t>(grid, goals, threads, out.get());
-      }
+      bool fits = true;
+      status = solve<Cost, std::uint32_t>(grid, task, values, out.get(), fits);
+      if (!fits) status = solve_wide<std::uint64_t>(grid, task, out.get());
     }
   }
+  const int code = static_cast<int>(status);
+  if (status != SearchStatus::kFound) return nb::make_tuple(code, nb::none());
   float *field = out.release();
   nb::capsule owner(field, [](void *p) noexcept { std::free(p); });
-  return nb::ndarray<nb::numpy, float>(field, {costs.shape(0), costs.shape(1)}, owner);
+  return nb::make_tuple(code, nb::ndarray<nb::numpy, float>(field, {costs.shape(0), costs.shape(1)}, owner));
 }
 
 }  // namespace trundle
@@ -340,7 +363,7 @@ void bind_cost_field(nanobind::module_ &m) {
   namespace nb = nanobind;
   const auto bind = [&m](auto function) {
     m.def("cost_field", function, nb::arg("costs").noconvert(), nb::arg("goals").noconvert(),
-          nb::arg("connectivity"), nb::arg("threads"));
+          nb::arg("connectivity"), nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none());
   };
   bind(&trundle::cost_field<std::uint8_t>);
   bind(&trundle::cost_field<std::uint16_t>);

@@ -9,15 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.errors import BlockedPoseError, InputError, OutsideMapError
+from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
+from trundle.planning.cancellation import Cancellation, check_limits
 
 CostArray = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
 _WALLS: dict[str, float] = {"uint8": 255, "uint16": 65535, "float32": np.inf}
+_CANCELLED = 3  # the kernel's status
 
 
 def cost_field(
-    costs: npt.ArrayLike, goals: npt.ArrayLike, *, connectivity: int = 8, threads: int | None = None
+    costs: npt.ArrayLike,
+    goals: npt.ArrayLike,
+    *,
+    connectivity: int = 8,
+    threads: int | None = None,
+    deadline_s: float | None = None,
+    cancel: Cancellation | None = None,
 ) -> npt.NDArray[np.float32]:
     """Compute the cost of the cheapest way from every cell to the nearest goal.
 
@@ -35,6 +43,8 @@ def cost_field(
         goals: (row, col), or several of them in shape (N, 2).
         connectivity: 8, or 4 for straight steps alone.
         threads: How many to use; none means as many as there are processors, up to 8.
+        deadline_s: Give up after this time [s].
+        cancel: Give up when this says so.
 
     Returns:
         float32, shape (rows, cols): 0 at the goals, infinity in walls and where no way leads to a goal.
@@ -43,6 +53,7 @@ def cost_field(
         InputError: If the costs have another shape or kind, are negative or NaN, or an option is out of range.
         OutsideMapError: If a goal lies outside the grid; `cell` says which.
         BlockedPoseError: If a goal lies in a wall; `cell` says which.
+        PlanningStoppedError: If it gave up: out of time, or cancelled.
     """
     array = _as_costs(costs)
     cells = _as_cells(goals, array)
@@ -52,7 +63,12 @@ def cost_field(
         threads = min(8, os.cpu_count() or 1)
     if not 1 <= threads <= 1024:
         raise InputError(f"threads is {threads!r}, it must be from 1 to 1024")
-    return _core.cost_field(array, cells, int(connectivity), int(threads))
+    flag = check_limits(deadline_s, cancel)
+    status, field = _core.cost_field(array, cells, int(connectivity), int(threads), deadline_s, flag)
+    if field is None:
+        why = "it was cancelled" if status == _CANCELLED else f"{deadline_s:g} s passed (deadline_s)"
+        raise PlanningStoppedError(f"the cost field of {array.shape[0]} x {array.shape[1]} was not done when {why}")
+    return field
 
 
 def _as_costs(costs: npt.ArrayLike) -> CostArray:
