@@ -128,4 +128,19 @@ class NoPathError(PlanningError):
 
 
 class PlanningStoppedError(PlanningError):
-    """Planning ended before it found a path or knew that there is none: out of time, out of tries, or cancelled."""
+    """Planning ended before it found a path or knew that there is none.
+
+    Attributes:
+        status: "timeout", "cancelled", or "exhausted" for a planner that is out of tries.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        pose: tuple[float, float, float] | None = None,
+        cell: tuple[int, int] | None = None,
+        status: str = "timeout",
+    ) -> None:
+        super().__init__(message, pose=pose, cell=cell)
+        self.status = status

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, path_length
+
+PathStatus = Literal["found", "partial"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +31,15 @@ class Path:
         replans: How often the planner had to plan again because the footprint hit something.
         start_snapped_m: How far the start was moved to free space [m].
         goal_snapped_m: How far the goal was moved to free space [m].
+        status: "found", or "partial" where the goal cannot be reached and the path leads as near to it as it can; a
+            planner gives such a path only where it was asked for.
+        remaining_m: Straight distance from the end of a partial path to the goal [m].
         backward: For each leg between two poses whether it is driven backwards, shape (N − 1,), read-only; none given
             means that all are driven forward.
 
     Raises:
-        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1, or `backward` is of another length.
+        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1, `backward` is of another length, or the
+            status is another.
     """
 
     poses: FloatArray
@@ -42,6 +49,8 @@ class Path:
     start_snapped_m: float = 0.0
     goal_snapped_m: float = 0.0
     backward: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    status: PathStatus = "found"
+    remaining_m: float = 0.0
     length: float = field(init=False)
     """Length [m] of the polyline through the poses."""
 
@@ -51,6 +60,8 @@ class Path:
             raise InputError(f"a path needs poses of shape (N, 3) with N ≥ 1, got {poses.shape}")
         if not np.isfinite(poses).all():
             raise InputError("a path needs finite poses")
+        if self.status not in ("found", "partial"):
+            raise InputError(f"the status of a path is 'found' or 'partial', got {self.status!r}")
         poses.flags.writeable = False
         legs = len(poses) - 1
         backward = (

@@ -21,6 +21,23 @@ class BinaryGrid:
         seconds: float | None,
         cancel: npt.NDArray[np.uint8] | None,
     ) -> tuple[Any, ...]: ...
+    def find_point_ways(
+        self,
+        starts: npt.NDArray[np.int64],
+        goals: npt.NDArray[np.int64],
+        theta: bool,
+        threads: int,
+        seconds: float | None,
+        cancel: npt.NDArray[np.uint8] | None,
+    ) -> tuple[Any, ...]: ...
+    def settle_ends(
+        self,
+        starts: npt.NDArray[np.int64],
+        goals: npt.NDArray[np.int64],
+        start_reach: float,
+        goal_reach: float,
+        partial: bool,
+    ) -> tuple[int, int, npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.uint8]]: ...
     def update(self, row: int, col: int, values: npt.NDArray[np.uint8]) -> None: ...
     @property
     def method(self) -> str: ...

@@ -2,6 +2,7 @@
 #include "binary_grid.hpp"
 
 #include "arrays.hpp"
+#include "grid_queries.hpp"
 #include "patience.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -22,27 +23,10 @@ namespace trundle {
 namespace {
 
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::device::cpu>;  // any strides
-using CellArray = In<std::int64_t, 2>;
 
 ByteView view_of(const Bytes &array) {
   return {array.data(), static_cast<std::int64_t>(array.shape(0)), static_cast<std::int64_t>(array.shape(1)),
           array.stride(0), array.stride(1)};
-}
-
-GridCell cell_of(std::int64_t row, std::int64_t col) {
-  return {static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)};
-}
-
-// What `find_way` says besides a `SearchStatus`: what is wrong with the start; with the goal it is one more.
-constexpr int kBlocked = -2, kOutside = -4, kNoCell = -6;
-
-int refusal(const BinaryGrid &grid, const std::int64_t (&ends)[4]) {
-  for (int end = 0; end < 2; ++end) {
-    const std::int64_t row = ends[2 * end], col = ends[2 * end + 1];
-    if (!grid.inside(row, col)) return kOutside + end;
-    if (grid.blocked(cell_of(row, col))) return kBlocked + end;
-  }
-  return 0;
 }
 
 // Two whole numbers from a Python sequence; numbers of more than 64 bits become some that lie outside.
@@ -107,8 +91,7 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
 // Status, length in cells, and the points as bytes of int32: (column, row), …, in half cells from the map's corner.
 static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::handle goal, bool theta,
                                 std::optional<double> seconds, const Flag &cancel) {
-  constexpr std::int64_t kLongest = std::int64_t{1} << 29;  // half cells have 32 bits, and so have their differences
-  if (std::max(grid.rows(), grid.cols()) > kLongest) throw nb::value_error("a side has more than 2^29 cells");
+  check_point_sides(grid);
   std::int64_t ends[4];
   int status = 0;
   for (int end = 0; end < 2 && status == 0; ++end) {
@@ -128,50 +111,46 @@ static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::ha
                         nb::bytes(way.points.data(), way.points.size() * sizeof(HalfCell)));
 }
 
+// Where each of many queries really begins and ends, by the rules of `settle`. First the index of the first query that
+// cannot be asked, or -1, and its status as of `find_way`; then starts, goals, and where the goal is only come near to.
+static nb::tuple settle_ends(const BinaryGrid &grid, CellArray starts, CellArray goals, double start_reach,
+                             double goal_reach, bool partial) {
+  const std::size_t count = same_count(starts, goals);
+  if (!(start_reach >= 0.0 && goal_reach >= 0.0)) throw nb::value_error("tolerances must be 0 or more");
+  std::vector<std::int64_t> from(2 * count), to(2 * count);
+  std::vector<std::uint8_t> nearly(count);
+  std::int64_t wrong = -1;
+  int refused = 0;
+  {
+    nb::gil_scoped_release released;
+    for (std::size_t i = 0; i < count && wrong < 0; ++i) {
+      const Ends ends = settle(grid, {starts(i, 0), starts(i, 1), goals(i, 0), goals(i, 1)}, start_reach, goal_reach, partial);
+      if (ends.refusal != 0) wrong = static_cast<std::int64_t>(i), refused = ends.refusal;
+      from[2 * i] = ends.start.row, from[2 * i + 1] = ends.start.col;
+      to[2 * i] = ends.goal.row, to[2 * i + 1] = ends.goal.col;
+      nearly[i] = ends.partial;
+    }
+  }
+  return nb::make_tuple(wrong, refused, to_numpy(std::move(from), {count, 2}), to_numpy(std::move(to), {count, 2}),
+                        to_numpy(std::move(nearly), {count}));
+}
+
 // Many ways at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
 // then status, straight and diagonal steps and the end of its corners for each query, and the corners of all.
 static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
                            std::optional<double> seconds, const Flag &cancel) {
-  const std::size_t count = starts.shape(0);
-  if (goals.shape(0) != count || starts.shape(1) != 2 || goals.shape(1) != 2) {
-    throw nb::value_error("starts and goals need the same shape (N, 2)");
-  }
-  if (threads < 1 || threads > 1024) throw nb::value_error("threads must be from 1 to 1024");
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int64_t ends[4] = {starts(i, 0), starts(i, 1), goals(i, 0), goals(i, 1)};
-    const int status = refusal(grid, ends);
-    if (status != 0) return nb::make_tuple(i, status);
-  }
+  const std::size_t count = same_count(starts, goals);
+  const auto [wrong, refused] = first_refusal(grid, starts, goals);
+  if (wrong >= 0) return nb::make_tuple(wrong, refused);
   std::vector<std::uint8_t> statuses(count);
   std::vector<std::int64_t> steps(2 * count), ends(count);
   std::vector<std::int32_t> corners;
   {
     nb::gil_scoped_release released;
     const Patience patience = patience_of(seconds, cancel);
-    std::vector<GridWay> ways(count);
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    std::mutex failing;
-    const auto work = [&] {
-      try {
-        for (std::size_t i = next++; i < count; i = next++) {
-          ways[i] = grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
-        }
-      } catch (...) {
-        std::lock_guard lock(failing);
-        failure = std::current_exception();
-        next = count;
-      }
-    };
-    std::vector<std::thread> others;
-    const std::size_t most = std::min<std::size_t>(static_cast<std::size_t>(threads), count);
-    try {
-      while (others.size() + 1 < most) others.emplace_back(work);
-    } catch (const std::system_error &) {  // no more threads to be had: those that run do the work
-    }
-    work();
-    for (std::thread &other : others) other.join();
-    if (failure) std::rethrow_exception(failure);
+    const auto ways = find_all<GridWay>(count, threads, [&](std::size_t i) {
+      return grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
+    });
     std::size_t total = 0;
     for (const GridWay &way : ways) total += way.corners.size();
     corners.reserve(2 * total);
@@ -186,6 +165,35 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
   const std::size_t total = corners.size() / 2;
   return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(steps), {count, 2}),
                         to_numpy(std::move(ends), {count}), to_numpy(std::move(corners), {total, 2}));
+}
+
+// The same for the ways of a point: status, length in cells and the end of its points for each query, and all points.
+static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, bool theta, int threads,
+                                 std::optional<double> seconds, const Flag &cancel) {
+  const std::size_t count = same_count(starts, goals);
+  check_point_sides(grid);
+  const auto [wrong, refused] = first_refusal(grid, starts, goals);
+  if (wrong >= 0) return nb::make_tuple(wrong, refused);
+  std::vector<std::uint8_t> statuses(count);
+  std::vector<double> lengths(count);
+  std::vector<std::int64_t> ends(count);
+  std::vector<std::int32_t> points;
+  {
+    nb::gil_scoped_release released;
+    const Patience patience = patience_of(seconds, cancel);
+    const auto ways = find_all<PointWay>(count, threads, [&](std::size_t i) {
+      return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), theta, patience);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      statuses[i] = static_cast<std::uint8_t>(ways[i].status);
+      lengths[i] = ways[i].length();
+      for (const HalfCell at : ways[i].points) points.insert(points.end(), {at.x, at.y});
+      ends[i] = static_cast<std::int64_t>(points.size() / 2);
+    }
+  }
+  const std::size_t total = points.size() / 2;
+  return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(lengths), {count}),
+                        to_numpy(std::move(ends), {count}), to_numpy(std::move(points), {total, 2}));
 }
 
 // Every cell of a way by its corners (row, col), shape (N, 2).
@@ -236,6 +244,10 @@ void bind_binary_grid(nanobind::module_ &m) {
            nb::arg("theta"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("find_ways", &trundle::find_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
+      .def("find_point_ways", &trundle::find_point_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
+           nb::arg("theta"), nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
+      .def("settle_ends", &trundle::settle_ends, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
+           nb::arg("start_reach"), nb::arg("goal_reach"), nb::arg("partial"))
       .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())
       .def_prop_ro("method", &trundle::method_name)
       .def_prop_ro("clutter", &trundle::BinaryGrid::clutter)

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <vector>
 
@@ -79,6 +80,27 @@ class BinaryGrid {
     for (const auto &memory : any_angle_pool_) sum += memory->bytes();
     for (const auto &memory : theta_pool_) sum += memory->bytes();
     return sum;
+  }
+
+  // The free cell nearest to one inside, at most `reach` away, of those that `from` can reach if that is given.
+  std::optional<GridCell> nearest(GridCell to, const GridCell *from, double reach) const {
+    std::shared_lock lock(change_);
+    std::uint32_t label = 0;
+    if (from != nullptr) {
+      if (lines_.blocked(from->row + 1, from->col + 1)) return {};
+      label = runs_.at(from->row + 1, from->col + 1);
+    }
+    std::optional<GridCell> cell =
+        runs_.nearest(lines_, {to.row + 1, to.col + 1}, from == nullptr ? nullptr : &label, reach);
+    if (cell) --cell->row, --cell->col;
+    return cell;
+  }
+
+  // Whether two free cells can reach each other.
+  bool joined(GridCell a, GridCell b) const {
+    std::shared_lock lock(change_);
+    if (lines_.blocked(a.row + 1, a.col + 1) || lines_.blocked(b.row + 1, b.col + 1)) return false;
+    return runs_.at(a.row + 1, a.col + 1) == runs_.at(b.row + 1, b.col + 1);
   }
 
   // Cells inside the map; unreachable where one is blocked. The way from a to b is that from b to a, backwards.

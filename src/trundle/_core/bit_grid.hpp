@@ -90,6 +90,14 @@ class BitGrid {
     return {static_cast<std::int32_t>(at * (64 / kLine)) + bit, (m >> bit & 1) != 0};
   }
 
+  // The first blocked cell of a row from a column on.
+  std::int32_t run_end(std::int64_t row, std::int32_t col) const {
+    std::size_t w = static_cast<std::size_t>(col) >> 6;
+    std::uint64_t stops = word(row, w) & (~std::uint64_t{0} << (col & 63));
+    while (stops == 0) stops = word(row, ++w);
+    return static_cast<std::int32_t>(w * 64) + __builtin_ctzll(stops);
+  }
+
   // Adds up the free cells of rows and words [first, end), and four times the Euler number of the free space (its parts
   // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them. S. Gray,
   // "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected free space.

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "bit_grid.hpp"
+#include "grid_steps.hpp"
 
 namespace trundle {
 
@@ -139,6 +141,45 @@ class FreeRuns {
     const auto first = begins_.begin() + static_cast<std::ptrdiff_t>(rows_[static_cast<std::size_t>(row)]);
     const auto end = begins_.begin() + static_cast<std::ptrdiff_t>(rows_[static_cast<std::size_t>(row) + 1]);
     return labels_[static_cast<std::size_t>(std::upper_bound(first, end, col) - begins_.begin()) - 1];
+  }
+
+  // The free cell with the least straight distance to one inside, at most `reach`, of a component if it is given; of those
+  // that are as near the one of the lowest row, then column.
+  std::optional<GridCell> nearest(const BitGrid &grid, GridCell to, const std::uint32_t *label, double reach) const {
+    constexpr std::int64_t kFurthest = std::int64_t{1} << 62;
+    std::optional<GridCell> best;
+    std::int64_t room = reach < 2e9 ? static_cast<std::int64_t>(reach * reach + 1e-6) : kFurthest;  // squared
+    const auto consider = [&](std::int64_t row, std::int32_t col) {
+      const std::int64_t up = row - to.row, across = std::int64_t{col} - to.col, distance = up * up + across * across;
+      if (distance > room) return;
+      const auto r = static_cast<std::int32_t>(row);
+      if (best && distance == room && (r != best->row ? r > best->row : col > best->col)) return;
+      best = {r, col}, room = distance;
+    };
+    for (std::int64_t up = 0; up * up <= room && (to.row >= up || to.row + up < grid.rows()); ++up) {
+      for (const std::int64_t row : {to.row - up, to.row + up}) {
+        if (row < 0 || row >= grid.rows()) continue;
+        const auto within = [&](std::int64_t across) { return up * up + across * across <= room; };
+        const std::size_t first = rows_[static_cast<std::size_t>(row)], end = rows_[static_cast<std::size_t>(row) + 1];
+        const auto begins = begins_.begin();
+        const auto after = static_cast<std::size_t>(
+            std::upper_bound(begins + static_cast<std::ptrdiff_t>(first), begins + static_cast<std::ptrdiff_t>(end), to.col) -
+            begins);
+        const auto is_one = [&](std::size_t run) { return label == nullptr || labels_[run] == *label; };
+        for (std::size_t run = after; run < end && within(begins_[run] - to.col); ++run) {
+          if (!is_one(run)) continue;
+          consider(row, begins_[run]);
+          break;
+        }
+        for (std::size_t run = after; run-- > first;) {
+          if (run + 1 < after && !within(to.col - begins_[run + 1])) break;
+          if (!is_one(run)) continue;
+          consider(row, std::min(to.col, grid.run_end(row, begins_[run]) - 1));
+          break;
+        }
+      }
+    }
+    return best;
   }
 
   std::int64_t components() const { return components_; }

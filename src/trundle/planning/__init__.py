@@ -2,10 +2,11 @@
 
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.fields import cost_field
-from trundle.planning.grid_search import GridPath, GridPaths, GridSearch
+from trundle.planning.grid_paths import GridPath, GridPaths, PointPath, PointPaths
+from trundle.planning.grid_search import GridSearch
 from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, create_planner, planner_names
-from trundle.planning.point_path import PointPath, any_angle_path
+from trundle.planning.point_path import any_angle_path
 
 __all__ = [
     "Cancellation",
@@ -16,6 +17,7 @@ __all__ = [
     "PathHit",
     "Planner",
     "PointPath",
+    "PointPaths",
     "any_angle_path",
     "cost_field",
     "create_planner",

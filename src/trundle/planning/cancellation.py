@@ -1,21 +1,28 @@
-"""When a search has to stop: a deadline, and a flag that another thread may set."""
+"""When planning has to stop: a deadline, and a flag that another thread may set."""
 
 from __future__ import annotations
+
+import math
+import numbers
+import time
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
+from trundle.errors import InputError, PlanningStoppedError
+
+Stop = Literal["timeout", "cancelled"]
 
 
 class Cancellation:
-    """Stops a search from another thread: hand it to the search, and call `cancel`."""
+    """Stops planning from another thread: hand it to a search or a planner, and call `cancel`."""
 
     def __init__(self) -> None:
         self.flag: npt.NDArray[np.uint8] = np.zeros(1, dtype=np.uint8)
 
     def cancel(self) -> None:
-        """Stop every search that this was handed to, now and in future."""
+        """Stop everything that this was handed to, now and in future."""
         self.flag[0] = 1
 
     @property
@@ -24,14 +31,62 @@ class Cancellation:
         return bool(self.flag[0])
 
 
+class Patience:
+    """What is left of the time of one plan, whatever the number of its stages, and the flag that may end it.
+
+    Args:
+        deadline_s: Give up after this time [s] from now on; none means as long as it takes.
+        cancel: Give up when this says so.
+        what: What is given up then, for the message: "no path … found yet".
+        pose: For the error.
+        cell: For the error.
+
+    Raises:
+        InputError: If the deadline is no positive number of seconds, or `cancel` is no `Cancellation`.
+    """
+
+    def __init__(
+        self,
+        deadline_s: float | None,
+        cancel: Cancellation | None,
+        what: str,
+        *,
+        pose: tuple[float, float, float] | None = None,
+        cell: tuple[int, int] | None = None,
+    ) -> None:
+        self.flag = check_limits(deadline_s, cancel)
+        self._deadline_s = deadline_s
+        self._end = math.inf if deadline_s is None else time.monotonic() + float(deadline_s)
+        self._what, self._pose, self._cell = what, pose, cell
+
+    @property
+    def seconds(self) -> float | None:
+        """What is left [s], not below 0; none where there is no deadline."""
+        return None if self._deadline_s is None else max(0.0, self._end - time.monotonic())
+
+    def check(self) -> None:
+        """Raise `PlanningStoppedError` if it is time to stop."""
+        if self.flag is not None and self.flag[0]:
+            raise self.stopped("cancelled")
+        if time.monotonic() >= self._end:
+            raise self.stopped("timeout")
+
+    def stopped(self, status: Stop) -> PlanningStoppedError:
+        """The error for a kernel that gave up."""
+        why = "it was cancelled" if status == "cancelled" else f"the deadline of {self._deadline_s:g} s passed"
+        return PlanningStoppedError(f"{self._what} when {why}", pose=self._pose, cell=self._cell, status=status)
+
+
 def check_limits(deadline_s: float | None, cancel: Cancellation | None) -> npt.NDArray[np.uint8] | None:
     """The flag of a cancellation, for the kernels, if there is one.
 
     Raises:
         InputError: If the deadline is no positive number of seconds, or `cancel` is no `Cancellation`.
     """
-    if deadline_s is not None and not (isinstance(deadline_s, (int, float)) and deadline_s > 0.0):
-        raise InputError(f"deadline_s must be a positive number of seconds, got {deadline_s!r}")
+    if deadline_s is not None:
+        is_number = isinstance(deadline_s, numbers.Real) and not isinstance(deadline_s, bool)
+        if not (is_number and deadline_s > 0.0):
+            raise InputError(f"deadline_s must be a positive number of seconds, got {deadline_s!r}")
     if cancel is None:
         return None
     if not isinstance(cancel, Cancellation):

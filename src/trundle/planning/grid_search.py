@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import math
-import operator
-import os
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Literal, overload
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -16,85 +12,26 @@ from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.point_path import POINT_METHODS, PointMethod, PointPath
+from trundle.planning.cells import CellLike, Cells, Span, as_bytes, as_cells, as_pair, as_span, check_threads
+from trundle.planning.grid_paths import (
+    PARTIAL,
+    STATUSES,
+    CellArray,
+    GridPath,
+    GridPaths,
+    PointPath,
+    PointPaths,
+    Status,
+)
+from trundle.planning.options import check_number
+from trundle.planning.point_path import POINT_METHODS, PointMethod
 
-Status = Literal["found", "unreachable", "timeout", "cancelled"]
-STATUSES: tuple[Status, ...] = ("found", "unreachable", "timeout", "cancelled")
 METHODS = ("auto", "jps", "jps_plus", "astar")
 
-CellLike = Sequence[int] | npt.NDArray[np.integer]
-CellArray = npt.NDArray[np.int32]
-Span = slice | tuple[int, int] | int
-"""Some rows or columns: a slice, a (first, end) pair, or one of them."""
-
-
-@dataclass(frozen=True, slots=True)
-class GridPath:
-    """What a search over cells found.
-
-    Attributes:
-        status: "found"; "unreachable", when no way joins the cells; "timeout" or "cancelled", when it was stopped.
-        length: In cells, a diagonal step being √2; infinite where the goal is unreachable, NaN where it was stopped.
-        corners: The bytes of `waypoints`.
-    """
-
-    status: Status
-    length: float
-    corners: bytes
-
-    @property
-    def waypoints(self) -> CellArray:
-        """Start, turning points and goal: (row, col), shape (M, 2), read-only. M is 0 where nothing was found."""
-        return np.frombuffer(self.corners, dtype=np.int32).reshape(-1, 2)
-
-    @property
-    def cells(self) -> CellArray:
-        """Every cell from start to goal: (row, col), shape (N, 2). N is 0 where nothing was found."""
-        return _core.walk_corners(self.waypoints)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GridPaths(Sequence[GridPath]):
-    """What `GridSearch.plan_many` found: a sequence of `GridPath`, and their numbers as arrays.
-
-    Attributes:
-        status: As of `GridPath`, shape (N,).
-        length: In cells, as of `GridPath`, shape (N,).
-        corners: The waypoints of all, one after the other, shape (M, 2).
-        ends: Where the waypoints of each end in `corners`, shape (N,).
-    """
-
-    status: npt.NDArray[np.str_]
-    length: FloatArray
-    corners: CellArray
-    ends: npt.NDArray[np.int64]
-
-    def __len__(self) -> int:
-        return len(self.length)
-
-    @overload
-    def __getitem__(self, index: int) -> GridPath: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[GridPath]: ...
-    def __getitem__(self, index: int | slice) -> GridPath | list[GridPath]:
-        if isinstance(index, slice):
-            return [self._path(i) for i in range(*index.indices(len(self)))]
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"there are {len(self)} paths, and no path {index}")
-        return self._path(index % len(self))
-
-    def __iter__(self) -> Iterator[GridPath]:
-        return (self._path(i) for i in range(len(self)))
-
-    def _path(self, index: int) -> GridPath:
-        first = int(self.ends[index - 1]) if index > 0 else 0
-        corners = self.corners[first : int(self.ends[index])].tobytes()
-        return GridPath(STATUSES[_STATUS_CODES[str(self.status[index])]], float(self.length[index]), corners)
-
-
-_STATUS_CODES = {status: code for code, status in enumerate(STATUSES)}
+_LONGEST_POINT_SIDE = 2**29
 _STATUS_NAMES = np.array(STATUSES)
 _ROOT_2 = math.sqrt(2.0)
+_Paths = TypeVar("_Paths", GridPaths, PointPaths)
 
 
 class GridSearch:
@@ -124,7 +61,7 @@ class GridSearch:
     """
 
     def __init__(self, blocked: npt.ArrayLike, connectivity: int = 8, *, method: str = "auto") -> None:
-        values = _as_bytes(blocked, "blocked")
+        values = as_bytes(blocked, "blocked")
         if values.ndim != 2 or values.size == 0:
             raise InputError(f"blocked needs shape (rows, cols) with at least one cell, got {values.shape}")
         if connectivity not in (4, 8):
@@ -170,29 +107,41 @@ class GridSearch:
         start: CellLike,
         goal: CellLike,
         *,
+        start_tolerance: float = 0.0,
+        goal_tolerance: float = 0.0,
+        partial: bool = False,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> GridPath:
         """Find the shortest way between two cells.
 
+        A blocked end is an error, unless it may be moved: the start to the nearest free cell, the goal to the nearest
+        cell that can be reached, or else that is free. Distances are straight, between centres; of cells that are as
+        near, the one of the lowest row counts, then of the lowest column. The path says how far its ends were moved.
+
         Args:
             start: (row, col).
             goal: (row, col).
+            start_tolerance: How far a blocked start may be moved, in cells.
+            goal_tolerance: How far a blocked goal may be moved, in cells.
+            partial: Where the goal cannot be reached, or is blocked beyond its tolerance, go to the reachable cell
+                nearest to it; `status` is "partial" then, and `remaining` the distance that is left.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
             cancel: Give up when this says so; `status` is "cancelled" then.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
             BlockedPoseError: If an end is blocked.
-            InputError: If an end is no pair of whole numbers, or the deadline is not positive.
+            InputError: If an end is no pair of whole numbers, or another argument is none of these.
         """
         flag = check_limits(deadline_s, cancel)
+        moved = (0.0, 0.0, 0.0)
+        if partial or start_tolerance != 0.0 or goal_tolerance != 0.0:
+            start, goal, moved = self._settle(start, goal, start_tolerance, goal_tolerance, partial)
         code, straight, diagonal, corners = self._grid.find_way(start, goal, deadline_s, flag)
-        if code == 0:
-            return GridPath("found", straight + _ROOT_2 * diagonal, corners)
-        if code > 0:
-            return GridPath(STATUSES[code], math.inf if code == 1 else math.nan, corners)
-        raise self._refusal(code, "the ", start, goal)
+        if code < 0:
+            raise self._refusal(code, "the ", start, goal)
+        return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
 
     def any_angle_path(
         self,
@@ -200,6 +149,9 @@ class GridSearch:
         goal: CellLike,
         *,
         method: PointMethod = "exact",
+        start_tolerance: float = 0.0,
+        goal_tolerance: float = 0.0,
+        partial: bool = False,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> PointPath:
@@ -210,6 +162,9 @@ class GridSearch:
             goal: (row, col).
             method: "exact" for the shortest way; "theta_star" for that of Theta* (K. Daniel, A. Nash, S. Koenig,
                 A. Felner, 2010), which turns at the centres of cells and is not the shortest.
+            start_tolerance: As of `shortest_path`.
+            goal_tolerance: As of `shortest_path`.
+            partial: As of `shortest_path`.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
             cancel: Give up when this says so; `status` is "cancelled" then.
 
@@ -218,25 +173,24 @@ class GridSearch:
             BlockedPoseError: If an end is blocked.
             InputError: If an end is no pair of whole numbers, or another argument is none of these.
         """
-        if method not in POINT_METHODS:
-            raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
+        theta = self._is_theta(method)
         flag = check_limits(deadline_s, cancel)
-        try:
-            found = self._grid.find_point_way(start, goal, method == "theta_star", deadline_s, flag)
-        except ValueError as error:
-            raise InputError(f"a map of {self._shape[0]} x {self._shape[1]} cells: {error}") from error
-        code, length, corners = found
-        if code == 0:
-            return PointPath("found", length, corners)
-        if code > 0:
-            return PointPath(STATUSES[code], math.inf if code == 1 else math.nan, corners)
-        raise self._refusal(code, "the ", start, goal)
+        moved = (0.0, 0.0, 0.0)
+        if partial or start_tolerance != 0.0 or goal_tolerance != 0.0:
+            start, goal, moved = self._settle(start, goal, start_tolerance, goal_tolerance, partial)
+        code, length, corners = self._grid.find_point_way(start, goal, theta, deadline_s, flag)
+        if code < 0:
+            raise self._refusal(code, "the ", start, goal)
+        return PointPath(*_outcome(code, length, moved), corners, *moved)
 
     def plan_many(
         self,
         starts: npt.ArrayLike,
         goals: npt.ArrayLike,
         *,
+        start_tolerance: float = 0.0,
+        goal_tolerance: float = 0.0,
+        partial: bool = False,
         threads: int | None = None,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
@@ -246,6 +200,9 @@ class GridSearch:
         Args:
             starts: (row, col) of each, whole numbers, shape (N, 2).
             goals: The same.
+            start_tolerance: As of `shortest_path`.
+            goal_tolerance: As of `shortest_path`.
+            partial: As of `shortest_path`.
             threads: How many to use; none means as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
             cancel: Give up when this says so; those not found have the status "cancelled".
@@ -255,22 +212,94 @@ class GridSearch:
             BlockedPoseError: If an end is blocked.
             InputError: If an argument is none of these.
         """
-        flag = check_limits(deadline_s, cancel)
-        if threads is None:
-            threads = min(8, os.cpu_count() or 1)
-        if not (isinstance(threads, int) and 1 <= threads <= 1024):
-            raise InputError(f"threads must be a whole number from 1 to 1024, got {threads!r}")
-        first, last = _as_cells(starts, "starts"), _as_cells(goals, "goals")
-        if len(first) != len(last):
-            raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
-        wrong, code, *found = self._grid.find_ways(first, last, threads, deadline_s, flag)
+        flag, count = check_limits(deadline_s, cancel), check_threads(threads)
+        first, last, moved = self._settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
+        wrong, code, *found = self._grid.find_ways(first, last, count, deadline_s, flag)
         if wrong >= 0:
             raise self._refusal(code, f"query {wrong}: the ", first[wrong].tolist(), last[wrong].tolist())
         codes, steps, ends, corners = found
-        length = steps[:, 0] + _ROOT_2 * steps[:, 1]
-        length[codes == 1] = math.inf
-        length[codes > 1] = math.nan
-        return GridPaths(_STATUS_NAMES[codes], length, corners, ends)
+        return _paths_of(GridPaths, codes, steps[:, 0] + _ROOT_2 * steps[:, 1], corners, ends, moved)
+
+    def any_angle_paths(
+        self,
+        starts: npt.ArrayLike,
+        goals: npt.ArrayLike,
+        *,
+        method: PointMethod = "exact",
+        start_tolerance: float = 0.0,
+        goal_tolerance: float = 0.0,
+        partial: bool = False,
+        threads: int | None = None,
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> PointPaths:
+        """Find the ways of `any_angle_path` of many queries, in several threads without the GIL.
+
+        For the arguments and errors see `any_angle_path` and `plan_many`.
+        """
+        theta, flag, count = self._is_theta(method), check_limits(deadline_s, cancel), check_threads(threads)
+        first, last, moved = self._settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
+        wrong, code, *found = self._grid.find_point_ways(first, last, theta, count, deadline_s, flag)
+        if wrong >= 0:
+            raise self._refusal(code, f"query {wrong}: the ", first[wrong].tolist(), last[wrong].tolist())
+        codes, length, ends, corners = found
+        return _paths_of(PointPaths, codes, length, corners, ends, moved)
+
+    def nearest_reachable(self, start: CellLike, goal: CellLike) -> tuple[int, int]:
+        """The (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
+
+        It is where `shortest_path(start, goal, partial=True)` ends. The labels know it, without a search.
+
+        Raises:
+            OutsideMapError: If an end lies outside the map; `error.cell` is that end.
+            BlockedPoseError: If the start is blocked.
+            InputError: If an end is no pair of whole numbers.
+        """
+        row, col = self._settle(start, goal, 0.0, 0.0, True)[1]
+        return row, col
+
+    def _is_theta(self, method: PointMethod) -> bool:
+        if method not in POINT_METHODS:
+            raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
+        if max(self._shape) > _LONGEST_POINT_SIDE:
+            rows, cols = self._shape
+            raise InputError(f"a map of {rows} x {cols} cells: a side has more than 2^29 cells")
+        return method == "theta_star"
+
+    def _settle(
+        self, start: CellLike, goal: CellLike, start_tolerance: float, goal_tolerance: float, partial: bool
+    ) -> tuple[list[int], list[int], tuple[float, float, float]]:
+        """Where one query begins and ends, and how far that is from the start, the goal, and a goal out of reach."""
+        pairs = [as_pair(start, "start"), as_pair(goal, "goal")]
+        first, last = (np.array([pair], dtype=np.int64) for pair in pairs)
+        first, last, moved = self._settle_checked(first, last, start_tolerance, goal_tolerance, partial, "the ")
+        start_moved, goal_moved, remaining = (float(part[0]) for part in moved)
+        return first[0].tolist(), last[0].tolist(), (start_moved, goal_moved, remaining)
+
+    def _settle_many(
+        self, starts: npt.ArrayLike, goals: npt.ArrayLike, start_tolerance: float, goal_tolerance: float, partial: bool
+    ) -> tuple[Cells, Cells, tuple[FloatArray, FloatArray, FloatArray]]:
+        first, last = as_cells(starts, "starts"), as_cells(goals, "goals")
+        if len(first) != len(last):
+            raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
+        if not partial and start_tolerance == 0.0 and goal_tolerance == 0.0:
+            nothing = np.zeros(len(first))
+            return first, last, (nothing, nothing, nothing)
+        return self._settle_checked(first, last, start_tolerance, goal_tolerance, partial, "query {}: the ")
+
+    def _settle_checked(
+        self, starts: Cells, goals: Cells, start_tolerance: float, goal_tolerance: float, partial: bool, which: str
+    ) -> tuple[Cells, Cells, tuple[FloatArray, FloatArray, FloatArray]]:
+        start_reach = check_number("start_tolerance", start_tolerance, 0.0, math.inf, "cells")
+        goal_reach = check_number("goal_tolerance", goal_tolerance, 0.0, math.inf, "cells")
+        if not isinstance(partial, bool | np.bool_):
+            raise InputError(f"partial is true or false, got {partial!r}")
+        wrong, code, first, last, nearly = self._grid.settle_ends(starts, goals, start_reach, goal_reach, bool(partial))
+        if wrong >= 0:
+            raise self._refusal(code, which.format(wrong), starts[wrong].tolist(), goals[wrong].tolist())
+        start_moved, goal_moved = (np.hypot(*(new - old).T) for new, old in ((first, starts), (last, goals)))
+        is_partial = nearly.astype(np.bool_)
+        return first, last, (start_moved, np.where(is_partial, 0.0, goal_moved), np.where(is_partial, goal_moved, 0.0))
 
     def update(self, rows: Span, cols: Span, blocked: npt.ArrayLike) -> None:
         """Change a rectangle of the map. Which cells can reach which is right as soon as this returns.
@@ -284,9 +313,9 @@ class GridSearch:
             OutsideMapError: If the rectangle is not within the map.
             InputError: If an argument is none of these, or of another shape.
         """
-        row, row_end = _as_span(rows, "rows", self._shape[0])
-        col, col_end = _as_span(cols, "cols", self._shape[1])
-        values = _as_bytes(blocked, "blocked")
+        row, row_end = as_span(rows, "rows", self._shape[0])
+        col, col_end = as_span(cols, "cols", self._shape[1])
+        values = as_bytes(blocked, "blocked")
         shape = row_end - row, col_end - col
         if values.ndim == 0:
             values = np.broadcast_to(values, shape)
@@ -310,47 +339,22 @@ class GridSearch:
         return BlockedPoseError(f"{which}{what} ({row}, {col}) is blocked; choose a free cell", cell=(row, col))
 
 
-def _as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
-    """Bool or uint8 as uint8, without a copy."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{what} must be an array of bool or uint8: {error}") from error
-    if array.dtype == np.bool_:
-        return array.view(np.uint8)
-    if array.dtype != np.uint8:
-        raise InputError(
-            f"{what} must be bool or uint8 (0 is free), got {array.dtype}; compare it first, as in costs >= 253"
-        )
-    return array
+def _outcome(code: int, length: float, moved: tuple[float, float, float]) -> tuple[Status, float]:
+    """Status and length of one path."""
+    if code == 0:
+        return ("partial" if moved[2] > 0.0 else "found"), length
+    return STATUSES[code], math.inf if code == 1 else math.nan
 
 
-def _as_cells(cells: npt.ArrayLike, what: str) -> npt.NDArray[np.int64]:
-    try:
-        array = np.asarray(cells)
-    except ValueError as error:
-        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2): {error}") from error
-    if array.shape in ((0,), (0, 2)):
-        return np.empty((0, 2), dtype=np.int64)
-    if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
-        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")
-    return np.ascontiguousarray(array, dtype=np.int64)
-
-
-def _as_span(span: Span, what: str, count: int) -> tuple[int, int]:
-    """First and end of some rows or columns."""
-    if isinstance(span, slice):
-        if span.step not in (None, 1):
-            raise InputError(f"{what} must be without gaps, got {span}")
-        pair = (0 if span.start is None else span.start, count if span.stop is None else span.stop)
-    else:
-        pair = span if isinstance(span, tuple) else (span, None)
-    try:
-        first, last = pair
-        first = operator.index(first)
-        end = first + 1 if last is None else operator.index(last)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} is a slice, a (first, end) pair or one number, all whole; got {span!r}") from None
-    if not 0 <= first <= end <= count:
-        raise OutsideMapError(f"{what} {first}:{end} are not within the map: there are 0:{count}")
-    return first, end
+def _paths_of(
+    kind: type[_Paths],
+    codes: npt.NDArray[np.uint8],
+    length: FloatArray,
+    corners: CellArray,
+    ends: npt.NDArray[np.int64],
+    moved: tuple[FloatArray, FloatArray, FloatArray],
+) -> _Paths:
+    codes[(codes == 0) & (moved[2] > 0.0)] = PARTIAL
+    length[codes == 1] = math.inf
+    length[(codes > 1) & (codes != PARTIAL)] = math.nan
+    return kind(_STATUS_NAMES[codes], length, corners, ends, *moved)

@@ -1,45 +1,19 @@
-"""`PointPath` and `any_angle_path`: ways in any direction past blocked cells, for a point."""
+"""`any_angle_path`: the shortest way in any direction past blocked cells, for a point."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 import numpy.typing as npt
 
-from trundle.geometry import FloatArray
+from trundle.planning.grid_paths import PointPath
 
 if TYPE_CHECKING:
-    from trundle.planning.grid_search import CellLike, GridSearch
+    from trundle.planning.cells import CellLike
+    from trundle.planning.grid_search import GridSearch
 
 PointMethod = Literal["exact", "theta_star"]
 POINT_METHODS: tuple[PointMethod, ...] = ("exact", "theta_star")
-
-
-@dataclass(frozen=True, slots=True)
-class PointPath:
-    """The way of a point from the centre of a cell to that of another.
-
-    Attributes:
-        status: "found"; "unreachable", when no way joins the cells; "timeout" or "cancelled", when it was stopped.
-        length: Euclidean, in cells; infinite where the goal is unreachable, NaN where the search was stopped.
-        corners: The bytes of `waypoints`, in whole half cells.
-    """
-
-    status: Literal["found", "unreachable", "timeout", "cancelled"]
-    length: float
-    corners: bytes
-
-    @property
-    def waypoints(self) -> FloatArray:
-        """Where the way begins, turns and ends: (row, col), shape (N, 2). N is 0 where nothing was found.
-
-        The centre of a cell has its indices as coordinates, so that the ends are the start and the goal. The corner
-        between cells (0, 0) and (1, 1) is (0.5, 0.5): the turns of the exact way lie on such corners of blocked cells.
-        """
-        half_cells = np.frombuffer(self.corners, dtype=np.int32).reshape(-1, 2)[:, ::-1]
-        return 0.5 * (half_cells.astype(np.float64) - 1.0)
 
 
 def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: CellLike) -> PointPath:

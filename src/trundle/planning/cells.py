@@ -1,0 +1,86 @@
+"""What is asked of searches over cells, read and checked."""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError, OutsideMapError
+
+CellLike = Sequence[int] | npt.NDArray[np.integer]
+Cells = npt.NDArray[np.int64]
+Span = slice | tuple[int, int] | int
+"""Some rows or columns: a slice, a (first, end) pair, or one of them."""
+
+
+def as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
+    """Bool or uint8 as uint8, without a copy."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{what} must be an array of bool or uint8: {error}") from error
+    if array.dtype == np.bool_:
+        return array.view(np.uint8)
+    if array.dtype != np.uint8:
+        raise InputError(
+            f"{what} must be bool or uint8 (0 is free), got {array.dtype}; compare it first, as in costs >= 253"
+        )
+    return array
+
+
+def check_threads(threads: int | None) -> int:
+    """How many threads to use; none means as many as there are processors, up to 8.
+
+    Raises:
+        InputError: If it is no whole number from 1 to 1024.
+    """
+    if threads is None:
+        return min(8, os.cpu_count() or 1)
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
+        raise InputError(f"threads must be a whole number from 1 to 1024, got {threads!r}")
+    return int(threads)
+
+
+def as_pair(cell: CellLike, what: str) -> tuple[int, int]:
+    """A (row, col) of two whole numbers; what has more than 64 bits becomes one that lies outside any map."""
+    try:
+        row, col = (max(-(2**62), min(2**62, operator.index(number))) for number in cell)
+    except (TypeError, ValueError):
+        raise InputError(f"the {what} must be a pair of whole numbers (row, col), got {cell!r}") from None
+    return row, col
+
+
+def as_cells(cells: npt.ArrayLike, what: str) -> Cells:
+    """Many (row, col) as whole numbers, shape (N, 2)."""
+    try:
+        array = np.asarray(cells)
+    except ValueError as error:
+        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2): {error}") from error
+    if array.shape in ((0,), (0, 2)):
+        return np.empty((0, 2), dtype=np.int64)
+    if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
+        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def as_span(span: Span, what: str, count: int) -> tuple[int, int]:
+    """First and end of some rows or columns."""
+    if isinstance(span, slice):
+        if span.step not in (None, 1):
+            raise InputError(f"{what} must be without gaps, got {span}")
+        pair = (0 if span.start is None else span.start, count if span.stop is None else span.stop)
+    else:
+        pair = span if isinstance(span, tuple) else (span, None)
+    try:
+        first, last = pair
+        first = operator.index(first)
+        end = first + 1 if last is None else operator.index(last)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} is a slice, a (first, end) pair or one number, all whole; got {span!r}") from None
+    if not 0 <= first <= end <= count:
+        raise OutsideMapError(f"{what} {first}:{end} are not within the map: there are 0:{count}")
+    return first, end
