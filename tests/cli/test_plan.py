@@ -6,9 +6,11 @@ from PIL import Image
 
 from support.command_line import Trundle, room
 from trundle.geometry import Pose2D
-from trundle.maps import OccupancyGrid
+from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.planning import planner_names
 from trundle.record.colors import KEPT_OUT
+from trundle.record.zones import SpeedZones
+from trundle.robots import Robot
 
 
 def test_a_straight_path(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
@@ -199,5 +201,11 @@ def test_masks_turn_the_path_aside_and_are_drawn(trundle: Trundle, room_map: Pat
     assert done.json["length_m"] > straight["length_m"] + 0.05
     with Image.open(tmp_path / "overlay.png") as picture:
         assert KEPT_OUT in {color for _, color in picture.getcolors(1 << 24) or ()}
+    limit = SpeedMask.load(tmp_path / "limits.yaml")
+    slow = SpeedZones(limit, Robot.load("turtlebot3_burger").limits.linear_speed).marks()[0].color
+    done = trundle("plan", room_map, *ends, "--keepout", "zones.yaml", "--speed-mask", "limits.yaml", "--compare")
+    assert done.code == 0, done.err
+    with Image.open(tmp_path / "overlay.png") as picture:
+        assert {KEPT_OUT, slow} <= {color for _, color in picture.getcolors(1 << 24) or ()}
     bad = trundle("plan", room_map, *ends, "--speed-mask", "zones.yaml", "--keepout", "none.yaml")
     assert (bad.code, "none.yaml" in bad.err) == (2, True)

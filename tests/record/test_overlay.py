@@ -2,6 +2,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
@@ -10,8 +11,8 @@ from trundle.mission import Outcome, Trajectory
 from trundle.path import Path
 from trundle.record import colors
 from trundle.record.map_view import MapView
-from trundle.record.overlay import describe, draw_plan, draw_run
-from trundle.record.page import plain
+from trundle.record.overlay import describe, draw_paths, draw_plan, draw_run
+from trundle.record.page import Mark, compose_page, plain
 from trundle.record.zones import SpeedZones, zone_marks
 from trundle.robots import Robot
 
@@ -130,7 +131,10 @@ def test_zones_of_masks_are_seen_and_told_in_the_legend(hall, robot):
     assert (seen[:, pixels // 2] == plainly[:, pixels // 2]).all()
     assert [mark.text for mark in zone_marks(costmap, zones)] == ["kept out", "up to 0.32 m/s"]
     assert zone_marks(Costmap.from_grid(hall, robot), None) == []
-    assert has(draw_plan(costmap, single, robot, speed_mask=limits), zones.marks()[0].color, 100)
+    several = draw_paths(costmap, robot, {"one": single}, speed_mask=limits)
+    for picture in (draw_plan(costmap, single, robot, speed_mask=limits), several):
+        assert has(picture, zones.marks()[0].color, 100)
+        assert has(picture, colors.KEPT_OUT, 100)
 
 
 def test_many_limits_are_told_as_a_range(robot):
@@ -148,3 +152,16 @@ def test_zones_show_on_a_map_that_is_drawn_with_several_cells_a_pixel(robot):
     (x, y), (x1, y1) = view.to_pixels([(9.0, 1.0), (5.0, 1.0)]).astype(int)
     assert tuple(pixels[y, x]) == SpeedZones(SpeedMask(painted), 1.0).marks()[0].color
     assert tuple(pixels[y1, x1]) == colors.FREE
+
+
+def test_a_legend_of_many_entries_goes_on_below_and_loses_none(costmap, robot):
+    single = Path(np.array([[1.5, 1.5, 0.0]]))
+    few = draw_paths(costmap, robot, {"one": single})
+    marks = [Mark("line", (index, 200, 100), f"planner number {index}") for index in range(20)]
+    page = compose_page(
+        Image.new("RGB", (400, 300)), title="", status=None, lines=[], legend=marks, pixels_per_metre=50
+    )
+    assert all(has(page, mark.color, 26 * 6) for mark in marks)
+    several = draw_paths(costmap, robot, {mark.text: single for mark in marks})
+    assert several.width == few.width
+    assert several.height > few.height

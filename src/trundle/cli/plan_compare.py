@@ -36,7 +36,7 @@ class Row(TypedDict):
 
 
 def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *, target: FilePath, json: bool) -> int:
-    """Plan from `begin` to `end` by every planner, print a table and draw all paths.
+    """Plan from `begin` to `end` by every planner, print a table and draw all paths, with the zones of the masks.
 
     Returns:
         The exit code: 0 where at least one planner found a way.
@@ -53,7 +53,8 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
         if path is not None:
             paths[name] = path
     if paths:
-        save_png(draw_paths(navigator.costmap, navigator.robot, paths), target)
+        picture = draw_paths(navigator.costmap, navigator.robot, paths, speed_mask=navigator.speed_mask)
+        save_png(picture, target)
     _print(rows, target if paths else None, json=json)
     return 0 if paths else 1
 

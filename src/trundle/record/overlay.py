@@ -33,7 +33,7 @@ from trundle.record.colors import (
 )
 from trundle.record.map_view import MapView
 from trundle.record.page import Mark, compose_page, draw_tag
-from trundle.record.zones import SpeedZones, zone_marks
+from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
 
 _SPEED_LEVELS = 24
@@ -67,7 +67,7 @@ def draw_plan(
         lines: Smaller lines below it; none means length and cost.
         speed_mask: Where speed is limited, or none.
     """
-    zones = None if speed_mask is None else SpeedZones(speed_mask, robot.limits.linear_speed)
+    zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, path.poses[:, :2], zones=zones)
     view.line(path.poses[:, :2], PLANNED, 7)
     _draw_outlines(view, robot, path.poses, _along(path.poses))
@@ -87,7 +87,9 @@ def draw_plan(
     )
 
 
-def draw_paths(costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, title: str = "") -> Image.Image:
+def draw_paths(
+    costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, title: str = "", speed_mask: SpeedMask | None = None
+) -> Image.Image:
     """Draw several paths between the same ends on their map, each in a colour of its own.
 
     Args:
@@ -95,8 +97,10 @@ def draw_paths(costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, tit
         robot: Whose footprint is drawn at both ends.
         paths: At least one, by name; later ones lie on top.
         title: Headline; none means the robot's name.
+        speed_mask: Where speed is limited, or none.
     """
-    view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]))
+    zones = speed_zones(speed_mask, robot)
+    view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]), zones=zones)
     legend: list[Mark] = []
     for index, (name, path) in enumerate(paths.items()):
         color = SEVERAL[index % len(SEVERAL)]
@@ -114,7 +118,7 @@ def draw_paths(costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, tit
         title=title or robot.name,
         status=None,
         lines=[" · ".join(f"{name} {path.length:.2f} m" for name, path in paths.items())],
-        legend=legend,
+        legend=[*legend, *zone_marks(costmap, zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
@@ -131,7 +135,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
     trajectory = episode.trajectory
     goals = np.array([goal[:2] for goal in episode.goals])
     seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-    zones = None if speed_mask is None else SpeedZones(speed_mask, robot.limits.linear_speed)
+    zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, np.concatenate(seen), zones=zones)
     for path in episode.paths:
         view.line(path.poses[:, :2], PLANNED, 11)

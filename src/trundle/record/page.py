@@ -15,6 +15,11 @@ _EDGE = 28
 _LEAST_WIDTH = 900
 _SMOOTH = 4
 _BAR = (180, 12)
+_LOWEST_SPEED = "driven at 0"
+_LEGEND_ROW = 26
+_BETWEEN_MARKS = 24
+_SIGN = {"line": 26, "square": 16}
+"""How wide what stands before an entry of the legend is [px]."""
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -58,7 +63,7 @@ def compose_page(
         title: First line.
         status: A word after the title, in its colour.
         lines: Smaller lines below the title.
-        legend: Entries below the picture.
+        legend: Entries below the picture, in as many rows as they need.
         pixels_per_metre: For the scale bar.
         top_speed: End of the colour bar [m/s]; none means no colour bar.
     """
@@ -66,7 +71,9 @@ def compose_page(
     small = font(17)
     wrapped = [part for line in lines for part in _wrap(plain(line), small, width - 2 * _EDGE)]
     head = _EDGE + 40 + 25 * len(wrapped) + 12
-    foot = 62
+    begin, end = _legend_room(width, pixels_per_metre, top_speed)
+    rows = _break_legend(legend, end - begin)
+    foot = 62 + _LEGEND_ROW * (len(rows) - 1)
     page = Image.new("RGB", (width, head + picture.height + foot), PAGE)
     draw = ImageDraw.Draw(page)
     _draw_title(draw, plain(title), status, width)
@@ -77,10 +84,12 @@ def compose_page(
         draw.rectangle((_EDGE, head, width - _EDGE - 1, head + picture.height - 1), fill=BESIDE)
     page.paste(picture, (left, head))
     draw.rectangle((_EDGE - 1, head - 1, width - _EDGE, head + picture.height), outline=HAIRLINE)
-    middle = head + picture.height + foot // 2
-    x = _draw_scale(draw, _EDGE, middle, pixels_per_metre)
-    right = _draw_speeds(draw, width - _EDGE, middle, top_speed) if top_speed is not None else width - _EDGE
-    _draw_legend(draw, x + 36, right - 24, middle, legend)
+    middle = head + picture.height + 31
+    _draw_scale(draw, _EDGE, middle, pixels_per_metre)
+    if top_speed is not None:
+        _draw_speeds(draw, width - _EDGE, middle, top_speed)
+    for index, row in enumerate(rows):
+        _draw_legend(draw, begin, middle + index * _LEGEND_ROW, row)
     return page
 
 
@@ -103,45 +112,75 @@ def _draw_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: i
     draw.bitmap((round(center[0] - side / 2), round(center[1] - side / 2)), mask.reduce(_SMOOTH), fill=color)
 
 
-def _draw_scale(draw: ImageDraw.ImageDraw, left: int, middle: int, pixels_per_metre: float) -> int:
-    """Draw a bar of a round length; return where it ends."""
+def _legend_room(width: int, pixels_per_metre: float, top_speed: float | None) -> tuple[float, float]:
+    """Where the legend begins and ends: beside the scale, and the colour bar where there is one."""
+    end = width - _EDGE if top_speed is None else _place_speeds(width - _EDGE, top_speed)[0]
+    return _EDGE + round(_scale_length(pixels_per_metre) * pixels_per_metre) + 36, end - 24
+
+
+def _scale_length(pixels_per_metre: float) -> float:
+    """Length of the scale bar [m], a round one."""
     lengths = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]
-    length = next((one for one in lengths if one * pixels_per_metre >= 70), lengths[-1])
+    return next((one for one in lengths if one * pixels_per_metre >= 70), lengths[-1])
+
+
+def _draw_scale(draw: ImageDraw.ImageDraw, left: int, middle: int, pixels_per_metre: float) -> None:
+    length = _scale_length(pixels_per_metre)
     end = left + round(length * pixels_per_metre)
     draw.line((left, middle + 8, end, middle + 8), fill=INK, width=3)
     for x in (left, end):
         draw.line((x, middle + 2, x, middle + 14), fill=INK, width=2)
     draw.text(((left + end) / 2, middle - 3), f"{length:g} m", font=font(15), fill=INK, anchor="mb")
-    return end
 
 
-def _draw_speeds(draw: ImageDraw.ImageDraw, right: int, middle: int, top: float) -> int:
-    """Draw the colour bar of speeds; return where it begins."""
-    small = font(15)
-    text = f"{top:g} m/s"
-    end = right - round(draw.textlength(text, font=small)) - 8
+def _place_speeds(right: int, top: float) -> tuple[int, int, int]:
+    """Where the words before the colour bar of speeds begin, and the bar itself begins and ends."""
+    length = _length(font(15))
+    end = right - round(length(_speed_text(top))) - 8
     begin = end - _BAR[0]
+    return begin - 8 - round(length(_LOWEST_SPEED)), begin, end
+
+
+def _draw_speeds(draw: ImageDraw.ImageDraw, right: int, middle: int, top: float) -> None:
+    small = font(15)
+    _, begin, end = _place_speeds(right, top)
     for x in range(_BAR[0]):
         color = speed_color(x / (_BAR[0] - 1))
         draw.line((begin + x, middle - _BAR[1] // 2, begin + x, middle + _BAR[1] // 2), fill=color)
-    draw.text((end + 8, middle), text, font=small, fill=INK, anchor="lm")
-    low = "driven at 0"
-    draw.text((begin - 8, middle), low, font=small, fill=INK, anchor="rm")
-    return begin - 8 - round(draw.textlength(low, font=small))
+    draw.text((end + 8, middle), _speed_text(top), font=small, fill=INK, anchor="lm")
+    draw.text((begin - 8, middle), _LOWEST_SPEED, font=small, fill=INK, anchor="rm")
 
 
-def _draw_legend(draw: ImageDraw.ImageDraw, x: float, right: float, middle: int, legend: Sequence[Mark]) -> None:
-    small = font(15)
+def _speed_text(top: float) -> str:
+    return f"{top:g} m/s"
+
+
+def _break_legend(legend: Sequence[Mark], room: float) -> list[list[Mark]]:
+    """Rows of the legend, at least one; each entry stands in one of them."""
+    rows: list[list[Mark]] = [[]]
+    x = 0.0
     for mark in legend:
-        wide = 26 if mark.shape == "line" else 16
-        if x + wide + 8 + draw.textlength(mark.text, font=small) > right:
-            break
+        if rows[-1] and x + _mark_length(mark) > room:
+            rows.append([])
+            x = 0.0
+        rows[-1].append(mark)
+        x += _mark_length(mark) + _BETWEEN_MARKS
+    return rows
+
+
+def _mark_length(mark: Mark) -> float:
+    return _SIGN[mark.shape] + 8 + _length(font(15))(mark.text)
+
+
+def _draw_legend(draw: ImageDraw.ImageDraw, x: float, middle: int, row: Sequence[Mark]) -> None:
+    for mark in row:
+        wide = _SIGN[mark.shape]
         if mark.shape == "line":
             draw.line((x, middle, x + wide, middle), fill=mark.color, width=6)
         else:
             draw.rectangle((x, middle - 8, x + wide, middle + 8), fill=mark.color)
-        draw.text((x + wide + 8, middle), mark.text, font=small, fill=INK, anchor="lm")
-        x += wide + 8 + draw.textlength(mark.text, font=small) + 24
+        draw.text((x + wide + 8, middle), mark.text, font=font(15), fill=INK, anchor="lm")
+        x += _mark_length(mark) + _BETWEEN_MARKS
 
 
 def draw_tag(

@@ -21,7 +21,7 @@ from trundle.mission import Episode, RunInfo
 from trundle.record.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
 from trundle.record.map_view import MapView
 from trundle.record.page import font
-from trundle.record.zones import SpeedZones
+from trundle.record.zones import speed_zones
 
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300
@@ -155,7 +155,7 @@ class DrawnFrames:
         self._robot = run.robot
         goals = np.array([goal[:2] for goal in episode.goals])
         seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
-        zones = None if run.speed_mask is None else SpeedZones(run.speed_mask, run.robot.limits.linear_speed)
+        zones = speed_zones(run.speed_mask, run.robot)
         view = MapView(run.costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=2 * DRAWN_SIDE, zones=zones)
         for path in episode.paths:
             view.line(path.poses[:, :2], PLANNED, 6)

@@ -10,6 +10,7 @@ from trundle.geometry import FloatArray
 from trundle.maps.masks import SpeedMask
 from trundle.record.colors import FREE, KEPT_OUT, SLOW, Rgb
 from trundle.record.page import Mark
+from trundle.robots import Robot
 
 _MOST_MARKS = 2
 
@@ -49,6 +50,11 @@ class SpeedZones:
         strength = float(self._strength_of(np.array(limit)))
         red, green, blue = (round(free + strength * (slow - free)) for free, slow in zip(FREE, SLOW, strict=True))
         return red, green, blue
+
+
+def speed_zones(mask: SpeedMask | None, robot: Robot) -> SpeedZones | None:
+    """The zones of a mask for a robot, or none without a mask."""
+    return None if mask is None else SpeedZones(mask, robot.limits.linear_speed)
 
 
 def zone_marks(costmap: Costmap, zones: SpeedZones | None) -> list[Mark]:
