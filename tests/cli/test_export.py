@@ -1,9 +1,12 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from support.command_line import Trundle
+from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
+from trundle.robots import Robot
 from trundle.worlds import World
 
 
@@ -61,6 +64,16 @@ def test_a_scenario_becomes_a_script_for_isaac_sim(trundle: Trundle, tmp_path: P
     assert done.code == 0, done.err
     assert {path.name for path in tmp_path.iterdir()} == {"trip.yaml", "trip.py", "trip_robot.usd"}
     compile((tmp_path / "trip.py").read_text(), "trip.py", "exec")
+
+
+def test_a_script_has_the_limits_of_the_scenarios_speed_mask(trundle: Trundle, tmp_path: Path) -> None:
+    mask = OccupancyGrid(np.full((80, 80), 30, dtype=np.int8), 1.0, Pose2D(-40.0, -40.0))
+    mask.save(tmp_path / "slow.yaml", mode="raw")
+    (tmp_path / "trip.yaml").write_text(SCENARIO + "speed_mask: slow.yaml\n")
+    done = trundle("export", "trip.yaml", "--to", "isaac-script", "--environment", "hospital")
+    assert done.code == 0, done.err
+    limit = 0.3 * Robot.load("jackal").limits.linear_speed
+    assert f", {limit:g})" in (tmp_path / "trip.py").read_text().partition("LIMITS = {")[2]
 
 
 def test_a_script_takes_the_world_that_is_a_usd_file_as_it_is(trundle: Trundle, tmp_path: Path) -> None:

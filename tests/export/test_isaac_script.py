@@ -2,6 +2,7 @@
 
 import ast
 import math
+import re
 import runpy
 import subprocess
 import sys
@@ -13,13 +14,14 @@ from support.fake_isaac.fixtures import assets, fake, make_fake
 from trundle.costmap import LETHAL
 from trundle.errors import InputError, UnknownNameError
 from trundle.export import Scene, export_scene
-from trundle.export.isaac_script import plan_stretches
+from trundle.export.isaac_script import plan_stretches, speed_zones
 from trundle.geometry import Pose2D, wrap_angle
-from trundle.maps import OccupancyGrid
+from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.mission import Scenario
 from trundle.navigation import Navigator
 from trundle.path import Path as Plan
 from trundle.robots import Robot
+from trundle.sim.isaac.simulator import TIMESTEP
 from trundle.worlds import World
 
 __all__ = ["assets", "fake", "make_fake"]
@@ -27,10 +29,10 @@ __all__ = ["assets", "fake", "make_fake"]
 START, AHEAD = (1.0, 0.0, 0.0), (2.5, 0.0)
 
 
-def plan(robot, world, start, *goals):
+def plan(robot, world, start, *goals, speed_mask=None):
     """A scene with its plans."""
     grid = OccupancyGrid.from_world(world, resolution=0.05, z_range=robot.z_range)
-    return plan_on(Navigator(grid, robot), world, Pose2D.of(start), goals)
+    return plan_on(Navigator(grid, robot, speed_mask=speed_mask), world, Pose2D.of(start), goals)
 
 
 def plan_on(navigator, world, start, goals):
@@ -39,7 +41,7 @@ def plan_on(navigator, world, start, goals):
         navigator.set_goal(goal)
         paths.append(navigator.plan(pose))
         pose = paths[-1].goal
-    return Scene("mission", world, navigator.robot, start, tuple(paths))
+    return Scene("mission", world, navigator.robot, start, tuple(paths), navigator.speed_mask)
 
 
 def run_script(path, fake, monkeypatch, *arguments):
@@ -77,6 +79,57 @@ def test_it_drives_in_an_environment_of_isaac_sim(fake, monkeypatch, tmp_path, a
     assert np.hypot(*(poses[:, :2] - (2.0, 1.5)).T).min() < 0.06
     assert math.dist(poses[-1][:2], (-2.5, 1.5)) < 0.06
     assert abs(poses[-1][2]) == pytest.approx(3.14, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("unit", "multiplier", "limits"),
+    [("percent", 1.0, (0.2, 0.4)), ("absolute", 0.01, (0.25, 0.5))],
+)
+def test_it_keeps_the_limits_of_a_speed_mask(unit, multiplier, limits, make_fake, monkeypatch, tmp_path, capsys):
+    fake = make_fake(6)
+    world = World.load(fake.assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd")
+    robot = Robot.load("nova_carter")
+    top = robot.limits.linear_speed
+    # Turned against the map, with cells of their own size; the slower part lies across a corner of the way.
+    grid = OccupancyGrid([[25, 50], [0, 50]], 1.3, Pose2D(-0.3, -2.6, 0.4))
+    mask = SpeedMask(grid, unit, multiplier=multiplier)
+    scene = plan(robot, world, (-2.5, -1.0, 0.0), (2.0, -1.0), (-2.0, 1.5), speed_mask=mask)
+    path = export_scene(scene, tmp_path / "drive.py", environment="warehouse")
+    check_style(path)
+    poses = run_script(path, fake, monkeypatch, "--headless")
+    assert "arrived at" in capsys.readouterr().out
+    assert math.dist(poses[-1][:2], (-2.0, 1.5)) < 0.06
+    speeds = np.hypot(*np.diff(poses[:, :2], axis=0).T) / TIMESTEP
+    allowed = mask.limit_at(poses[:-1, 0], poses[:-1, 1], top)
+    assert (speeds <= allowed + 1e-6).all()
+    for value in (25, 50):
+        limit = mask.limits(top)[value]
+        assert speeds[allowed == limit].max() > 0.95 * limit
+    assert speeds.max() > 0.95 * top
+
+
+def test_limits_are_those_beside_the_stretch_and_none_where_the_robot_is_slower_anyhow():
+    grid = OccupancyGrid([[0, 100, 0, 40]], 1.0, Pose2D(0.0, 0.05))
+    zones = list(speed_zones([(-0.5, 0.0), (4.5, 0.0)], SpeedMask(grid), 0.8))
+    (begin, end, limit) = zones[0]
+    assert len(zones) == 1
+    assert limit == pytest.approx(0.32)
+    assert 3.45 <= begin <= 3.5
+    assert 4.5 <= end <= 4.55
+    assert list(speed_zones([(-0.5, -0.06), (4.5, -0.06)], SpeedMask(grid), 0.8)) == []
+    assert len(list(speed_zones([(3.0, 2.0), (3.5, 1.12)], SpeedMask(grid), 0.8))) == 1
+
+
+def test_slow_zones_are_given_the_time_that_they_take(tmp_path):
+    texts = []
+    for mask in (None, SpeedMask(OccupancyGrid([[1]], 1.0, Pose2D(1.5, -0.5)))):
+        scene = plan(Robot.load("nova_carter"), World.generate("corridors"), START, AHEAD, speed_mask=mask)
+        path = export_scene(scene, tmp_path / "drive.py", environment="hospital")
+        texts.append(path.read_text(encoding="utf-8"))
+    assert "LIMITS = {}" in texts[0]
+    free, slow = (int(re.search(r"TIME_LIMIT = (\d+)", text)[1]) for text in texts)
+    # 1 m at a hundredth of the top speed.
+    assert slow - free > 3 * 100
 
 
 @pytest.mark.parametrize("generation", [5, 6])
@@ -146,7 +199,10 @@ def test_it_needs_nothing_but_isaac_sim_and_numpy(tmp_path):
 
 def test_it_is_clean_and_formatted(tmp_path):
     scene = plan(Robot.load("nova_carter"), World.generate("corridors"), START, AHEAD)
-    path = export_scene(scene, tmp_path / 'odd "name".py', environment="hospital")
+    check_style(export_scene(scene, tmp_path / 'odd "name".py', environment="hospital"))
+
+
+def check_style(path):
     ruff = [sys.executable, "-m", "ruff"]
     subprocess.run(
         [*ruff, "check", "-q", "--isolated", "--line-length=120", "--select=E,F,W,I,B,UP,N,C4,PIE,RET,SIM", path],
@@ -166,7 +222,9 @@ def test_the_stretches_of_a_plan_are_its_turns_and_what_lies_between():
 
 def test_a_path_is_written_as_the_list_that_it_is(tmp_path):
     poses = [(0, 0, 0), (1, 0, 0), (1, 0, 1.5708), (1, 2, 1.5708), (1, 2, 3.0)]
-    scene = Scene("s", World("w", ()), Robot.load("nova_carter"), Pose2D(0, 0), (Plan(np.array(poses, dtype=float)),))
+    plans = (Plan(np.array(poses, dtype=float)),)
+    mask = SpeedMask(OccupancyGrid([[50]], 0.5, Pose2D(0.75, 1.01)))
+    scene = Scene("s", World("w", ()), Robot.load("nova_carter"), Pose2D(0, 0), plans, mask)
     text = export_scene(scene, tmp_path / "s.py", environment="office").read_text(encoding="utf-8")
     assert (
         text[text.index("ROUTE = [") : text.index("# fmt: on")]
@@ -180,6 +238,12 @@ ROUTE = [
     ]),
     (1.4292, 3.0000, []),
 ]
+# Speed limits, by the number of the stretch: between two distances along it, no faster than this [m, m, m/s].
+LIMITS = {
+    1: [
+        (1.000, 1.525, 0.4),
+    ],
+}
 """
     )
 

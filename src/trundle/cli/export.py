@@ -219,4 +219,5 @@ def _make_scene(setting: Setting, form: str) -> tuple[Scene, dict[str, Any]]:
     if scenario.backend.name == "isaac":
         names = ("environment", "robot_usd")
         own |= {name: value for name, value in scenario.backend.options.items() if name in names}
-    return Scene(scenario.title, setting.world, setting.robot, setting.start, tuple(paths)), own
+    mask = setting.navigator.speed_mask
+    return Scene(scenario.title, setting.world, setting.robot, setting.start, tuple(paths), mask), own

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib import metadata, resources
 from pathlib import Path
 from string import Template
 from typing import TypeAlias
 
-from trundle.control.sections import cut_sections, path_vertices
+import numpy as np
+
+from trundle.control.sections import Section, cut_sections, path_vertices
 from trundle.errors import InputError
 from trundle.export.scene import Scene
 from trundle.export.usd import export_robot, export_world
 from trundle.files import write_text
+from trundle.maps.masks import SpeedMask
+from trundle.navigation.speed_limiter import BESIDE_M, fastest_s, limits_along
 from trundle.path import Path as Plan
 from trundle.sim.isaac.assets import ROBOTS, environment_path, robot_path
 from trundle.sim.isaac.simulator import GROUND_OFFSET, TIMESTEP
@@ -22,19 +26,24 @@ from trundle.sim.isaac.simulator import GROUND_OFFSET, TIMESTEP
 Stretch: TypeAlias = tuple[float, float, list[tuple[float, float]]]
 """Turn in place by [rad], to a heading [rad], then drive along corners [m]; perhaps none."""
 
+Zone: TypeAlias = tuple[float, float, float]
+"""From a distance along a stretch to another [m, m], no faster than this [m/s]."""
+
 _STOP_TO_TURN = 0.35
 """At bends sharper than this [rad] the follower stops and turns: it has no footprint to see whether a curve is free."""
 
 _LOOKAHEAD = 0.4
 _STEPS = 4
 _POINTS_A_LINE = 6
+_ZONES_A_LINE = 4
+_ZONE_STEP_M = 0.025
 
 
 def export_scene(scene: Scene, path: Path, *, environment: str | None = None, robot_usd: str | None = None) -> None:
     """Write a script that loads the environment and the robot, follows the plan and stops at the goal.
 
-    It runs in Isaac Sim 5.1 and 6.x. A world that is no USD file is written beside it, `<stem>_world.usd`, and so is a
-    robot that Isaac Sim has not, `<stem>_robot.usd`.
+    It runs in Isaac Sim 5.1 and 6.x, and keeps the speed limits of the scene's mask. A world that is no USD file is
+    written beside it, `<stem>_world.usd`, and so is a robot that Isaac Sim has not, `<stem>_robot.usd`.
 
     Args:
         scene: What is written; it needs a path.
@@ -85,7 +94,7 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
     length = sum(plan.length for plan in scene.paths)
     route = [stretch for plan in scene.paths for stretch in plan_stretches(plan)]
     turned = sum(abs(turn) for turn, _, _ in route)
-    needed = length / limits.linear_speed + turned / limits.angular_speed
+    needed = sum(fastest_s(plan, robot, scene.speed_mask) for plan in scene.paths) + turned / limits.angular_speed
     template = resources.files("trundle.export") / "isaac_script.template"
     return Template(template.read_text(encoding="utf-8")).substitute(
         title=_plain(
@@ -111,6 +120,7 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
         steps=_STEPS,
         time_limit=math.ceil(3.0 * needed + 30.0),
         route="\n".join(_route_lines(route)),
+        limits=_limits_text(route, scene.speed_mask, limits.linear_speed),
     )
 
 
@@ -142,6 +152,35 @@ def _route_lines(route: list[Stretch]) -> Iterator[str]:
             yield f"        {', '.join(numbers[index : index + _POINTS_A_LINE])},"
         if numbers:
             yield "    ]),"
+
+
+def speed_zones(points: Sequence[tuple[float, float]], mask: SpeedMask, top_speed: float) -> Iterator[Zone]:
+    """Where a mask limits the speed along a stretch, or 0.1 m beside it, before it and beyond it."""
+    section = Section(points, 0.0)
+    count = math.ceil((section.length + 2.0 * BESIDE_M) / _ZONE_STEP_M)
+    along = np.linspace(-BESIDE_M, section.length + BESIDE_M, count + 1)
+    poses = np.array([(*section.point_at(s), section.heading_at(s)) for s in along.tolist()])
+    limits = np.minimum(limits_along(poses, mask, top_speed), top_speed)
+    first = 0
+    for end in [*(np.flatnonzero(np.diff(limits)) + 1).tolist(), len(limits)]:
+        if limits[first] < top_speed:
+            yield float(along[max(first - 1, 0)]), float(along[min(end, count)]), float(limits[first])
+        first = end
+
+
+def _limits_text(route: list[Stretch], mask: SpeedMask | None, top_speed: float) -> str:
+    """A Python dictionary of the zones of each stretch that has some, by its number."""
+    lines: list[str] = []
+    for number, (_, _, points) in enumerate(route):
+        zones = [] if mask is None or not points else list(speed_zones(points, mask, top_speed))
+        words = [f"({begin:.3f}, {end:.3f}, {limit:g})" for begin, end, limit in zones]
+        if words:
+            lines.append(f"    {number}: [")
+            lines += [
+                f"        {', '.join(words[i : i + _ZONES_A_LINE])}," for i in range(0, len(words), _ZONES_A_LINE)
+            ]
+            lines.append("    ],")
+    return "\n".join(["{", *lines, "}"]) if lines else "{}"
 
 
 def _text(value: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from trundle.geometry import Pose2D
+from trundle.maps.masks import SpeedMask
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.worlds import World
@@ -20,6 +21,7 @@ class Scene:
         robot: What drives.
         start: Where its base_link stands, map frame.
         paths: The plans to its goals, in order; none where nothing was planned.
+        speed_mask: What limits its speed on the way, or None.
     """
 
     name: str
@@ -27,3 +29,4 @@ class Scene:
     robot: Robot
     start: Pose2D
     paths: tuple[Path, ...] = ()
+    speed_mask: SpeedMask | None = None

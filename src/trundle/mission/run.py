@@ -18,6 +18,7 @@ from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
 from trundle.mission.metrics import compute_metrics
 from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator
@@ -141,7 +142,7 @@ def run(
     plans, unreachable = _plan_legs(navigator, begin, goals)
     planned_m = sum(path.length for path in plans)
     if time_limit_s is None:
-        slow = SLOWNESS * sum(_fastest_s(navigator, path) for path in plans)
+        slow = SLOWNESS * sum(fastest_s(path, navigator.robot, navigator.speed_mask) for path in plans)
         time_limit_s = TIME_PER_GOAL_S * len(goals) + slow
     info = RunInfo(
         name=name,
@@ -371,17 +372,6 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
         if unreachable is None:
             navigator.plan(start)
     return plans, unreachable
-
-
-def _fastest_s(navigator: Navigator, path: Path) -> float:
-    """What a path takes [s] at the robot's top speed, or at what the speed mask allows."""
-    top = navigator.robot.limits.linear_speed
-    if navigator.speed_mask is None:
-        return path.length / top
-    points = path.poses[:, :2]
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    speeds = np.minimum(navigator.speed_mask.limit_at(points[:, 0], points[:, 1], top), top)
-    return float((steps / np.minimum(speeds[1:], speeds[:-1])).sum())
 
 
 def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:

@@ -1,4 +1,7 @@
-"""`SpeedLimiter`: how fast the robot may drive now, so that it keeps the limits of a speed mask here and ahead."""
+"""`SpeedLimiter`: how fast the robot may drive now, so that it keeps the limits of a speed mask here and ahead.
+
+`limits_along` and `fastest_s` say the same of a whole path before anything moves.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,15 @@ import numpy as np
 
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
+from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.robots import Robot
 
 BRAKING_SHARE = 0.5
 """Of the robot's deceleration, what is used to come down to a limit ahead."""
 
-_BESIDE_M = 0.1
-"""A limit so far beside the path holds as well: controllers cut corners."""
+BESIDE_M = 0.1
+"""A limit so far beside the path [m] holds as well: controllers cut corners."""
 
 _STEP_M = 0.025
 _DRIVING_MPS = 0.05
@@ -40,10 +44,7 @@ class SpeedLimiter:
 
     def set_path(self, check: PathCheck) -> None:
         """Look ahead along this path from now on."""
-        x, y, yaw = check.poses[:, 0], check.poses[:, 1], check.poses[:, 2]
-        beside = np.array([[-_BESIDE_M], [0.0], [_BESIDE_M]])
-        limits = self._mask.limit_at(x - beside * np.sin(yaw), y + beside * np.cos(yaw), self._top_speed)
-        self._check, self._limits = check, limits.min(axis=0)
+        self._check, self._limits = check, limits_along(check.poses, self._mask, self._top_speed)
 
     def limit(self, pose: Pose2D, twist: Twist2D, index: int, dt: float, *, backwards: bool = False) -> float:
         """Speed [m/s] that may be driven for `dt` [s]; infinite where nothing limits it.
@@ -55,7 +56,7 @@ class SpeedLimiter:
             dt: Control period [s].
             backwards: Whether it is about to drive backwards.
         """
-        reach = self._top_speed * (dt + self._top_speed / (2.0 * self._braking)) + _BESIDE_M + _STEP_M
+        reach = self._top_speed * (dt + self._top_speed / (2.0 * self._braking)) + BESIDE_M + _STEP_M
         s = np.arange(0.0, reach + _STEP_M, _STEP_M)
         x, y = _arc(pose, twist, -s if backwards or twist.v < -_DRIVING_MPS else s)
         limits, distances = self._mask.limit_at(x, y, self._top_speed), s - _STEP_M
@@ -66,7 +67,7 @@ class SpeedLimiter:
             # No way to a place is shorter than the straight line.
             straight = np.hypot(places[:, 0] - pose.x, places[:, 1] - pose.y)
             limits = np.concatenate([limits, self._limits[ahead]])
-            distances = np.concatenate([distances, straight - _BESIDE_M - _STEP_M])
+            distances = np.concatenate([distances, straight - BESIDE_M - _STEP_M])
         some = np.isfinite(limits)
         return float(self._allow(limits[some], distances[some], dt).min()) if some.any() else math.inf
 
@@ -75,6 +76,33 @@ class SpeedLimiter:
         step = self._braking * dt
         room = np.maximum(distances - limits * dt, 0.0)
         return np.sqrt((limits + step) ** 2 + 2.0 * self._braking * room) - step
+
+
+def limits_along(poses: FloatArray, mask: SpeedMask, top_speed: float) -> FloatArray:
+    """Limits [m/s] at poses (x, y, yaw) [m, m, rad], and 0.1 m to both sides of each: the least of the three.
+
+    Args:
+        poses: Map frame, shape (N, 3).
+        mask: The limits.
+        top_speed: The robot's [m/s].
+
+    Returns:
+        Shape (N,); infinite where nothing limits the speed.
+    """
+    x, y, yaw = poses[:, 0], poses[:, 1], poses[:, 2]
+    beside = np.array([[-BESIDE_M], [0.0], [BESIDE_M]])
+    limits: FloatArray = mask.limit_at(x - beside * np.sin(yaw), y + beside * np.cos(yaw), top_speed).min(axis=0)
+    return limits
+
+
+def fastest_s(path: Path, robot: Robot, mask: SpeedMask | None) -> float:
+    """What a path takes [s] at the robot's top speed, or at what the mask allows; turns in place not counted."""
+    top = robot.limits.linear_speed
+    if mask is None:
+        return path.length / top
+    check = PathCheck(path)
+    speeds = np.minimum(limits_along(check.poses, mask, top), top)
+    return float((np.diff(check.along) / np.minimum(speeds[1:], speeds[:-1])).sum())
 
 
 def _arc(pose: Pose2D, twist: Twist2D, s: FloatArray) -> tuple[FloatArray, FloatArray]:
