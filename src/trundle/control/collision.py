@@ -18,7 +18,7 @@ def stopping_poses(
 ) -> list[tuple[float, float, float]]:
     """Poses (x, y, yaw) on the way of driving `command` for `dt` [s] from `twist`, then braking to a stand.
 
-    Speeds change as fast as the limits allow, in steps of 0.05 s, each step along its exact arc.
+    Speeds change evenly, as fast as the limits allow, in steps of 0.05 s; each step is an arc at their mean.
     """
     x, y, yaw = pose.x, pose.y, pose.yaw
     linear, angular = limits.linear_acceleration, limits.angular_acceleration
@@ -28,9 +28,10 @@ def stopping_poses(
     driven = 0.0
     while True:
         step = _SUBSTEP_S if driven >= dt else min(_SUBSTEP_S, dt - driven)
-        v += min(linear * step, max(-linear * step, goal_v - v))
-        w += min(angular * step, max(-angular * step, goal_w - w))
-        x, y, yaw = integrate_twist(x, y, yaw, v, w, step)
+        change_v = min(linear * step, max(-linear * step, goal_v - v))
+        change_w = min(angular * step, max(-angular * step, goal_w - w))
+        x, y, yaw = integrate_twist(x, y, yaw, v + 0.5 * change_v, w + 0.5 * change_w, step)
+        v, w = v + change_v, w + change_w
         poses.append((x, y, yaw))
         driven += step
         if driven >= dt - 1e-12:

@@ -263,7 +263,9 @@ class RegulatedPurePursuit:
         tight = self._curvature(section, pose.x, pose.y, yaw, self._s, settings.min_lookahead_dist)[0]
         slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
         way = -1.0 if section.backward else 1.0
-        return [Twist2D(way * speed, speed * curvature), Twist2D(way * slow, slow * tight), back_to_path]
+        arcs = [Twist2D(way * speed, speed * curvature), Twist2D(way * slow, slow * tight)]
+        # A robot that looks along its path is not let through by turning: it would only sway before what blocks it.
+        return [*arcs, back_to_path] if abs(bearing) > _TURN_DONE_RAD else arcs
 
     @staticmethod
     def _curvature(section: Section, x: float, y: float, yaw: float, s: float, lookahead: float) -> tuple[float, float]:

@@ -19,14 +19,13 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
+from trundle.navigation.block_watch import BlockWatch
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
 from trundle.planning import PathCheck, Planner, create_planner
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
-_STANDING_MPS = 0.01
-_BLOCKED_AFTER_S = 0.5
 _BACK_UP_M = 0.3
 _BACK_UP_MPS = 0.15
 _MAX_RECOVERIES = 6
@@ -45,9 +44,9 @@ class NavigationStatus(StrEnum):
     ARRIVED = "arrived"
     """The robot stands at the goal."""
     STUCK = "stuck"
-    """The robot has not got on for too long; it has given up this goal."""
+    """The robot has not got on for too long, though there is a way; it has given up this goal."""
     NO_PATH = "no_path"
-    """There is no way to the goal; `Navigator.error` says why."""
+    """There is no way to the goal, from the start or from where the robot was blocked; `Navigator.error` says why."""
 
 
 class Navigator:
@@ -85,7 +84,7 @@ class Navigator:
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         path: The path that it follows, or None.
         status: How it stands.
-        error: Why there is no path, where there is none.
+        error: Why there is no path, where there is none, or none was found when it planned again last.
         planning_time_s: Time spent on planning since the goal was set [s].
         replans: How often it planned again since the goal was set, beyond the first plan.
 
@@ -145,6 +144,7 @@ class Navigator:
         self.goal_checker = goal_checker or GoalChecker()
         self.progress_checker = progress_checker or ProgressChecker()
         self.dt = 1.0 / control_frequency
+        self._block_watch = BlockWatch(self.dt)
         self.replan_interval_s = replan_interval_s
         self.replan_margin = replan_margin
         self.reset()
@@ -198,7 +198,7 @@ class Navigator:
         self.progress_checker.reset()
         self._time = 0.0
         self._command = _STAND
-        self._blocked_s = 0.0
+        self._block_watch.reset()
         self._back_up_left = 0.0
         self._recoveries = 0
 
@@ -315,6 +315,8 @@ class Navigator:
             return
         self._checked = self.costmap
         blocked = self._check.first_hit(self.costmap, self._index) is not None
+        if not blocked:
+            self.error = None
         if blocked or due:
             self._replan(pose, only_if_cheaper=not blocked)
 
@@ -329,21 +331,17 @@ class Navigator:
     # Recovering -----------------------------------------------------------------------------------------------------
 
     def _watch_for_block(self, command: Twist2D, pose: Pose2D, twist: Twist2D) -> Twist2D:
-        """Pass the controller's command on; where it keeps standing short of the goal, plan anew, then back up."""
-        standing = abs(twist.v) < _STANDING_MPS and abs(twist.w) < _STANDING_MPS
-        if command != _STAND or not standing:
-            self._blocked_s = 0.0
-            self.status = NavigationStatus.DRIVING
+        """Pass the controller's command on; where that leads nowhere short of the goal, plan anew, then back up."""
+        if not self._block_watch.is_blocked(command, twist):
+            if command != _STAND:
+                self.status = NavigationStatus.DRIVING
             return command
-        self._blocked_s += self.dt
-        if self._blocked_s < _BLOCKED_AFTER_S:
-            return command
-        self.status = NavigationStatus.BLOCKED
-        self._blocked_s = 0.0
-        self._recoveries += 1
-        if self._recoveries > _MAX_RECOVERIES:
-            self.status = NavigationStatus.STUCK
+        if self._recoveries == _MAX_RECOVERIES:
+            self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
+        self.status = NavigationStatus.BLOCKED
+        self._recoveries += 1
+        self.progress_checker.reset()
         if self._recoveries % 2 == 0 or not self._replan(pose):
             self._back_up_left = _BACK_UP_M
         return _STAND
@@ -352,8 +350,10 @@ class Navigator:
         self.replans += 1
         try:
             path = self._call_planner(pose)
-        except PlanningError:
+        except PlanningError as error:
+            self.error = error
             return False
+        self.error = None
         check = PathCheck(path)
         if not only_if_cheaper or self._is_cheaper(check, pose):
             self._take(path, check)
