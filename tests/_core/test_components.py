@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from support.cell_oracles import gaps_by_hand
 from trundle._core import label_components, mark_gaps
 
 
@@ -40,24 +41,6 @@ def test_a_spiral_is_one_area():
     labels, table = label_components(free.view(np.uint8), False)
     assert len(table) == count
     assert np.array_equal(labels, expected)
-
-
-def gaps_by_hand(blocked, limit):
-    rows, cols = blocked.shape
-    padded = np.pad(blocked, 1, constant_values=1)
-    marks = np.zeros_like(padded)
-    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        for row in range(1, rows + 1):
-            for col in range(1, cols + 1):
-                if padded[row, col] or not padded[row - down, col - right]:
-                    continue
-                cells = []
-                while not padded[row + down * len(cells), col + right * len(cells)]:
-                    cells.append((row + down * len(cells), col + right * len(cells)))
-                if len(cells) * np.hypot(down, right) < limit:
-                    for cell in cells:
-                        marks[cell] = 1
-    return marks[1:-1, 1:-1]
 
 
 @settings(max_examples=30, deadline=None)

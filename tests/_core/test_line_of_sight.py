@@ -147,6 +147,14 @@ def test_a_way_there_and_back_keeps_its_turning_point():
     assert cost == pytest.approx(50 * 18)
 
 
+def test_a_way_there_and_back_to_the_same_point_on_the_maps_edge_keeps_its_turning_point():
+    # A line of no length along the edge is blocked, as one of any length is.
+    points = np.array([(0.5, 0.0), (0.5, 0.5), (0.5, 0.0)])
+    chosen, cost = _core.shortcut(np.zeros((1, 1), np.uint8), make_weights(), points)
+    assert chosen.tolist() == [0, 1, 2]
+    assert cost == pytest.approx(50.0)
+
+
 def test_a_single_point_is_a_chain():
     chosen, cost = _core.shortcut(np.zeros((2, 2), np.uint8), make_weights(), np.array([[0.5, 0.5]]))
     assert chosen.tolist() == [0]

@@ -6,26 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.driving import drive, off_by
 from trundle import _core
 
 POSES = st.tuples(
     st.floats(-6.0, 6.0, allow_subnormal=False), st.floats(-6.0, 6.0, allow_subnormal=False), st.floats(-3.1, 3.1)
 )
 STEERS = (-1.0, 0.0, 1.0)
-
-
-def drive(pose, pieces):
-    """Where (length, curvature) pieces lead, each along its exact arc; the columns of `pieces` may be arrays."""
-    x, y, yaw = pose
-    for length, curvature in pieces:
-        turn = length * curvature
-        # A straight line is the limit of an arc; sinc and its like keep it exact.
-        along = length * np.sinc(turn / np.pi)
-        across = length * np.sin(turn / 2) * np.sinc(turn / 2 / np.pi)
-        x = x + np.cos(yaw) * along - np.sin(yaw) * across
-        y = y + np.sin(yaw) * along + np.cos(yaw) * across
-        yaw = yaw + turn
-    return x, y, yaw
 
 
 def curves(starts, goals, radius=1.0, *, reverse):
@@ -36,12 +23,6 @@ def curves(starts, goals, radius=1.0, *, reverse):
 
 def length(start, goal, radius=1.0, *, reverse):
     return float(np.abs(curves(start, goal, radius, reverse=reverse)[0, :, 0]).sum())
-
-
-def off_by(reached, wanted):
-    x, y, yaw = reached
-    turn = np.remainder(yaw - wanted[2] + np.pi, 2 * np.pi) - np.pi
-    return np.maximum(np.maximum(np.abs(x - wanted[0]), np.abs(y - wanted[1])), np.abs(turn))
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from trundle._core import footprint_clearance, footprint_collides
 from trundle.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import InputError, MapError
 from trundle.geometry import Pose2D
@@ -264,6 +265,38 @@ def test_one_pose_and_no_pose_are_batches_too():
     assert costmap.footprint_collides(np.empty((0, 3))).shape == (0,)
     with pytest.raises(InputError, match="shape"):
         costmap.footprint_collides([(1.0, 1.0)])
+
+
+@pytest.mark.parametrize("corners", [np.zeros((3, 3)), SQUARE[:2], [(1, 1), (math.nan, 1), (0, -1)], "corners", None])
+def test_an_outline_that_is_none_is_refused(corners):
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), SQUARE)
+    with pytest.raises(InputError, match="outline"):
+        costmap.footprint_collides([(1.0, 1.0, 0.0)], outline="" if corners is None else corners)
+    with pytest.raises(InputError, match="footprint"):
+        Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), "carter" if corners is None else corners)
+
+
+def test_poses_that_are_no_numbers_are_refused():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((20, 20), np.int8), 0.1), SQUARE)
+    with pytest.raises(InputError, match="numbers"):
+        costmap.footprint_collides([("a", 1.0, 0.0)])
+
+
+@pytest.mark.parametrize("resolution", [0.0, -0.1, math.nan, math.inf])
+def test_the_kernel_takes_no_resolution_that_is_no_size(resolution):
+    arguments = (np.zeros((4, 4), np.uint8), resolution, 0.0, 0.0, 0.0, np.array(SQUARE), np.zeros((1, 3)))
+    with pytest.raises(ValueError, match="resolution"):
+        footprint_collides(*arguments)
+    with pytest.raises(ValueError, match="resolution"):
+        footprint_clearance(*arguments, 1.0)
+
+
+def test_a_frame_that_is_no_number_makes_every_pose_collide():
+    costs, pose = np.zeros((40, 40), np.uint8), np.array([[1.0, 1.0, 0.0]])
+    for frame in ((math.nan, 0.0, 0.0), (0.0, math.inf, 0.0), (0.0, 0.0, math.nan), (1e308, -1e308, 0.3)):
+        assert footprint_collides(costs, 0.1, *frame, np.array(SQUARE), pose)[0]
+    with pytest.raises(ValueError, match="finite"):
+        footprint_collides(costs, 0.1, 0.0, 0.0, 0.0, np.full((4, 2), math.nan), pose)
 
 
 @settings(max_examples=40, deadline=None)

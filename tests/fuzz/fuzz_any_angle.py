@@ -1,16 +1,10 @@
-"""Fuzz the ways in any direction: whatever is asked, a way that an oracle agrees with or a typed error.
-
-PYTHONPATH=tests python -m fuzz.fuzz_any_angle --seconds 60     under scripts/sanitize.sh's environment for the kernels
-"""
+"""Fuzz the ways in any direction: whatever is asked, a way that an oracle agrees with or a typed error."""
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import random
-import sys
-import time
 from typing import Any
 
 import numpy as np
@@ -74,28 +68,3 @@ def one_round(generator: random.Random) -> None:
     if free:
         start, goal = generator.choice(free), generator.choice(free)
         assert any_angle_path(current, start, goal) == search.any_angle_path(start, goal)
-
-
-def run(*, seed: int, count: int | None = None, seconds: float | None = None) -> int:
-    """Play rounds until the count or the time is reached; return how many there were."""
-    started, done = time.monotonic(), 0
-    while (count is None or done < count) and (seconds is None or time.monotonic() - started < seconds):
-        try:
-            one_round(random.Random(seed * 1_000_003 + done))
-        except BaseException:
-            print(f"seed {seed}, round {done}", file=sys.stderr)
-            raise
-        done += 1
-    return done
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    print(f"{run(seed=options.seed, seconds=options.seconds)} rounds, all ways of one mind")
-
-
-if __name__ == "__main__":
-    main()

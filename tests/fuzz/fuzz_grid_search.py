@@ -1,14 +1,8 @@
-"""Fuzz the searches over binary grids: whatever is asked, an answer that all methods agree on or a typed error.
-
-python tests/fuzz/fuzz_grid_search.py --seconds 60     under scripts/sanitize.sh's environment to see memory misused
-"""
+"""Fuzz the searches over binary grids: whatever is asked, an answer that all methods agree on or a typed error."""
 
 from __future__ import annotations
 
-import argparse
 import random
-import sys
-import time
 from typing import Any
 
 import numpy as np
@@ -127,28 +121,3 @@ def update(generator: random.Random, searches: list[GridSearch], current: np.nda
     assert refused == (len(searches) if spoiled else 0)
     if not spoiled:
         place[:] = values
-
-
-def run(*, seed: int, count: int | None = None, seconds: float | None = None) -> int:
-    """Play rounds until the count or the time is reached; return how many there were."""
-    started, done = time.monotonic(), 0
-    while (count is None or done < count) and (seconds is None or time.monotonic() - started < seconds):
-        try:
-            one_round(random.Random(seed * 1_000_003 + done))
-        except BaseException:
-            print(f"seed {seed}, round {done}", file=sys.stderr)
-            raise
-        done += 1
-    return done
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    print(f"{run(seed=options.seed, seconds=options.seconds)} rounds, all methods of one mind")
-
-
-if __name__ == "__main__":
-    main()

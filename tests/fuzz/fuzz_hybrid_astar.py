@@ -1,15 +1,9 @@
-"""Fuzz hybrid A*: whatever is asked, a path whose footprint is free from the start to the goal, or a typed error.
-
-python tests/fuzz/fuzz_hybrid_astar.py --seconds 60     under scripts/sanitize.sh's environment to see memory misused
-"""
+"""Fuzz hybrid A*: whatever is asked, a path whose footprint is free from the start to the goal, or a typed error."""
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
-import sys
-import time
 from typing import Any
 
 import numpy as np
@@ -123,28 +117,3 @@ def check(costmap: Costmap, planner: HybridAStarPlanner, path: Path) -> None:
     if not planner.settings.in_place:
         lengths = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
         assert (turns <= 1.01 * lengths * np.pi / 2 / planner.settings.minimum_turning_radius + 1e-4).all()
-
-
-def run(*, seed: int, count: int | None = None, seconds: float | None = None) -> tuple[int, int]:
-    """Play rounds until the count or the time is reached; return how many there were, and how many paths."""
-    started, done, found = time.monotonic(), 0, 0
-    while (count is None or done < count) and (seconds is None or time.monotonic() - started < seconds):
-        try:
-            found += one_round(random.Random(seed * 1_000_003 + done))
-        except BaseException:
-            print(f"seed {seed}, round {done}", file=sys.stderr)
-            raise
-        done += 1
-    return done, found
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    print("{} rounds, {} paths, all free".format(*run(seed=options.seed, seconds=options.seconds)))
-
-
-if __name__ == "__main__":
-    main()

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from support.mesh_oracle import mesh_of, random_body
+from trundle._core import floor_planes
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import Pose3D
 from trundle.maps import HeightField, OccupancyGrid
@@ -270,3 +271,9 @@ def test_samples_that_are_far_apart_or_far_away_are_no_trouble():
     assert (build(box, floor=huge).data == 100).sum() == 20 * 20
     fine = HeightField(np.zeros((2001, 2001)), 0.003, (-3.0, -3.0))
     assert (build(box, floor=fine, resolution=0.5).data == 100).sum() == 4
+
+
+def test_a_floor_of_more_cells_than_can_be_is_refused():
+    for rows, cols in ((2**62, 7), (2**32, 2**32), (0, 4)):
+        with pytest.raises(ValueError, match="cells"):
+            floor_planes(np.zeros((2, 2)), 1.0, 0.0, 0.0, 0.05, rows, cols)

@@ -7,40 +7,16 @@ import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
+from support.grid_graph import cheapest_ways
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
 from trundle.planning import Cancellation, cost_field
-
-
-def graph(costs: npt.NDArray[np.float64], wall: npt.NDArray[np.bool_], connectivity: int) -> csr_matrix:
-    rows, cols = costs.shape
-    index = np.arange(rows * cols).reshape(rows, cols)
-    starts, ends, weights = [], [], []
-    steps = [(0, 1), (1, 0)] + ([(1, 1), (1, -1)] if connectivity == 8 else [])
-    for dr, dc in steps:
-        for row in range(rows - dr):
-            for col in range(max(0, -dc), cols - max(0, dc)):
-                a, b = (row, col), (row + dr, col + dc)
-                corners = [(row + dr, col), (row, col + dc)] if dr and dc else []
-                if wall[a] or wall[b] or any(wall[corner] for corner in corners):
-                    continue
-                starts.append(index[a])
-                ends.append(index[b])
-                # SciPy takes 0 as no edge.
-                weights.append(max(np.hypot(dr, dc) * (costs[a] + costs[b]) / 2.0, 1e-12))
-    size = rows * cols
-    return csr_matrix((weights, (starts, ends)), shape=(size, size))
 
 
 def by_dijkstra(costs: npt.NDArray[np.generic], goals: list[tuple[int, int]], connectivity: int = 8):
     walls = {"uint8": 255, "uint16": 65535, "float32": np.inf}
     wall = costs == walls[costs.dtype.name]
-    plain = np.where(wall, 0.0, costs.astype(np.float64))
-    sources = [row * costs.shape[1] + col for row, col in goals]
-    found = dijkstra(graph(plain, wall, connectivity), directed=False, indices=sources, min_only=True)
-    return found.reshape(costs.shape)
+    return cheapest_ways(costs.astype(np.float64), wall, goals, connectivity)
 
 
 def assert_same(field: npt.NDArray[np.float32], expected: npt.NDArray[np.float64]) -> None:

@@ -121,6 +121,7 @@ static nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double
   if (heights.shape(0) < 2 || heights.shape(1) < 2) throw std::invalid_argument("heights need at least 2 x 2 samples");
   if (!(spacing > 0.0 && std::isfinite(x) && std::isfinite(y) && rows > 0 && cols > 0))
     throw std::invalid_argument("a floor needs a spacing above 0, a finite place and some cells");
+  if (rows > (std::int64_t{1} << 40) / cols) throw std::invalid_argument("a floor has at most 2^40 cells");
   std::vector<double> planes(static_cast<std::size_t>(rows * cols) * kPlane);
   {
     nb::gil_scoped_release released;

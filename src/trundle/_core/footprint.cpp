@@ -75,9 +75,13 @@ Frame make_frame(double resolution, double x, double y, double yaw) {
   return {x, y, yaw, std::cos(yaw), std::sin(yaw), resolution};
 }
 
-void check_shapes(const In<double, 2> &outline, const In<double, 2> &poses) {
+void check_arguments(const In<double, 2> &outline, const In<double, 2> &poses, double resolution) {
+  if (!(resolution > 0.0 && std::isfinite(resolution))) throw nb::value_error("the resolution must be a positive number");
   if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2) with N >= 3");
   if (poses.shape(1) != 3) throw nb::value_error("the poses need shape (N, 3)");
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    if (!(std::abs(outline.data()[i]) < 1e100)) throw nb::value_error("the outline must be finite");
+  }
 }
 
 }  // namespace
@@ -85,7 +89,7 @@ void check_shapes(const In<double, 2> &outline, const In<double, 2> &poses) {
 static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells, double resolution, double origin_x,
                                                        double origin_y, double origin_yaw, In<double, 2> outline,
                                                        In<double, 2> poses) {
-  check_shapes(outline, poses);
+  check_arguments(outline, poses, resolution);
   const std::size_t count = poses.shape(0);
   auto hits = std::make_unique<bool[]>(count);
   {
@@ -109,7 +113,7 @@ static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells
 static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> cells, double resolution,
                                                           double origin_x, double origin_y, double origin_yaw,
                                                           In<double, 2> outline, In<double, 2> poses, double cap) {
-  check_shapes(outline, poses);
+  check_arguments(outline, poses, resolution);
   const std::size_t count = poses.shape(0);
   std::vector<double> distances(count);
   {

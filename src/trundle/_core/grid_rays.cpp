@@ -35,10 +35,9 @@ double cast_ray(const Grid &grid, double x, double y, double dx, double dy, doub
   }
   if (enter > leave) return kInfinity;
 
-  std::ptrdiff_t col = static_cast<std::ptrdiff_t>(std::floor(x + enter * dx));
-  std::ptrdiff_t row = static_cast<std::ptrdiff_t>(std::floor(y + enter * dy));
-  col = std::min(std::max<std::ptrdiff_t>(col, 0), grid.cols - 1);
-  row = std::min(std::max<std::ptrdiff_t>(row, 0), grid.rows - 1);
+  // From far away the place is rounded, by more than a whole number holds in the end.
+  std::ptrdiff_t col = static_cast<std::ptrdiff_t>(std::clamp(std::floor(x + enter * dx), 0.0, grid.cols - 1.0));
+  std::ptrdiff_t row = static_cast<std::ptrdiff_t>(std::clamp(std::floor(y + enter * dy), 0.0, grid.rows - 1.0));
   const std::ptrdiff_t col_step = dx > 0.0 ? 1 : -1, row_step = dy > 0.0 ? 1 : -1;
   const double col_delta = dx != 0.0 ? 1.0 / std::abs(dx) : kInfinity;
   const double row_delta = dy != 0.0 ? 1.0 / std::abs(dy) : kInfinity;

@@ -14,7 +14,7 @@ bool is_between(const Point &a, const Point &b, const Point &c) {
   const double length = distance(a, c);
   const double off = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
   const double along = (b.x - a.x) * (c.x - a.x) + (b.y - a.y) * (c.y - a.y);
-  return off <= kOnBorder * length && along >= 0.0 && along <= length * length;
+  return off <= kOnBorder * length && along >= 0.0 && along <= length * length && distance(a, b) <= length;
 }
 
 // The cheapest chain of straight lines from the first to the last of the points, through some of those between. From

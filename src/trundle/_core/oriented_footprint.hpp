@@ -61,8 +61,10 @@ inline Box bounds(const std::vector<Point> &polygon) {
   return box;
 }
 
+// Corners that are not numbers make an empty box, which is not inside.
 inline bool is_inside(const Costs &costs, const Box &box, double touch) {
-  return box.min_x >= -touch && box.min_y >= -touch && box.max_x <= static_cast<double>(costs.cols) + touch &&
+  return box.min_x <= box.max_x && box.min_y <= box.max_y && box.min_x >= -touch &&
+         box.min_y >= -touch && box.max_x <= static_cast<double>(costs.cols) + touch &&
          box.max_y <= static_cast<double>(costs.rows) + touch;
 }
 

@@ -22,9 +22,12 @@ void each_ray_within(double first, double step, std::ptrdiff_t count, double low
   const double span = width + 2.0 * kSlack;
   // The rays cover one turn at most: the interval as it is, and where it began before the first ray.
   for (const double begin : {offset, offset - kTurn}) {
-    const auto from = static_cast<std::ptrdiff_t>(std::max(0.0, std::ceil(begin / step)));
-    const double last = std::floor((begin + span) / step);
-    const auto to = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(count - 1), last));
+    // Rays so near to each other that their numbers would not fit lie all before or all behind.
+    const auto whole = [count](double ray) {
+      return static_cast<std::ptrdiff_t>(std::clamp(ray, -1.0, static_cast<double>(count)));
+    };
+    const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, whole(std::ceil(begin / step)));
+    const std::ptrdiff_t to = std::min(count - 1, whole(std::floor((begin + span) / step)));
     for (std::ptrdiff_t i = from; i <= to; ++i) visit(i);
   }
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -196,8 +196,11 @@ class Costmap(GridFrame):
 
         Returns:
             Shape (N,).
+
+        Raises:
+            InputError: If the poses or the outline have another shape, or the outline is not finite.
         """
-        corners = self.footprint if outline is None else np.ascontiguousarray(outline, dtype=np.float64)
+        corners = self.footprint if outline is None else _as_corners(outline)
         return _core.footprint_collides(self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses))
 
     def clearance(self, poses: npt.ArrayLike, cap: float = 2.0) -> FloatArray:
@@ -286,10 +289,24 @@ def _slices(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
     return slice(window[0], window[1]), slice(window[2], window[3])
 
 
+def _as_corners(outline: npt.ArrayLike) -> FloatArray:
+    corners = _as_numbers(outline, "an outline", "(M, 2): x, y")
+    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3 or not (np.abs(corners) < 1e100).all():
+        raise InputError(f"an outline needs at least 3 finite corners of shape (M, 2) [m], got shape {corners.shape}")
+    return corners
+
+
 def _as_poses(poses: npt.ArrayLike) -> FloatArray:
-    array = np.ascontiguousarray(poses, dtype=np.float64)
+    array = _as_numbers(poses, "poses", "(N, 3): x, y, yaw")
     if array.ndim == 1:
         array = array.reshape(1, -1)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InputError(f"poses need shape (N, 3): x, y, yaw; got {np.shape(poses)}")
-    return cast("FloatArray", array)
+    return array
+
+
+def _as_numbers(values: npt.ArrayLike, what: str, shape: str) -> FloatArray:
+    try:
+        return np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} must be an array of numbers of shape {shape}; {error}") from None

@@ -21,7 +21,10 @@ def as_outline(footprint: Robot | npt.ArrayLike) -> FloatArray:
     """
     if isinstance(footprint, Robot):
         return footprint.outline
-    points = np.array(footprint, dtype=np.float64, order="C", copy=True)
+    try:
+        points = np.array(footprint, dtype=np.float64, order="C", copy=True)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"a footprint must be a robot or corners of shape (N, 2) [m]; {error}") from None
     if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3 or not np.isfinite(points).all():
         raise InputError(f"a footprint needs at least 3 finite corners of shape (N, 2) [m], got shape {points.shape}")
     edges = np.roll(points, -1, axis=0) - points

@@ -1,0 +1,108 @@
+"""Rays against cells, segments and discs: between what they meet when all is a little larger and a little smaller."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+
+from fuzz.loop import attempt, rng_of, spoil
+from trundle._core import cast_grid_rays, cast_outline_rays
+from trundle.geometry import FloatArray
+
+CLOSE = 1e-6
+
+
+def meet_boxes(low: FloatArray, high: FloatArray, origin: FloatArray, angles: FloatArray) -> FloatArray:
+    """Where rays enter the nearest of some boxes, shapes (N, 2), infinity where they meet none."""
+    along = np.stack([np.cos(angles), np.sin(angles)], axis=1)[:, np.newaxis]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, second = (low - origin) / along, (high - origin) / along
+    inside = (low <= origin) & (origin <= high)
+    level = along == 0.0
+    near = np.where(level, np.where(inside, -np.inf, np.inf), np.minimum(first, second)).max(axis=2)
+    far = np.where(level, np.where(inside, np.inf, -np.inf), np.maximum(first, second)).min(axis=2)
+    hits = np.where((near <= far) & (far >= 0.0), np.maximum(near, 0.0), np.inf)
+    return hits.min(axis=1, initial=np.inf)
+
+
+def check_cells(generator: random.Random) -> None:
+    rng = rng_of(generator)
+    shape = generator.choice((1, 3, 20)), generator.choice((1, 7, 31))
+    blocked = (rng.random(shape) < generator.choice((0.0, 0.03, 0.2, 1.0))).astype(np.uint8)
+    origin = rng.uniform((-5, -5), (shape[1] + 5, shape[0] + 5))
+    if generator.random() < 0.3:
+        origin = np.round(origin * 2.0) / 2.0
+    origin *= generator.choice((1.0, 1.0, 1.0, 1e3))
+    angles = rng.uniform(-7, 7, generator.choice((1, 20)))
+    angles[rng.random(angles.shape) < 0.3] = generator.choice((0.0, math.pi / 4, math.pi / 2, math.pi, -math.pi / 2))
+    reach = generator.choice((0.0, 3.0, 50.0, 1e5))
+    arguments = (blocked, *origin.tolist(), angles, reach)
+    if generator.random() < 0.3:
+        attempt(cast_grid_rays, spoil(generator, arguments))
+        return
+    found = cast_grid_rays(*arguments)
+    corners = np.argwhere(blocked)[:, ::-1].astype(np.float64)
+    close = CLOSE * max(1.0, float(np.abs(origin).max()) * 0.01)
+    outer = meet_boxes(corners - close, corners + 1.0 + close, origin, angles)
+    inner = meet_boxes(corners + close, corners + 1.0 - close, origin, angles)
+    assert (found >= np.where(outer > reach, np.inf, outer - 10.0 * close)).all()
+    assert (found[inner <= reach - 10.0 * close] <= inner[inner <= reach - 10.0 * close]).all()
+
+
+def meet_outline(segments: FloatArray, discs: FloatArray, angles: FloatArray, grown: float) -> FloatArray:
+    """Where rays from (0, 0) first meet segments made longer at both ends, or discs made larger, outside and in."""
+    along = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    nearest = np.full(len(angles), np.inf)
+    for a, b in segments.reshape(-1, 2, 2):
+        length = max(float(np.hypot(*(b - a))), 1e-300)
+        across = along[:, 0] * (b - a)[1] - along[:, 1] * (b - a)[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = (a[0] * (b - a)[1] - a[1] * (b - a)[0]) / across
+            share = (a[0] * along[:, 1] - a[1] * along[:, 0]) / across
+        met = (across != 0.0) & (distance >= 0.0) & (share >= -grown / length) & (share <= 1.0 + grown / length)
+        nearest = np.where(met & (distance < nearest), distance, nearest)
+    for x, y, radius in discs:
+        middle = along @ np.array([x, y])
+        root = middle**2 - (x * x + y * y - (radius + grown) ** 2)
+        half = np.sqrt(np.maximum(root, 0.0))
+        distance = middle + half if x * x + y * y <= radius**2 else middle - half
+        nearest = np.where((root >= 0.0) & (distance >= 0.0) & (distance < nearest), distance, nearest)
+    return nearest
+
+
+def check_outlines(generator: random.Random) -> None:
+    rng = rng_of(generator)
+    segments = rng.uniform(-5, 5, (generator.choice((0, 1, 6)), 4))
+    if generator.random() < 0.3:
+        segments = np.round(segments)
+    discs = rng.uniform((-5, -5, 0.1), (5, 5, 2.0), (generator.choice((0, 1, 4)), 3))
+    x, y = rng.uniform(-3, 3, 2).tolist()
+    count = generator.choice((1, 2, 37, 360))
+    step = generator.uniform(0.001, 2.0 * math.pi / max(1, count - 1)) if count > 1 else 1.0
+    first, reach = generator.choice((0.0, -math.pi, generator.uniform(-50, 50))), generator.choice((0.0, 3.0, 40.0))
+    arguments = (segments, discs, x, y, first, step, count, reach)
+    if generator.random() < 0.3:
+        attempt(cast_outline_rays, spoil(generator, arguments))
+        return
+    found = cast_outline_rays(*arguments)
+    assert ((found >= 0.0) & ((found <= reach) | np.isinf(found))).all()
+    angles = first + np.arange(count) * step
+    # Beams nearly along a segment and on its line, or just past a rim, may go either way.
+    moved, shifted = segments - np.array([x, y, x, y]), discs - np.array([x, y, 0.0])
+    candidates = [
+        meet_outline(moved, shifted, turned, grown)
+        for turned in (angles - 1e-8, angles, angles + 1e-8)
+        for grown in (-1e-7, 1e-7)
+    ]
+    low, high = np.min(candidates, axis=0), np.max(candidates, axis=0)
+    steady = (high - low < 1e-3) & (np.abs(low - reach) > 1e-3)
+    steady |= np.isinf(low)
+    expected = np.where(low <= reach, low, np.inf)
+    near = np.isclose(found, expected, rtol=1e-3, atol=2e-3) | (np.isinf(found) & np.isinf(expected))
+    assert near[steady].all()
+
+
+def one_round(generator: random.Random) -> None:
+    generator.choice((check_cells, check_outlines))(generator)

@@ -1,0 +1,71 @@
+"""The fuzz targets by name, and the kernels that each of them calls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fuzz import (
+    fuzz_any_angle,
+    fuzz_components,
+    fuzz_cost_field,
+    fuzz_curves,
+    fuzz_footprint,
+    fuzz_grid_search,
+    fuzz_hybrid_astar,
+    fuzz_inflation,
+    fuzz_map_reader,
+    fuzz_png_filter,
+    fuzz_raster,
+    fuzz_rays,
+    fuzz_weighted_grid,
+    fuzz_zbuffer,
+)
+from fuzz.loop import Round
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A target.
+
+    Attributes:
+        one_round: Plays a round.
+        kernels: What it calls of `trundle._core`, itself or through the public functions.
+        quick: How many rounds the tests play.
+    """
+
+    one_round: Round
+    kernels: tuple[str, ...]
+    quick: int
+
+
+TARGETS = {
+    "grid_search": Target(fuzz_grid_search.one_round, ("BinaryGrid", "walk_corners"), 300),
+    "any_angle": Target(fuzz_any_angle.one_round, ("BinaryGrid",), 100),
+    "weighted_grid": Target(fuzz_weighted_grid.one_round, ("grid_search", "line_costs", "shortcut", "relax"), 600),
+    "cost_field": Target(fuzz_cost_field.one_round, ("cost_field",), 400),
+    "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar",), 700),
+    "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
+    "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
+    "footprint": Target(fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance"), 400),
+    "components": Target(
+        fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
+    ),
+    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays"), 1000),
+    "raster": Target(
+        fuzz_raster.one_round,
+        (
+            "raster_hexahedra",
+            "raster_cylinders",
+            "raster_discs",
+            "raster_mesh",
+            "raster_thin_faces",
+            "raster_mesh_over_floor",
+            "raster_thin_faces_over_floor",
+            "floor_planes",
+        ),
+        100,
+    ),
+    "zbuffer": Target(fuzz_zbuffer.one_round, ("draw_triangles",), 400),
+    "png_filter": Target(fuzz_png_filter.one_round, ("png_unfilter",), 1000),
+    "map_reader": Target(fuzz_map_reader.one_round, ("png_unfilter",), 100),
+}

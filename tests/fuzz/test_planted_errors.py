@@ -1,0 +1,160 @@
+"""Each target notices an answer that is a little wrong: what it looks at is really compared."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fuzz import (
+    fuzz_components,
+    fuzz_cost_field,
+    fuzz_curves,
+    fuzz_inflation,
+    fuzz_png_filter,
+    fuzz_rays,
+    fuzz_zbuffer,
+)
+from fuzz.loop import play
+from fuzz.targets import TARGETS
+from trundle import _core
+from trundle.costmap import Costmap
+from trundle.maps import pnm
+from trundle.maps.rasterise import SolidRaster
+from trundle.planning import GridSearch
+from trundle.planning.hybrid_astar import HybridAStarPlanner
+
+Function = Callable[..., Any]
+
+
+def longer(find: Function) -> Function:
+    def find_longer(search, start, goal, **options):
+        path = find(search, start, goal, **options)
+        # All methods but one agree, and an exact way is longer than the oracle's.
+        return (
+            path if search.method == "jps_plus" else dataclasses.replace(path, length=path.length * (1.0 + 1e-9) + 1e-9)
+        )
+
+    return find_longer
+
+
+def far_off(find: Function) -> Function:
+    def find_far_off(search, start, goal, **options):
+        path = find(search, start, goal, **options)
+        return dataclasses.replace(path, length=path.length + (2.0 if search.method == "astar" else 0.0))
+
+    return find_far_off
+
+
+def shifted(plan: Function) -> Function:
+    def plan_shifted(planner, costmap, start, goal, **options):
+        path = plan(planner, costmap, start, goal, **options)
+        poses = path.poses.copy()
+        poses[1:-1, :2] += 0.5 * costmap.resolution * max(costmap.shape)
+        return dataclasses.replace(path, poses=poses)
+
+    return plan_shifted
+
+
+def scaled(share: float) -> Callable[[Function], Function]:
+    return lambda function: lambda *arguments, **options: function(*arguments, **options) * (1.0 + share)
+
+
+def one_more(function: Function) -> Function:
+    return lambda *arguments: function(*arguments) + 1
+
+
+def last_cell_changed(function: Function) -> Function:
+    def change(*arguments, **options):
+        out = function(*arguments, **options).copy()
+        out[-1:, -1:] ^= 1
+        return out
+
+    return change
+
+
+def last_cost_changed(update: Function) -> Function:
+    def change(costmap, *arguments):
+        updated = update(costmap, *arguments)
+        data = updated.data.copy()
+        data[-1, -1] ^= 1
+        return dataclasses.replace(updated, data=data)
+
+    return change
+
+
+def inverted(collides: Function) -> Function:
+    return lambda *arguments, **options: ~collides(*arguments, **options)
+
+
+def cell_left_out(add: Function) -> Function:
+    def leave_out(raster, solids):
+        add(raster, solids)
+        marked = np.argwhere(raster.cells == 100)
+        if len(marked):
+            raster.cells[tuple(marked[len(marked) // 2])] = -1
+
+    return leave_out
+
+
+def part(index: int, change: Callable[[Any], Any]) -> Callable[[Function], Function]:
+    def plant(function: Function) -> Function:
+        def changed(*arguments):
+            out = list(function(*arguments))
+            out[index] = change(out[index])
+            return tuple(out)
+
+        return changed
+
+    return plant
+
+
+def fragile(decode: Function) -> Function:
+    def decode_fragile(content: bytes, name: str) -> object:
+        assert len(content) % 7, "planted"
+        return decode(content, name)
+
+    return decode_fragile
+
+
+PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
+    "one method's way": ("grid_search", GridSearch, "shortest_path", far_off),
+    "exact length": ("any_angle", GridSearch, "any_angle_path", longer),
+    "weighted cost": ("weighted_grid", _core, "grid_search", part(1, lambda cost: cost + 1e-6)),
+    "line cost": ("weighted_grid", _core, "line_costs", scaled(1e-6)),
+    "shortcut": ("weighted_grid", _core, "shortcut", part(1, lambda cost: cost * (1.0 + 1e-6))),
+    "relaxation": ("weighted_grid", _core, "relax", part(1, lambda cost: cost * (1.0 - 1e-6))),
+    "field": ("cost_field", fuzz_cost_field, "cost_field", scaled(1e-5)),
+    "path in walls": ("hybrid_astar", HybridAStarPlanner, "plan", shifted),
+    "curve": ("curves", fuzz_curves, "shortest_curves", scaled(1e-5)),
+    "inflation": ("inflation", fuzz_inflation, "inflate", last_cell_changed),
+    "local update": ("inflation", Costmap, "update", last_cost_changed),
+    "touching": ("footprint", Costmap, "footprint_collides", inverted),
+    "clearance": ("footprint", Costmap, "clearance", scaled(1e-4)),
+    "labels": ("components", fuzz_components, "label_components", part(0, np.flipud)),
+    "gaps": ("components", fuzz_components, "mark_gaps", last_cell_changed),
+    "flood": ("components", fuzz_components, "flood_free", one_more),
+    "largest area": ("components", fuzz_components, "flood_largest", one_more),
+    "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
+    "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "solids": ("raster", SolidRaster, "add", cell_left_out),
+    "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
+    "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),
+    "reader": ("map_reader", pnm, "decode_pnm", fragile),
+}
+
+
+@pytest.mark.parametrize("name", PLANTED)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_planted_error_is_noticed(name, monkeypatch):
+    target, where, attribute, plant = PLANTED[name]
+    monkeypatch.setattr(where, attribute, plant(getattr(where, attribute)))
+    with pytest.raises(AssertionError):
+        play(TARGETS[target].one_round, seed=1, count=200)
+
+
+def test_every_target_has_a_planted_error():
+    assert {target for target, *_ in PLANTED.values()} == set(TARGETS)
