@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.loop import attempt, rng_of, spoil
+from fuzz.loop import NUMBERS, attempt, rng_of, spoil
 from support.grid_graph import cheapest_ways
 from trundle import _core
 from trundle.errors import InputError, PlanningError
@@ -35,8 +35,8 @@ def make_costs(generator: random.Random) -> np.ndarray:
 
 def ask_hostile(generator: random.Random, costs: np.ndarray, goals: Any, connectivity: int) -> None:
     """The kernel refuses what it cannot use; Python's side gives a field or a typed error."""
-    arguments = (costs, np.asarray(goals, dtype=np.int64), connectivity, 1)
-    attempt(_core.cost_field, spoil(generator, arguments, (0, -1, 4, 7, 2**31, 2**63, None, "1", 0.5)))
+    arguments = (costs, np.asarray(goals, dtype=np.int64), connectivity, 1, None, None)
+    attempt(_core.cost_field, spoil(generator, arguments, NUMBERS))
     try:
         field = cost_field(*spoil(generator, (costs, np.asarray(goals))), connectivity=connectivity, threads=1)
     except (InputError, PlanningError):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import random
 from typing import Any
 
 import numpy as np
 
-from trundle.errors import InputError, PlanningError
-from trundle.planning import Cancellation, GridPaths, GridSearch
+from trundle.errors import BlockedPoseError, InputError, PlanningError
+from trundle.planning import Cancellation, GridSearch
 
 SIZES = (1, 2, 3, 5, 8, 31, 60, 61, 62, 63, 64, 65, 66, 120, 126, 127, 128, 129, 200)
 SPOILED: tuple[Any, ...] = (
@@ -27,6 +28,7 @@ SPOILED: tuple[Any, ...] = (
     [None, 1],
     {},
 )
+EXTREME = (-1.0, math.nan, math.inf, 1e300, None)
 METHODS = ("auto", "jps", "jps_plus", "astar")
 
 
@@ -73,6 +75,52 @@ def ask(searches: list[GridSearch], start: Any, goal: Any, **limits: Any) -> Non
     assert len(answers) == 1, answers
 
 
+def ask_many(generator: random.Random, searches: list[GridSearch]) -> None:
+    """Many queries at once, of any methods, ends moved or not: all are answered, or refused by a typed error."""
+    shape = searches[0].shape
+    ends = [[pick(generator, shape, 0.01) for _ in range(generator.choice((0, 1, 3, 20)))] for _ in range(2)]
+    cancel = Cancellation()
+    if generator.random() < 0.2:
+        cancel.cancel()
+    tolerances = {
+        name: generator.choice((0.0, 1.5, 40.0, *EXTREME)) if generator.random() < 0.4 else 0.0
+        for name in ("start_tolerance", "goal_tolerance")
+    }
+    options: dict[str, Any] = {**tolerances, "partial": generator.random() < 0.4, "cancel": cancel, "deadline_s": 1e3}
+    for search in searches:
+        for plan in (search.plan_many, search.any_angle_paths):
+            try:
+                paths = plan(*ends, threads=generator.choice((1, 2, 3)), **options)
+            except (InputError, PlanningError):
+                continue
+            assert len(list(paths)) == len(ends[0])
+            assert (paths.length >= 0.0)[(paths.status == "found") | (paths.status == "partial")].all()
+
+
+def ask_moved(generator: random.Random, search: GridSearch, current: np.ndarray) -> None:
+    """Ends moved by at most their tolerance, to where a search between the moved ends finds the same way."""
+    start, goal = (tuple(generator.randrange(count) for count in search.shape) for _ in range(2))
+    reach, partial = generator.choice((0.0, 1.0, 2.5, 100.0)), generator.random() < 0.5
+    try:
+        path = search.shortest_path(start, goal, start_tolerance=reach, goal_tolerance=reach, partial=partial)
+    except BlockedPoseError as error:
+        refused = error.cell
+    else:
+        refused = None
+    if refused is not None:
+        assert current[refused]
+        return
+    assert max(path.start_snapped, path.goal_snapped) <= reach
+    if path.status == "unreachable":
+        assert not partial
+        return
+    first, last = (tuple(cell) for cell in path.waypoints[[0, -1]].tolist())
+    assert math.isclose(math.dist(first, start), path.start_snapped, abs_tol=1e-9)
+    assert math.isclose(math.dist(last, goal), path.goal_snapped + path.remaining, abs_tol=1e-9)
+    assert (path.status == "partial") == (path.remaining > 0.0)
+    assert path.length == search.shortest_path(first, last).length
+
+
 def one_round(generator: random.Random) -> None:
     """One map, searched, changed and searched again."""
     blocked = make_map(generator)
@@ -85,17 +133,9 @@ def one_round(generator: random.Random) -> None:
             ask(searches, pick(generator, shape, 0.1), pick(generator, shape, 0.1))
         update(generator, searches, current)
     ask([GridSearch(current, connectivity), *searches], pick(generator, shape, 0.0), pick(generator, shape, 0.0))
-    ends = [[pick(generator, shape, 0.01) for _ in range(generator.choice((0, 1, 3, 20)))] for _ in range(2)]
-    cancel = Cancellation()
-    if generator.random() < 0.2:
-        cancel.cancel()
+    ask_many(generator, searches)
     for search in searches:
-        try:
-            paths = search.plan_many(*ends, threads=generator.choice((1, 2, 3)), deadline_s=1e3, cancel=cancel)
-        except (InputError, PlanningError):
-            continue
-        assert isinstance(paths, GridPaths)
-        assert len(list(paths)) == len(ends[0])
+        ask_moved(generator, search, current)
 
 
 def update(generator: random.Random, searches: list[GridSearch], current: np.ndarray) -> None:

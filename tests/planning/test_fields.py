@@ -1,5 +1,7 @@
 """Cost fields against SciPy's Dijkstra on the graph of the same definition."""
 
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -76,6 +78,22 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     first = cost_field(costs, goal, threads=1)
     for threads in (2, 3, 8):
         np.testing.assert_array_equal(cost_field(costs, goal, threads=threads), first)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits the memory as Linux does")
+def test_where_no_more_threads_are_to_be_had_those_that_run_do_the_work() -> None:
+    # Each thread asks for a stack, and there is room for a few.
+    code = """
+import resource
+import numpy as np
+from trundle.planning import cost_field
+field = cost_field(np.ones((200, 200), np.uint8), (0, 0), threads=1)
+size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (size + (64 << 20), resource.RLIM_INFINITY))
+assert np.array_equal(cost_field(np.ones((200, 200), np.uint8), (0, 0), threads=1024), field)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_an_open_floor_has_octile_distances() -> None:

@@ -14,6 +14,7 @@
 #include <exception>
 #include <mutex>
 #include <queue>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -44,7 +45,18 @@ class Field {
 
   // Whether it came to the end.
   SearchStatus solve(int threads) {
-    run(threads, [this] { settle_tiles(); });
+    run(threads, [this] {
+      try {
+        settle_tiles();
+      } catch (...) {  // the others wait for a tile that nobody settles any more
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          status_ = SearchStatus::kCancelled;
+        }
+        freed_.notify_all();
+        throw;
+      }
+    });
     return status_;
   }
 
@@ -97,7 +109,10 @@ class Field {
       }
     };
     std::vector<std::thread> others;
-    for (int n = 1; n < threads; ++n) others.emplace_back(guarded);
+    try {
+      for (int n = 1; n < threads; ++n) others.emplace_back(guarded);
+    } catch (const std::system_error &) {  // no more threads to be had: those that run do the work
+    }
     guarded();
     for (auto &other : others) other.join();
     if (failure) std::rethrow_exception(failure);
