@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -392,3 +393,25 @@ def test_a_mask_makes_free_cells_dearer_but_unknown_ones_not_known():
 def test_keepout_costs_of_another_shape_are_refused():
     with pytest.raises(MapError, match="keepout"):
         Costmap(np.zeros((2, 2), np.uint8), 0.1, Pose2D(0, 0), SQUARE, 0.5, keepout=np.zeros((2, 3), np.uint8))
+
+
+def test_a_costmap_knows_what_changed_since_an_earlier_one():
+    outline = ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1))
+    floor = OccupancyGrid(np.zeros((60, 80), np.int8), 0.05)
+    first = Costmap.from_grid(floor, outline)
+    second = first.update(slice(10, 12), slice(20, 21), 100)
+    third = second.update(slice(50, 55), slice(70, 71), -1)
+    assert third.changes_since(third.version) == []
+    assert len(third.changes_since(second.version)) == 1
+    assert len(third.changes_since(first.version)) == 2
+    assert first.changes_since(second.version) is None
+    assert Costmap.from_grid(floor, outline).changes_since(first.version) is None
+    changed = np.zeros((60, 80), bool)
+    for rows, cols in third.changes_since(first.version):
+        changed[rows, cols] = True
+    assert (first.data == third.data)[~changed].all()
+    last = third
+    for _ in range(20):
+        last = last.update(slice(0, 1), slice(0, 1), 0)
+    assert last.changes_since(third.version) is None
+    assert pickle.loads(pickle.dumps(last)).changes_since(last.version) is None

@@ -1,13 +1,17 @@
 import gc
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from trundle.costmap import Costmap
-from trundle.errors import NoPathError
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import NoPathError, PlanningError
 from trundle.geometry import Pose2D
+from trundle.maps.grid import OccupancyGrid
+from trundle.path import Path
 from trundle.planning import create_planner
+from trundle.planning.kept_search import KeptSearch
 
 NAMES = ("astar", "jps", "jps_plus")
 SMALL = ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1))
@@ -72,3 +76,68 @@ def test_each_costmap_is_searched_as_it_is_and_none_is_kept_alive(name):
     del first
     gc.collect()
     assert forgotten() is None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_changed_costmap_is_planned_on_as_if_it_were_new(name):
+    """The search is updated by the rectangles that `Costmap.update` changed, and labels stay right."""
+    rng = np.random.default_rng(5)
+    grid = OccupancyGrid(np.where(rng.random((120, 160)) < 0.002, 100, 0).astype(np.int8), 0.05)
+    costmap = Costmap.from_grid(grid, SMALL, 0.3)
+    planner = create_planner(name, start_tolerance=2.0, goal_tolerance=2.0)
+    attempt(planner, costmap)
+    outcomes = set()
+    for round_ in range(30):
+        for _ in range(rng.integers(1, 4)):  # several changes between two plans, too
+            row, col = int(rng.integers(0, 110)), int(rng.integers(0, 150))
+            wall = rng.random() < 0.3
+            size = (slice(0, 120), slice(col, col + 2)) if wall else (slice(row, row + 9), slice(col, col + 9))
+            costmap = costmap.update(*size, int(rng.choice([0, 100])))
+        fresh = create_planner(name, start_tolerance=2.0, goal_tolerance=2.0)
+        assert costmap.changes_since(costmap.version) == []
+        answers = [attempt(one, costmap) for one in (planner, fresh)]
+        outcomes.add(type(answers[1]))
+        if isinstance(answers[1], str):
+            assert answers[0] == answers[1]
+        else:
+            assert np.array_equal(answers[0].poses, answers[1].poses), round_
+    assert outcomes == {str, Path}
+
+
+def attempt(planner, costmap):
+    try:
+        return planner.plan(costmap, START, GOAL)
+    except PlanningError as error:
+        return str(error)
+
+
+def test_the_search_of_a_changed_costmap_is_not_made_anew_while_nobody_uses_it():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((60, 80), np.int8), 0.05), SMALL, 0.3)
+    kept = KeptSearch(INSCRIBED, "jps")
+    with kept.of(costmap) as first:
+        pass
+    changed = costmap.update(slice(20, 22), slice(0, 80), 100)
+    with kept.of(changed) as second:
+        assert second is first
+        assert second.shortest_path((2, 2), (50, 2)).status == "unreachable"
+        with kept.of(costmap) as third:  # the old one is asked for while the new one is in use
+            assert third is not second
+            assert third.shortest_path((2, 2), (50, 2)).status == "found"
+        assert second.shortest_path((2, 2), (50, 2)).status == "unreachable"
+    with kept.of(Costmap.from_grid(OccupancyGrid(np.zeros((60, 80), np.int8), 0.05), SMALL, 0.3)) as other:
+        assert other is not third
+
+
+def test_threads_with_costmaps_of_their_own_do_not_disturb_each_other():
+    base = Costmap.from_grid(OccupancyGrid(np.zeros((120, 160), np.int8), 0.05), SMALL, 0.3)
+    costmaps = [base]
+    for k in range(7):
+        costmaps.append(costmaps[-1].update(slice(10 + 10 * k, 20 + 10 * k), slice(40 + 5 * k, 60 + 5 * k), 100))
+    want = [create_planner("jps").plan(costmap, START, GOAL).poses for costmap in costmaps]
+    planner = create_planner("jps")
+
+    def ask(k):
+        return np.array_equal(planner.plan(costmaps[k % 8], START, GOAL).poses, want[k % 8])
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(ask, np.random.default_rng(0).integers(0, 8, 200).tolist()))

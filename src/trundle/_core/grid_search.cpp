@@ -6,6 +6,7 @@
 // order is not exact; a cell that is reached more cheaply later is opened again, and the search ends once the goal's
 // bucket is empty, so the result is the optimum all the same.
 #include "arrays.hpp"
+#include "patience.hpp"
 
 #include <nanobind/stl/pair.h>
 
@@ -74,7 +75,7 @@ struct Zeroed {
   Zeroed &operator=(const Zeroed &) = delete;
 };
 
-enum class Status { kFound, kNone, kOverflow };
+enum class Status { kFound, kNone, kOverflow, kStopped };
 
 template <typename Cost>
 class Search {
@@ -93,7 +94,8 @@ class Search {
     for (int k = 0; k < 8; ++k) offset_[k] = kRow[k] * grid.cols + kCol[k];
   }
 
-  Status run() {
+  Status run(const Patience &patience) {
+    std::uint64_t expanded = 0;
     const std::uint64_t room = std::numeric_limits<Cost>::max() / 2;
     const std::uint64_t first = estimate(start_);
     if (first >= room) return Status::kOverflow;
@@ -108,6 +110,7 @@ class Search {
         const Entry entry = entries.back();
         entries.pop_back();
         --waiting_;
+        if (++expanded % 4096 == 0 && patience.left() != SearchStatus::kFound) return Status::kStopped;
         if (!expand(entry, target, room)) return Status::kOverflow;
       }
     }
@@ -211,20 +214,23 @@ struct Answer {
 };
 
 template <typename Cost>
-Status solve(const Grid &grid, Cell start, Cell goal, Answer &answer) {
+Status solve(const Grid &grid, Cell start, Cell goal, const Patience &patience, Answer &answer) {
   Search<Cost> search(grid, start, goal);
-  const Status status = search.run();
+  const Status status = search.run(patience);
   if (status == Status::kFound) {
     answer.cells = search.way();
     answer.cost = static_cast<double>(search.cost()) / (2.0 * kStraight);
   }
+  if (status == Status::kStopped) answer.cost = std::numeric_limits<double>::quiet_NaN();
   return status;
 }
 
 }  // namespace
 
+// Cells and cost of the way: no cells and 0 where there is none, no cells and NaN where it was stopped.
 static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> weights, std::pair<int, int> start,
-                             std::pair<int, int> goal, int connectivity) {
+                             std::pair<int, int> goal, int connectivity, std::optional<double> seconds,
+                             const Flag &cancel) {
   const auto rows = static_cast<std::int64_t>(costs.shape(0)), cols = static_cast<std::int64_t>(costs.shape(1));
   if (weights.size() != 256) throw nb::value_error("the weights need one entry for each of the 256 costs");
   if (connectivity != 4 && connectivity != 8) throw nb::value_error("connectivity is 4 or 8");
@@ -239,8 +245,9 @@ static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> wei
     const Grid grid{costs.data(), weights.data(), rows, cols, connectivity};
     const Cell from{start.first, start.second}, to{goal.first, goal.second};
     const bool open = grid.weight(from.row * cols + from.col) > 0 && grid.weight(to.row * cols + to.col) > 0;
-    if (open && solve<std::uint32_t>(grid, from, to, answer) == Status::kOverflow) {
-      solve<std::uint64_t>(grid, from, to, answer);
+    const Patience patience = patience_of(seconds, cancel);
+    if (open && solve<std::uint32_t>(grid, from, to, patience, answer) == Status::kOverflow) {
+      solve<std::uint64_t>(grid, from, to, patience, answer);
     }
   }
   const std::size_t count = answer.cells.size() / 2;
@@ -252,5 +259,6 @@ static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> wei
 void bind_grid_search(nanobind::module_ &m) {
   namespace nb = nanobind;
   m.def("grid_search", &trundle::grid_search, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
-        nb::arg("start"), nb::arg("goal"), nb::arg("connectivity") = 8);
+        nb::arg("start"), nb::arg("goal"), nb::arg("connectivity") = 8,
+        nb::arg("seconds") = nb::none(), nb::arg("cancel") = nb::none());
 }

@@ -33,6 +33,8 @@ DEFAULT_COST_SCALING_FACTOR = 3.0
 
 _MAX_INFLATION_CELLS = 4096
 
+_REMEMBERED_CHANGES = 16
+
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Costmap(GridFrame):
@@ -51,6 +53,7 @@ class Costmap(GridFrame):
         keepout: What a keep-out mask makes each cell cost at least, uint8, shape (rows, cols), read-only; or None.
         inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
         circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
+        version: Another object for every costmap, to ask its successors what changed since (`changes_since`).
 
     Raises:
         MapError: If the costs are not a uint8 array of shape (rows, cols), or the resolution is not positive; or the
@@ -67,6 +70,8 @@ class Costmap(GridFrame):
     keepout: npt.NDArray[np.uint8] | None = None
     inscribed_radius: float = field(init=False)
     circumscribed_radius: float = field(init=False)
+    version: object = field(init=False, repr=False)
+    _changes: tuple[tuple[object, tuple[slice, slice]], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         data = np.asarray(self.data)
@@ -88,6 +93,8 @@ class Costmap(GridFrame):
         object.__setattr__(self, "footprint", outline)
         object.__setattr__(self, "inscribed_radius", inscribed_radius(outline))
         object.__setattr__(self, "circumscribed_radius", circumscribed_radius(outline))
+        object.__setattr__(self, "version", object())
+        object.__setattr__(self, "_changes", ())
         check_inflation(self.inflation_radius, self.cost_scaling_factor, resolution)
 
     @classmethod
@@ -168,7 +175,20 @@ class Costmap(GridFrame):
             changed[0] - window[0] : changed[1] - window[0], changed[2] - window[2] : changed[3] - window[2]
         ]
         data.flags.writeable = False
-        return replace(self, data=data)
+        successor = replace(self, data=data)
+        changes = (*self._changes, (self.version, _slices(changed)))
+        object.__setattr__(successor, "_changes", changes[-_REMEMBERED_CHANGES:])
+        return successor
+
+    def changes_since(self, version: object) -> list[tuple[slice, slice]] | None:
+        """Rectangles (rows, cols) that hold every cell whose cost differs from an earlier costmap's of this `version`.
+
+        They are known for the last 16 calls of `update` that led here; none means that they are not.
+        """
+        for index, (before, _) in enumerate(self._changes):
+            if before is version:
+                return [window for _, window in self._changes[index:]]
+        return [] if version is self.version else None
 
     @property
     def shape(self) -> tuple[int, int]:

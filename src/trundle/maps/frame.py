@@ -14,6 +14,10 @@ from trundle.geometry import FloatArray, Pose2D
 CellArray: TypeAlias = npt.NDArray[np.int64]
 
 
+_FARTHEST = 2.0**62
+"""Cells farther away than this are not told apart."""
+
+
 class GridFrame(ABC):
     """The geometry that every grid shares.
 
@@ -32,15 +36,21 @@ class GridFrame(ABC):
         """(rows, cols)."""
 
     def world_to_cell(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[CellArray, CellArray]:
-        """Cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside."""
+        """Cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside.
+
+        Points that are not a number, or farther away than numbers go, lie outside.
+        """
         dx, dy = (
             np.asarray(x, dtype=np.float64) - self.origin.x,
             np.asarray(y, dtype=np.float64) - self.origin.y,
         )
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
-        col = np.floor((cos * dx + sin * dy) / self.resolution).astype(np.int64)
-        row = np.floor((cos * dy - sin * dx) / self.resolution).astype(np.int64)
-        return row, col
+        with np.errstate(over="ignore"):
+            col, row = (
+                np.floor((cos * dx + sin * dy) / self.resolution),
+                np.floor((cos * dy - sin * dx) / self.resolution),
+            )
+        return _whole(row), _whole(col)
 
     def cell_to_world(self, row: npt.ArrayLike, col: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Centres x, y [m] in the map frame of cells (row, col), of any one shape."""
@@ -53,3 +63,7 @@ class GridFrame(ABC):
         """Whether cells lie inside the grid."""
         rows, cols = np.asarray(row), np.asarray(col)
         return (rows >= 0) & (rows < self.shape[0]) & (cols >= 0) & (cols < self.shape[1])
+
+
+def _whole(numbers: npt.ArrayLike) -> CellArray:
+    return np.fmin(np.fmax(numbers, -_FARTHEST), _FARTHEST).astype(np.int64)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +11,7 @@ from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray
 from trundle.planning.binary_planner import BinaryPlanner
+from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
 from trundle.planning.footprint_planner import to_grid, to_map
 from trundle.planning.point_path import PointMethod
@@ -17,30 +20,18 @@ from trundle.planning.point_path import PointMethod
 class _PointPlanner(BinaryPlanner):
     """Plans for a point with `GridSearch.any_angle_path`, and checks the way with the footprint."""
 
-    def __init__(
-        self,
-        name: str,
-        method: PointMethod,
-        *,
-        start_tolerance: float,
-        goal_tolerance: float,
-        max_replans: int,
-        spacing: float,
-    ) -> None:
-        super().__init__(
-            name,
-            "jps",
-            start_tolerance=start_tolerance,
-            goal_tolerance=goal_tolerance,
-            max_replans=max_replans,
-            spacing=spacing,
-        )
-        self._point_method: PointMethod = method
+    method = "jps"
+    point_method: ClassVar[PointMethod]
+    """Of `GridSearch.any_angle_path`."""
 
     def _find_way(
-        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        path = self._search(costmap, costs).any_angle_path(start.cell, goal.cell, method=self._point_method)
+        limits = {"deadline_s": patience.seconds, "cancel": patience.cancel}
+        with self._search(costmap, costs) as search:
+            path = search.any_angle_path(start.cell, goal.cell, method=self.point_method, **limits)
+        if path.status in ("timeout", "cancelled"):
+            raise patience.stopped(path.status)
         if path.status != "found":
             return None
         points = path.waypoints[:, ::-1] + 0.5
@@ -69,25 +60,11 @@ class AnyAnglePlanner(_PointPlanner):
     radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
     it, and where it hits something the way is planned again round those cells, as with every grid planner. What
     comes of that is the shortest way of a point round the cells that are blocked by then. `Path.cost` is its length
-    [m]; what the cells below 253 cost does not count. For the options see `BinaryPlanner`.
+    [m]; what the cells below 253 cost does not count. For the options see `FootprintPlanner`.
     """
 
-    def __init__(
-        self,
-        *,
-        start_tolerance: float = 0.05,
-        goal_tolerance: float = 0.25,
-        max_replans: int = 20,
-        spacing: float = 0.1,
-    ) -> None:
-        super().__init__(
-            "any_angle",
-            "exact",
-            start_tolerance=start_tolerance,
-            goal_tolerance=goal_tolerance,
-            max_replans=max_replans,
-            spacing=spacing,
-        )
+    name = "any_angle"
+    point_method = "exact"
 
 
 class ThetaStarPlanner(_PointPlanner):
@@ -95,22 +72,8 @@ class ThetaStarPlanner(_PointPlanner):
 
     It is short, not the shortest: `any_angle` is, and in most maps faster. Lines of sight may touch the corners of
     cells of 253. Joined to the poses, checked with the footprint and planned again like `AnyAnglePlanner`. For the
-    options see `BinaryPlanner`.
+    options see `FootprintPlanner`.
     """
 
-    def __init__(
-        self,
-        *,
-        start_tolerance: float = 0.05,
-        goal_tolerance: float = 0.25,
-        max_replans: int = 20,
-        spacing: float = 0.1,
-    ) -> None:
-        super().__init__(
-            "theta_star",
-            "theta_star",
-            start_tolerance=start_tolerance,
-            goal_tolerance=goal_tolerance,
-            max_replans=max_replans,
-            spacing=spacing,
-        )
+    name = "theta_star"
+    point_method = "theta_star"

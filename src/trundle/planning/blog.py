@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from trundle import _core
@@ -9,7 +11,11 @@ from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
+from trundle.planning.cancellation import Cancellation, check_limits
+from trundle.planning.ends import patience_for
+from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
+from trundle.planning.options import check_flag, check_question
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0
@@ -19,42 +25,93 @@ class BlogPlanner:
     """4-connected A* with Manhattan heuristic and unit cost, for comparison.
 
     Only occupied and unknown cells block: it knows neither inflation nor footprint, so its ways scrape along walls.
+
+    Args:
+        allow_partial: Where the goal cannot be reached, or is blocked, plan to the reachable cell nearest to it.
+        deadline_s: Give up after this time [s]; none means as long as it takes.
+
+    Raises:
+        InputError: If an option is out of range.
     """
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+    def __init__(self, *, allow_partial: bool = False, deadline_s: float | None = None) -> None:
+        self._allow_partial = check_flag("allow_partial", allow_partial)
+        check_limits(deadline_s, None)
+        self._deadline_s = deadline_s
+
+    def plan(
+        self,
+        costmap: Costmap,
+        start: Pose2D,
+        goal: Pose2D,
+        *,
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
+
+        Args:
+            costmap: Where.
+            start: Where the robot stands.
+            goal: Where it shall stand.
+            deadline_s: Give up after this time [s], in place of the planner's own.
+            cancel: Give up when this says so.
 
         Raises:
             OutsideMapError: If the start or the goal lies outside the map.
             BlockedPoseError: If one of them lies in an occupied or unknown cell.
             NoPathError: If no way joins them.
+            PlanningStoppedError: If it gave up: out of time, or cancelled.
+            InputError: If an argument is none of these.
         """
-        first, last = _free_cell(costmap, start, "start"), _free_cell(costmap, goal, "goal")
-        cells, _ = _core.grid_search(costmap.data, _WEIGHTS, first, last, 4)
+        start, goal = check_question(costmap, start, goal)
+        patience = patience_for(costmap, start, goal, self._deadline_s if deadline_s is None else deadline_s, cancel)
+        patience.check()
+        first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, goal, "goal")
+        _check_free(costmap, start, first, "start")
+        if not self._allow_partial:
+            _check_free(costmap, goal, last, "goal")
+        target = GridSearch(costmap.data >= LETHAL, 4).nearest_reachable(first, last) if self._allow_partial else last
+        cells, cost = _core.grid_search(costmap.data, _WEIGHTS, first, target, 4, patience.seconds, patience.flag)
         if len(cells) == 0:
+            if math.isnan(cost):
+                patience.check()
             raise NoPathError(
                 f"no path from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f}): they are separated by "
                 "occupied or unknown space",
                 pose=goal.as_tuple(),
                 cell=last,
             )
+        end = goal
+        if target != last:
+            x, y = costmap.cell_to_world(*target)
+            end = start if target == first else Pose2D(float(x), float(y), goal.yaw)
         centres = np.column_stack(costmap.cell_to_world(cells[:, 0], cells[:, 1]))
-        vertices: FloatArray = np.concatenate([[[start.x, start.y]], centres[1:-1], [[goal.x, goal.y]]])
-        motions = motions_along(vertices, start.yaw, goal.yaw)
-        poses = poses_of(motions, np.array(start.as_tuple()), np.array(goal.as_tuple()), 2.0 * costmap.resolution)
-        path = Path(poses, planner="blog")
-        return Path(poses, cost=path.length, planner="blog")
-
-
-def _free_cell(costmap: Costmap, pose: Pose2D, what: str) -> tuple[int, int]:
-    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
-    if not costmap.contains(row, col):
-        raise OutsideMapError(
-            f"the {what} ({pose.x:.2f}, {pose.y:.2f}) lies outside the map", pose=pose.as_tuple(), cell=(row, col)
+        vertices: FloatArray = np.concatenate([[[start.x, start.y]], centres[1:-1], [[end.x, end.y]]])
+        motions = motions_along(vertices, start.yaw, end.yaw)
+        poses = poses_of(motions, np.array(start.as_tuple()), np.array(end.as_tuple()), 2.0 * costmap.resolution)
+        return Path(
+            poses,
+            cost=Path(poses).length,
+            planner="blog",
+            status="found" if target == last else "partial",
+            remaining_m=0.0 if target == last else end.distance_to(goal),
         )
-    if costmap.data[row, col] < LETHAL:
+
+
+def _cell_at(costmap: Costmap, pose: Pose2D, what: str) -> tuple[int, int]:
+    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+    if costmap.contains(row, col):
         return row, col
-    where = "unknown space" if costmap.data[row, col] == NO_INFORMATION else "an obstacle"
+    raise OutsideMapError(
+        f"the {what} ({pose.x:.2f}, {pose.y:.2f}) lies outside the map", pose=pose.as_tuple(), cell=(row, col)
+    )
+
+
+def _check_free(costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str) -> None:
+    if costmap.data[cell] < LETHAL:
+        return
+    where = "unknown space" if costmap.data[cell] == NO_INFORMATION else "an obstacle"
     rows, cols = np.nonzero(costmap.data < LETHAL)
     x, y = costmap.cell_to_world(rows, cols)
     nearest = float(np.hypot(x - pose.x, y - pose.y).min()) if len(rows) else None
@@ -62,6 +119,6 @@ def _free_cell(costmap: Costmap, pose: Pose2D, what: str) -> tuple[int, int]:
     raise BlockedPoseError(
         f"the {what} ({pose.x:.2f}, {pose.y:.2f}) lies in {where}; {hint}",
         pose=pose.as_tuple(),
-        cell=(row, col),
+        cell=cell,
         nearest_free_m=nearest,
     )

@@ -55,14 +55,15 @@ class Patience:
         cell: tuple[int, int] | None = None,
     ) -> None:
         self.flag = check_limits(deadline_s, cancel)
+        self.cancel = cancel
         self._deadline_s = deadline_s
         self._end = math.inf if deadline_s is None else time.monotonic() + float(deadline_s)
         self._what, self._pose, self._cell = what, pose, cell
 
     @property
     def seconds(self) -> float | None:
-        """What is left [s], not below 0; none where there is no deadline."""
-        return None if self._deadline_s is None else max(0.0, self._end - time.monotonic())
+        """What is left [s], a nanosecond at least; none where there is no deadline."""
+        return None if self._deadline_s is None else max(1e-9, self._end - time.monotonic())
 
     def check(self) -> None:
         """Raise `PlanningStoppedError` if it is time to stop."""

@@ -10,6 +10,7 @@ from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import CellArray
+from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.motions import CHECK_STEP_RAD
 
 _STRAIGHT_REACH_M = 3.0
@@ -31,7 +32,28 @@ class End:
     snapped_m: float = 0.0
 
 
-def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, any_yaw: bool = False) -> End:
+def patience_for(
+    costmap: Costmap, start: Pose2D, goal: Pose2D, deadline_s: float | None, cancel: Cancellation | None
+) -> Patience:
+    """The patience of one plan.
+
+    Raises:
+        InputError: If the deadline is no positive number of seconds, or `cancel` is no `Cancellation`.
+    """
+    row, col = costmap.world_to_cell(goal.x, goal.y)
+    what = f"no path from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f}) found yet"
+    return Patience(deadline_s, cancel, what, pose=goal.as_tuple(), cell=(int(row), int(col)))
+
+
+def find_end(
+    costmap: Costmap,
+    pose: Pose2D,
+    what: str,
+    tolerance_m: float,
+    *,
+    any_yaw: bool = False,
+    patience: Patience | None = None,
+) -> End:
     """Find where the robot can stand at, or within `tolerance_m` of, a pose.
 
     Args:
@@ -40,10 +62,12 @@ def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, a
         what: "start" or "goal", for the message.
         tolerance_m: How far it may be moved [m].
         any_yaw: Leave the yaw open: only the inscribed circle has to fit.
+        patience: When to give up looking for a place.
 
     Raises:
         OutsideMapError: If the pose lies outside the map.
         BlockedPoseError: If the footprint does not fit within the tolerance.
+        PlanningStoppedError: If patience ends.
     """
     row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
     if not costmap.contains(row, col):
@@ -58,10 +82,11 @@ def find_end(costmap: Costmap, pose: Pose2D, what: str, tolerance_m: float, *, a
     # cell of less than 253, but for one that touches within rounding.
     if costmap.data[row, col] < INSCRIBED and (any_yaw or not costmap.footprint_collides([pose.as_tuple()])[0]):
         return End(pose, (row, col))
+    _check_size(costmap, pose, (row, col), what)
     radius = max(tolerance_m, costmap.resolution)
     diagonal = costmap.resolution * float(np.hypot(*costmap.shape))
     while True:
-        found = _nearest_fit(costmap, pose, radius, any_yaw=any_yaw)
+        found = _nearest_fit(costmap, pose, radius, any_yaw, patience)
         if found is not None or radius > diagonal:
             break
         radius *= 2.0
@@ -100,6 +125,22 @@ def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
     return end
 
 
+def _check_size(costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str) -> None:
+    """Raise `BlockedPoseError` if not even the robot's inscribed circle has room between the map's edges."""
+    rows, cols = costmap.shape
+    height, width = rows * costmap.resolution, cols * costmap.resolution
+    if 2.0 * costmap.inscribed_radius <= min(height, width):
+        return
+    length, breadth = costmap.footprint.max(axis=0) - costmap.footprint.min(axis=0)
+    raise BlockedPoseError(
+        f"the robot fits nowhere on the map, nor at the {what} ({pose.x:.2f}, {pose.y:.2f}): its footprint of "
+        f"{length:.2f} x {breadth:.2f} m is larger than the map of {width:g} x {height:g} m; check the units of the "
+        "footprint and the map's resolution",
+        pose=pose.as_tuple(),
+        cell=cell,
+    )
+
+
 def _blocked_message(
     costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str, tolerance_m: float, found: End | None
 ) -> str:
@@ -132,10 +173,12 @@ def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[CellAr
     return rows[order], cols[order], distances[order]
 
 
-def _nearest_fit(costmap: Costmap, pose: Pose2D, radius: float, *, any_yaw: bool) -> End | None:
+def _nearest_fit(costmap: Costmap, pose: Pose2D, radius: float, any_yaw: bool, patience: Patience | None) -> End | None:
     rows, cols, distances = _cells_within(costmap, pose, radius)
     x, y = costmap.cell_to_world(rows, cols)
     for first in range(0, len(rows), 4096):
+        if patience is not None:
+            patience.check()
         some = slice(first, first + 4096)
         if any_yaw:
             fits = np.array([0])

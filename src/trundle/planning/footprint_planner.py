@@ -4,24 +4,56 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.errors import InputError, PlanningError
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import BlockedPoseError, InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
-from trundle.planning.ends import End, find_end
-from trundle.planning.motions import Motion, fit_motions, poses_of
+from trundle.planning.cancellation import Cancellation, Patience, check_limits
+from trundle.planning.detours import block, places_to_avoid
+from trundle.planning.ends import End, find_end, patience_for, place_to_turn
+from trundle.planning.grid_search import GridSearch
+from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
+from trundle.planning.options import check_flag, check_number, check_question
 from trundle.planning.query import Query, no_path, still_hits
 
 _SHORTCUT_STEP_CELLS = 8
 """The shortcut may turn where the grid path turns, and at every so many cells of it."""
 
-_STEP_OFF_M = 0.3
-"""Where a turn at the start or the goal is blocked, the way is closed this far from it, to leave it another way."""
+
+def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
+    """Weights per length of the costs 0 to 255: `neutral_cost + cost_weight · cost`, and 0 (blocked) from 253 on.
+
+    Raises:
+        InputError: If they do not lie between 1 and 10,000.
+    """
+    neutral, factor = (
+        check_number("neutral_cost", neutral_cost, 1.0, 1e4),
+        check_number("cost_weight", cost_weight, 0.0, 1e4),
+    )
+    weights = neutral + factor * np.arange(256, dtype=np.float64)
+    if weights[252] > 10_000.0:
+        raise InputError(
+            f"neutral_cost + 252 · cost_weight must be at most 10000; got {neutral_cost} and {cost_weight}"
+        )
+    weights[INSCRIBED:] = 0.0
+    return weights
+
+
+class FootprintOptions(TypedDict, total=False):
+    """The options that every `FootprintPlanner` takes, for the signatures of those that take more."""
+
+    start_tolerance: float
+    goal_tolerance: float
+    max_replans: int
+    spacing: float
+    allow_partial: bool
+    deadline_s: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,54 +67,62 @@ class _Failure:
 class FootprintPlanner:
     """A* on the grid, the cheapest line-of-sight shortcut of it, and a check of every pose with the footprint.
 
-    A cell costs `neutral_cost + cost_weight · cost` per length; cells of 253 and more are blocked: the inscribed radius
-    is a hard limit. The way is then checked with the oriented footprint every 0.025 m and 2°, with the turns at its
-    vertices and both ends, where the long way round is tried too. On a hit the cells of the colliding poses become
-    lethal for this query, and it is planned again. Where that finds nothing and the robot cannot turn round at the
-    start or the goal, it first drives straight on to where it can, and into the goal from such a place behind it.
+    A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The way
+    is then checked with the oriented footprint every 0.025 m and 2°, with the turns at its vertices and both ends,
+    where the long way round is tried too. On a hit the cells of the colliding poses become lethal for this query, and
+    it is planned again. Where that finds nothing and the robot cannot turn round at the start or the goal, it first
+    drives straight on to where it can, and into the goal from such a place behind it.
+
+    A planner may be used by several threads at once.
 
     Args:
-        name: Name of the planner, for `Path.planner`.
-        neutral_cost: Weight of a free cell.
-        cost_weight: Weight of one unit of cost.
         start_tolerance: How far a start where the robot does not fit may be moved [m].
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
         max_replans: How often to plan again because the footprint hits something.
         spacing: Largest distance between two poses of the path [m].
+        allow_partial: Where the goal cannot be reached, or the robot does not fit there, plan to near it: to the place
+            nearest to it that the inscribed circle can get to, or as far towards that as the footprint fits. It ends
+            with the yaw with which the robot arrives. `Path.status` is "partial" then.
+        deadline_s: Give up after this time [s]; none means as long as it takes.
 
     Raises:
         InputError: If an option is out of range.
     """
 
+    name: ClassVar[str]
+    """Of the planner, for `Path.planner`."""
+
+    _line_weights: FloatArray = cell_weights(1.0, 0.0)
+    """What a length costs in a cell, by its cost, shape (256,)."""
+
     def __init__(
         self,
-        name: str,
         *,
-        neutral_cost: float,
-        cost_weight: float,
         start_tolerance: float = 0.05,
         goal_tolerance: float = 0.25,
         max_replans: int = 20,
         spacing: float = 0.1,
+        allow_partial: bool = False,
+        deadline_s: float | None = None,
     ) -> None:
-        for option, value in (
-            ("start_tolerance", start_tolerance),
-            ("goal_tolerance", goal_tolerance),
-            ("max_replans", max_replans),
-        ):
-            if not (math.isfinite(value) and value >= 0):
-                raise InputError(f"{option} must be a number of 0 or more, got {value}")
-        if not (math.isfinite(spacing) and spacing > 0.0):
-            raise InputError(f"spacing must be a positive number of metres, got {spacing}")
-        self._name = name
-        self._line_weights = cell_weights(neutral_cost, cost_weight)
-        self._search_weights = np.floor(self._line_weights).astype(np.uint16)
-        self._start_tolerance = float(start_tolerance)
-        self._goal_tolerance = float(goal_tolerance)
-        self._max_replans = int(max_replans)
-        self._spacing = float(spacing)
+        self._start_tolerance = check_number("start_tolerance", start_tolerance, 0.0, 1e6, "metres")
+        self._goal_tolerance = check_number("goal_tolerance", goal_tolerance, 0.0, 1e6, "metres")
+        self._max_replans = int(check_number("max_replans", max_replans, 0, 1e6))
+        self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
+        self._allow_partial = check_flag("allow_partial", allow_partial)
+        check_limits(deadline_s, None)
+        self._deadline_s = deadline_s
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, *, goal_yaw_free: bool = False) -> Path:
+    def plan(
+        self,
+        costmap: Costmap,
+        start: Pose2D,
+        goal: Pose2D,
+        *,
+        goal_yaw_free: bool = False,
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
 
         Args:
@@ -90,72 +130,152 @@ class FootprintPlanner:
             start: Where the robot stands.
             goal: Where it shall stand.
             goal_yaw_free: End with the yaw that the robot arrives with, not with the goal's.
+            deadline_s: Give up after this time [s], in place of the planner's own.
+            cancel: Give up when this says so.
 
         Raises:
             OutsideMapError: If the start or the goal lies outside the map.
             BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
             NoPathError: If no way joins them.
             PlanningError: If the footprint still hits something after the last replan; it names the pose.
+            PlanningStoppedError: If it gave up: out of time, or cancelled.
+            InputError: If an argument is none of these.
         """
-        start_end = find_end(costmap, start, "start", self._start_tolerance)
-        goal_end = find_end(costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free)
-        query = Query(costmap, start_end, goal_end, start_end, goal_end, goal_yaw_free)
-        outcome = self._attempt(query, 0)
+        start, goal = check_question(costmap, start, goal)
+        patience = patience_for(costmap, start, goal, self._deadline_s if deadline_s is None else deadline_s, cancel)
+        patience.check()
+        first = find_end(costmap, start, "start", self._start_tolerance, patience=patience)
+        replans = 0
+        try:
+            last = find_end(costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
+        except BlockedPoseError:
+            if not self._allow_partial:
+                raise
+        else:
+            outcome = self._plan_to(Query(costmap, first, last, first, last, goal_yaw_free), patience)
+            if isinstance(outcome, Path):
+                return outcome
+            if not self._allow_partial:
+                raise outcome.error
+            replans = outcome.replans + 1
+        near = self._approach(costmap, first, first, goal, replans, patience)
+        ahead = place_to_turn(costmap, first, 1.0)
+        if ahead != first:
+            other = self._approach(costmap, first, ahead, goal, near.replans + 1, patience)
+            near = min(near, other, key=lambda path: path.remaining_m)
+        return near
+
+    def _plan_to(self, query: Query, patience: Patience) -> Path | _Failure:
+        outcome = self._attempt(query, 0, patience)
         if isinstance(outcome, _Failure):
             straight = query.with_straight_ends()
             if straight != query:
-                outcome = self._attempt(straight, outcome.replans + 1)
-        if isinstance(outcome, _Failure):
-            raise outcome.error
+                outcome = self._attempt(straight, outcome.replans + 1, patience)
         return outcome
 
-    def _attempt(self, query: Query, replans: int) -> Path | _Failure:
+    def _attempt(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
         """Plan, check, and plan again around what the footprint hits; `replans` is what came before."""
         costmap, costs = query.costmap, query.costmap.data
         last = replans + self._max_replans
         hit: FloatArray | None = None
         while True:
-            way = self._find_way(costmap, costs, query.leave, query.enter)
+            patience.check()
+            way = self._find_way(costmap, costs, query.leave, query.enter, patience)
             if way is None:
-                return _Failure(no_path(query, hit), replans)
+                return _Failure(no_path(query, hit, patience), replans)
+            patience.check()
             vertices, cost = way
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
             if len(hits) == 0:
                 return self._path(query, motions, cost, replans)
             hit = hits[0]
-            places = _places_to_avoid(motions, hits, owners)
-            blocked = _block(costmap, costs, places, (query.leave.cell, query.enter.cell))
+            places = places_to_avoid(motions, hits, owners)
+            blocked = block(costmap, costs, places, (query.leave.cell, query.enter.cell))
             if replans == last or np.array_equal(blocked, costs):
                 return _Failure(still_hits(query, hits[0], replans), replans)
             costs = blocked
             replans += 1
 
+    def _approach(
+        self, costmap: Costmap, start: End, leave: End, goal: Pose2D, replans: int, patience: Patience
+    ) -> Path:
+        """A way that leads as near to a goal as it can; `replans` is what came before.
+
+        Each attempt is cut off where the footprint hits something. The next one avoids that place, and is only made if
+        it may end nearer by more than the footprint reaches past its inscribed circle.
+        """
+        costs, last = costmap.data, replans + self._max_replans
+        overhang = costmap.circumscribed_radius - costmap.inscribed_radius + costmap.resolution
+        best: Path | None = None
+        while True:
+            patience.check()
+            target = self._place_near(costmap, costs, leave, goal)
+            least = target.pose.distance_to(goal)
+            if best is not None and best.remaining_m <= least:
+                return best
+            way = self._find_way(costmap, costs, leave, target, patience)
+            vertices = np.array([[leave.pose.x, leave.pose.y]]) if way is None else way[0]
+            query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
+            motions, hits, owners = fit_motions(costmap, query.motions(vertices))
+            path = self._partial_path(query, motions_before(motions, hits, owners), goal, replans)
+            if best is None or path.remaining_m < best.remaining_m:
+                best = path
+            places = places_to_avoid(motions, hits, owners)
+            blocked = block(costmap, costs, places, (leave.cell,)) if len(hits) else costs
+            if best.remaining_m <= least + overhang or replans == last or np.array_equal(blocked, costs):
+                return best
+            costs = blocked
+            replans += 1
+
+    def _place_near(self, costmap: Costmap, costs: npt.NDArray[np.uint8], leave: End, goal: Pose2D) -> End:
+        """The place nearest to a goal that the inscribed circle can get to."""
+        row, col = (int(index) for index in costmap.world_to_cell(goal.x, goal.y))
+        cell = self._nearest_reachable(costmap, costs, leave.cell, (row, col))
+        x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
+        place = End(Pose2D(float(x), float(y)), cell)
+        return leave if leave.pose.distance_to(goal) <= place.pose.distance_to(goal) else place
+
+    def _nearest_reachable(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: tuple[int, int], goal: tuple[int, int]
+    ) -> tuple[int, int]:
+        return GridSearch(costs >= INSCRIBED, method="astar").nearest_reachable(start, goal)
+
     def _find_way(
-        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        """Vertices (x, y) [m] of the cheapest way, and its cost; none where there is none."""
+        """Vertices (x, y) [m] of the cheapest way, and its cost; none where there is none.
+
+        `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
+        """
         # Searched from the lower cell to the higher, so that both directions give the same way.
         turned = (goal.cell, goal.pose.as_tuple()) < (start.cell, start.pose.as_tuple())
         first, last = (goal, start) if turned else (start, goal)
-        cells = self._find_cells(costmap, costs, first.cell, last.cell)
+        cells = self._find_cells(costmap, costs, first.cell, last.cell, patience)
         if len(cells) == 0:
             return None
         centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
         ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
         points = np.concatenate([ends[:1], centres, ends[1:]])
+        patience.check()
         straightened, cost = self._straighten(costs, points)
         vertices = to_map(costmap, straightened)
         vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
         return vertices[::-1] if turned else vertices, cost * costmap.resolution
 
     def _find_cells(
-        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: tuple[int, int], goal: tuple[int, int]
+        self,
+        costmap: Costmap,
+        costs: npt.NDArray[np.uint8],
+        start: tuple[int, int],
+        goal: tuple[int, int],
+        patience: Patience,
     ) -> npt.NDArray[np.int32]:
-        """Cells (row, col) of the best way from cell to cell over `costs`, shape (N, 2), N = 0 where there is none.
-
-        `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
-        """
-        return _core.grid_search(costs, self._search_weights, start, goal)[0]
+        """Cells (row, col) of the best way from cell to cell over `costs`, shape (N, 2), N = 0 where there is none."""
+        weights = np.floor(self._line_weights).astype(np.uint16)
+        cells, cost = _core.grid_search(costs, weights, start, goal, 8, patience.seconds, patience.flag)
+        if math.isnan(cost):
+            patience.check()
+        return cells
 
     def _straighten(self, costs: npt.NDArray[np.uint8], points: FloatArray) -> tuple[FloatArray, float]:
         """A cheaper line than the one through `points` (x, y) in grid units, with the same ends, and its cost."""
@@ -171,27 +291,33 @@ class FootprintPlanner:
         return Path(
             poses_of(motions, first, last, self._spacing),
             cost=cost + leads * float(self._line_weights[0]),
-            planner=self._name,
+            planner=self.name,
             replans=replans,
             start_snapped_m=query.start.snapped_m,
             goal_snapped_m=query.goal.snapped_m,
         )
 
-
-def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
-    """Weights per length of the costs 0 to 255: `neutral_cost + cost_weight · cost`, and 0 (blocked) from 253 on.
-
-    Raises:
-        InputError: If they do not lie between 1 and 10,000.
-    """
-    weights = neutral_cost + cost_weight * np.arange(256, dtype=np.float64)
-    if not (np.isfinite(weights).all() and cost_weight >= 0.0 and weights[0] >= 1.0 and weights[252] <= 10_000.0):
-        raise InputError(
-            "neutral_cost must be 1 or more, cost_weight 0 or more, and neutral_cost + 252 · cost_weight at most "
-            f"10000; got {neutral_cost} and {cost_weight}"
+    def _partial_path(self, query: Query, motions: list[Motion], goal: Pose2D, replans: int) -> Path:
+        costmap = query.costmap
+        first = last = np.array(query.start.pose.as_tuple())
+        cost = 0.0
+        if motions:
+            last = np.array([*motions[-1].end, motions[-1].yaw + motions[-1].turn])
+            lines = np.array([(*motion.start, *motion.end) for motion in motions])
+            starts, ends = (np.ascontiguousarray(to_grid(costmap, part)) for part in (lines[:, :2], lines[:, 2:]))
+            # Out of a start where it cannot turn the robot may drive through cells of 253.
+            costs = _core.line_costs(costmap.data, self._line_weights, starts, ends)
+            lengths = np.hypot(*(ends - starts).T)
+            cost = float(np.where(np.isfinite(costs), costs, lengths * self._line_weights[0]).sum())
+        return Path(
+            poses_of(motions, first, last, self._spacing),
+            cost=cost * costmap.resolution,
+            planner=self.name,
+            replans=replans,
+            start_snapped_m=query.start.snapped_m,
+            status="partial",
+            remaining_m=math.dist(last[:2], (goal.x, goal.y)),
         )
-    weights[INSCRIBED:] = 0.0
-    return weights
 
 
 def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
@@ -212,38 +338,3 @@ def to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:
 def to_map(costmap: Costmap, points: FloatArray) -> FloatArray:
     """Points in grid units in the map frame [m]."""
     return costmap.origin.transform_points(points * costmap.resolution)
-
-
-def _places_to_avoid(motions: list[Motion], hits: FloatArray, owners: list[int]) -> FloatArray:
-    """Places (x, y) [m] that the next way must not go through, shape (K, 2)."""
-    places: dict[tuple[float, float], None] = {}
-    last = len(motions) - 1
-    for pose, owner in zip(hits.tolist(), owners, strict=True):
-        motion = motions[owner]
-        if motion.turn != 0.0 and owner == 0 and last > 0:
-            place = _point_along(motions[1].start, motions[1].end)
-        elif motion.turn != 0.0 and owner == last and last > 0:
-            place = _point_along(motions[last - 1].end, motions[last - 1].start)
-        else:
-            place = (pose[0], pose[1])
-        places[place] = None
-    return np.array(list(places))
-
-
-def _point_along(start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float]:
-    length = math.hypot(end[0] - start[0], end[1] - start[1])
-    t = min(1.0, _STEP_OFF_M / length)
-    return start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])
-
-
-def _block(
-    costmap: Costmap, costs: npt.NDArray[np.uint8], places: FloatArray, keep: tuple[tuple[int, int], ...]
-) -> npt.NDArray[np.uint8]:
-    """Copy the costs with the cells around `places` lethal; those of `keep` stay as they are."""
-    blocked = costs.copy()
-    rows, cols = costmap.world_to_cell(places[:, 0], places[:, 1])
-    for row, col in zip(rows.tolist(), cols.tolist(), strict=True):
-        blocked[max(0, row - 1) : row + 2, max(0, col - 1) : col + 2] = LETHAL
-    for cell in keep:
-        blocked[cell] = costs[cell]
-    return blocked

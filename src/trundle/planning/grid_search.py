@@ -23,7 +23,7 @@ from trundle.planning.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.options import check_number
+from trundle.planning.options import check_flag, check_number
 from trundle.planning.point_path import POINT_METHODS, PointMethod
 
 METHODS = ("auto", "jps", "jps_plus", "astar")
@@ -292,9 +292,8 @@ class GridSearch:
     ) -> tuple[Cells, Cells, tuple[FloatArray, FloatArray, FloatArray]]:
         start_reach = check_number("start_tolerance", start_tolerance, 0.0, math.inf, "cells")
         goal_reach = check_number("goal_tolerance", goal_tolerance, 0.0, math.inf, "cells")
-        if not isinstance(partial, bool | np.bool_):
-            raise InputError(f"partial is true or false, got {partial!r}")
-        wrong, code, first, last, nearly = self._grid.settle_ends(starts, goals, start_reach, goal_reach, bool(partial))
+        partial = check_flag("partial", partial)
+        wrong, code, first, last, nearly = self._grid.settle_ends(starts, goals, start_reach, goal_reach, partial)
         if wrong >= 0:
             raise self._refusal(code, which.format(wrong), starts[wrong].tolist(), goals[wrong].tolist())
         start_moved, goal_moved = (np.hypot(*(new - old).T) for new, old in ((first, starts), (last, goals)))

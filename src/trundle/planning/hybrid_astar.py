@@ -13,8 +13,9 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation
-from trundle.planning.ends import find_end
+from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.ends import find_end, patience_for
+from trundle.planning.options import check_question
 from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
@@ -136,6 +137,7 @@ class HybridAStarPlanner:
         goal: Pose2D,
         *,
         goal_yaw_free: bool = False,
+        deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
@@ -145,6 +147,7 @@ class HybridAStarPlanner:
             start: Where the robot stands.
             goal: Where it shall stand.
             goal_yaw_free: End with the yaw that the robot arrives with, one of 16, not with the goal's.
+            deadline_s: Give up after this time [s], in place of the planner's own.
             cancel: Give up when this says so.
 
         Raises:
@@ -152,10 +155,14 @@ class HybridAStarPlanner:
             BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
             NoPathError: If no way of such arcs and lines joins them.
             PlanningStoppedError: If it gave up: out of time, out of expansions, or cancelled.
+            InputError: If an argument is none of these.
         """
         settings = self.settings
-        first = find_end(costmap, start, "start", settings.start_tolerance)
-        last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free)
+        start, goal = check_question(costmap, start, goal)
+        patience = patience_for(costmap, start, goal, settings.deadline_s if deadline_s is None else deadline_s, cancel)
+        patience.check()
+        first = find_end(costmap, start, "start", settings.start_tolerance, patience=patience)
+        last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
         query = Query(costmap, first, last, first, last, goal_yaw_free)
         padding = self._padding_at_ends(query)
         status, poses, backward, _, cost, effort = self._search.plan(
@@ -168,11 +175,13 @@ class HybridAStarPlanner:
             max(2.0 * _PADDING_SHARE * padding, _LEAST_STEP_M),
             self._spacing(padding),
             settings.max_expansions,
-            settings.deadline_s,
-            None if cancel is None else cancel.flag,
+            patience.seconds,
+            patience.flag,
         )
+        if status in (_TIMEOUT, _CANCELLED):
+            raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
         if status != 0:
-            raise self._failure(query, status, effort[0])
+            raise self._failure(query, status, effort[0], patience)
         return Path(
             _in_map(query, poses),
             cost=cost,
@@ -199,12 +208,12 @@ class HybridAStarPlanner:
         room = max((1.0 - _PADDING_SHARE) * padding, 1e-5)
         return min(float(self.settings.spacing), math.sqrt(8.0 * radius * room))
 
-    def _failure(self, query: Query, status: int, expansions: int) -> PlanningError:
+    def _failure(self, query: Query, status: int, expansions: int, patience: Patience) -> PlanningError:
         goal = query.goal
         where = {"pose": goal.pose.as_tuple(), "cell": goal.cell}
         settings = self.settings
         if status == _CLOSED_OFF:
-            return no_path(query, None)
+            return no_path(query, None, patience)
         if status == _UNREACHABLE:
             how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
             also = "turning in place, " if settings.in_place else ""
@@ -214,13 +223,8 @@ class HybridAStarPlanner:
                 f"footprint gets there by none of {expansions} poses that were tried",
                 **where,
             )
-        if status == _TIMEOUT:
-            why = f"the deadline of {settings.deadline_s:g} s passed"
-        elif status == _CANCELLED:
-            why = "it was cancelled"
-        else:
-            why = f"{settings.max_expansions} nodes were expanded (max_expansions)"
-        return PlanningStoppedError(f"no path {query.ends} found yet when {why}", **where)
+        why = f"{settings.max_expansions} nodes were expanded (max_expansions)"
+        return PlanningStoppedError(f"no path {query.ends} found yet when {why}", **where, status="exhausted")
 
 
 def _on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:

@@ -123,6 +123,24 @@ def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], 
     return chosen, every[hit], owner[hit].tolist()
 
 
+def motions_before(motions: list[Motion], hits: FloatArray, owners: list[int]) -> list[Motion]:
+    """What can be driven of motions before the first of the poses where something is hit, as of `fit_motions`."""
+    if len(hits) == 0:
+        return motions
+    kept = motions[: owners[0]]
+    line = motions[owners[0]]
+    if line.turn == 0.0:
+        # The pose before the one that hits is clear, and it is a step away at most.
+        clear = math.dist(line.start, hits[0][:2]) - CHECK_STEP_M
+        if clear > 0.0:
+            share = clear / math.dist(line.start, line.end)
+            end = tuple(a + share * (b - a) for a, b in zip(line.start, line.end, strict=True))
+            kept.append(Motion(line.start, (end[0], end[1]), line.yaw))
+    while kept and kept[-1].turn != 0.0:  # nothing is driven after that turn
+        kept.pop()
+    return kept
+
+
 def poses_of(motions: list[Motion], start: FloatArray, goal: FloatArray, spacing_m: float) -> FloatArray:
     """Poses of a `Path`: the vertices exactly, points between them at most `spacing_m` apart, long turns in pieces."""
     if not motions:

@@ -11,6 +11,7 @@ from trundle import _core
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.errors import NoPathError, PlanningError
 from trundle.geometry import FloatArray
+from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End, place_to_turn
 from trundle.planning.motions import Motion, motions_along
 
@@ -71,8 +72,12 @@ def still_hits(query: Query, hit: FloatArray, replans: int) -> PlanningError:
     )
 
 
-def no_path(query: Query, hit: FloatArray | None) -> NoPathError:
-    """The error for ends that no way joins; `hit` is the pose where the footprint hit something on the last one."""
+def no_path(query: Query, hit: FloatArray | None, patience: Patience) -> NoPathError:
+    """The error for ends that no way joins; `hit` is the pose where the footprint hit something on the last one.
+
+    Raises:
+        PlanningStoppedError: If patience ends before the reason is known.
+    """
     costmap, start, goal = query.costmap, query.leave, query.enter
     if hit is not None:
         x, y, yaw = hit.tolist()
@@ -85,8 +90,10 @@ def no_path(query: Query, hit: FloatArray | None) -> NoPathError:
     # For a point, with as few steps as possible through what is too narrow for the robot.
     weights = np.ones(256, dtype=np.uint16)
     weights[INSCRIBED], weights[LETHAL:] = 10_000, 0
-    cells, _ = _core.grid_search(costmap.data, weights, start.cell, goal.cell, 4)
+    cells, cost = _core.grid_search(costmap.data, weights, start.cell, goal.cell, 4, patience.seconds, patience.flag)
     if len(cells) == 0:
+        if math.isnan(cost):
+            patience.check()
         return NoPathError(
             f"no path {query.ends}: they are separated by occupied or unknown space, and no robot could get there",
             pose=goal.pose.as_tuple(),
