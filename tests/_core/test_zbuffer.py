@@ -23,6 +23,13 @@ def test_each_pixel_shows_what_its_ray_meets_first(triangles, perspective):
     assert np.allclose(depths[sure], distances[sure], rtol=1e-6, atol=1e-6)
 
 
+def test_a_face_cut_by_the_near_plane_has_no_hole_where_its_parts_meet():
+    face = np.array([[[0.0, 0.0, 5.0], [2.5, 0.5, 2.5], [-2.5, 0.5, -0.5]]])
+    faces, depths = draw_triangles(face, SIZE, SIZE, 1.0, 0.1, True)
+    assert faces[6, 3] == 0
+    assert depths[6, 3] == pytest.approx(0.3184713375796178)
+
+
 def test_an_empty_scene_shows_nothing():
     faces, depths = draw_triangles(np.zeros((0, 3, 3)), 4, 3, 1.0, 0.1, True)
     assert faces.shape == (3, 4)

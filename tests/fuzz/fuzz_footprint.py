@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import random
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -14,13 +15,16 @@ from trundle._core import footprint_clearance, footprint_collides
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.path import Path
+from trundle.planning import PathCheck
 
 CLOSE = 1e-6
 
 
-def make_outline(generator: random.Random) -> FloatArray:
+def make_outline(generator: random.Random, sizes: Sequence[float] = (0.01, 0.3, 1.0, 4.0, 300.0)) -> FloatArray:
     """A convex outline around base_link: a box, or corners on an ellipse."""
-    size = generator.choice((0.01, 0.3, 1.0, 4.0, 300.0))
+    size = generator.choice(sizes)
     if generator.random() < 0.5:
         front, back, side = (size * generator.uniform(0.05, 1.0) for _ in range(3))
         return np.array([(front, side), (-back, side), (-back, -side), (front, -side)])
@@ -44,7 +48,30 @@ def placed(costmap: Costmap, pose: FloatArray) -> shapely.Polygon:
     return shapely.Polygon(costmap.origin.inverse().transform_points(in_map) / costmap.resolution)
 
 
-def one_round(generator: random.Random) -> None:
+def check_path(generator: random.Random) -> None:
+    """A path on a map that changes: the check finds the first pose at which the footprint touches something."""
+    rng = rng_of(generator)
+    shape = generator.choice((30, 60, 80)), generator.choice((33, 60))
+    data = np.where(rng.random(shape) < generator.choice((0.0, 0.002, 0.02)), 100, 0).astype(np.int8)
+    data[rng.random(shape) < generator.choice((0.0, 0.001))] = -1
+    origin = Pose2D(*rng.uniform(-5, 5, 2).tolist(), generator.choice((0.0, generator.uniform(-7, 7))))
+    outline = make_outline(generator, (0.01, 0.3, 1.0, 4.0))
+    options = generator.choice((0.0, 0.5, None)), generator.choice((0.0, 1.0, 3.0, 30.0))
+    costmap = Costmap.from_grid(OccupancyGrid(data, generator.choice((0.05, 0.1)), origin), outline, *options)
+    size = np.array(shape[::-1]) * costmap.resolution
+    places = origin.transform_points(rng.uniform(-0.1, 1.1, (generator.choice((1, 2, 5)), 2)) * size)
+    check = PathCheck(Path(np.column_stack([places, rng.uniform(-7, 7, len(places))])))
+    for _ in range(3):
+        begin = generator.randrange(len(check.poses))
+        touching = np.flatnonzero(costmap.footprint_collides(check.poses[begin:]))
+        hit = check.first_hit(costmap, begin)
+        assert (None if hit is None else hit.index) == (begin + int(touching[0]) if len(touching) else None)
+        row, col = generator.randrange(shape[0]), generator.randrange(shape[1])
+        rectangle = slice(row, row + 1 + (shape[0] - row) // 5), slice(col, col + 1 + (shape[1] - col) // 5)
+        costmap = costmap.update(*rectangle, generator.choice((100, 100, 0, -1)))
+
+
+def check_poses(generator: random.Random) -> None:
     costmap, rng = make_costmap(generator), rng_of(generator)
     rows, cols = costmap.shape
     x, y = costmap.cell_to_world(rng.uniform(-1, rows + 1, 6), rng.uniform(-1, cols + 1, 6))
@@ -74,3 +101,7 @@ def one_round(generator: random.Random) -> None:
         to_edge = shapely.boundary(area).distance(polygon)
         distance = min([to_edge, *shapely.distance(boxes, polygon).tolist()]) * costmap.resolution
         assert math.isclose(clearance, 0.0 if hit else min(cap, distance), rel_tol=1e-7, abs_tol=1e-7)
+
+
+def one_round(generator: random.Random) -> None:
+    generator.choice((check_path, check_poses, check_poses))(generator)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, ways_from
 from trundle.errors import BlockedPoseError, InputError, PlanningError
 from trundle.planning import Cancellation, GridSearch
 
@@ -37,7 +38,9 @@ def make_map(generator: random.Random) -> np.ndarray:
     rows, cols = generator.choice(SIZES), generator.choice(SIZES)
     rng = np.random.default_rng(generator.randrange(2**32))
     step_row, step_col = generator.choice((1, 1, -1, 2)), generator.choice((1, 1, -1, 3))
-    base = rng.random((rows * abs(step_row), cols * abs(step_col))) < generator.choice((0.0, 0.02, 0.1, 0.3, 0.6, 1.0))
+    base = rng.random((rows * abs(step_row), cols * abs(step_col))) < generator.choice(
+        (0.0, 0.02, 0.1, 0.3, 0.6, 1.0, *[generator.random()] * 6)
+    )
     if generator.random() < 0.3:
         base[:: generator.choice((2, 4, 9))] = True
         base[:, :: generator.choice((3, 7, 64))] = False
@@ -121,6 +124,28 @@ def ask_moved(generator: random.Random, search: GridSearch, current: np.ndarray)
     assert path.length == search.shortest_path(first, last).length
 
 
+def check_dijkstra(generator: random.Random, searches: list[GridSearch], current: np.ndarray) -> None:
+    """From one cell to many, corners and itself among them: the lengths of SciPy's Dijkstra, to the last step."""
+    free = np.argwhere(~current)
+    if len(free) == 0:
+        return
+    start = tuple(generator.choice(free).tolist())
+    corners = [(row, col) for row in (0, current.shape[0] - 1) for col in (0, current.shape[1] - 1)]
+    goals = [start, *[cell for cell in corners if not current[cell]]]
+    goals += [tuple(generator.choice(free).tolist()) for _ in range(6)]
+    costs = ways_from(current, start, searches[0].connectivity)
+    for search in searches:
+        many = search.plan_many([start] * len(goals), goals, threads=1)
+        for goal, path in zip(goals, many, strict=True):
+            if math.isinf(costs[goal]):
+                assert (path.status, path.length) == ("unreachable", math.inf)
+                continue
+            straight, diagonal = count_steps(current, path, start, goal, search.connectivity)
+            assert goal == start or straight * STRAIGHT + diagonal * DIAGONAL == costs[goal]
+            assert math.isclose(path.length, straight + diagonal * math.sqrt(2.0), rel_tol=1e-12)
+            assert path == search.shortest_path(start, goal)
+
+
 def one_round(generator: random.Random) -> None:
     """One map, searched, changed and searched again."""
     blocked = make_map(generator)
@@ -131,7 +156,9 @@ def one_round(generator: random.Random) -> None:
     for _ in range(generator.randrange(1, 5)):
         for _ in range(generator.randrange(1, 8)):
             ask(searches, pick(generator, shape, 0.1), pick(generator, shape, 0.1))
+        check_dijkstra(generator, searches, current)
         update(generator, searches, current)
+    check_dijkstra(generator, searches, current)
     ask([GridSearch(current, connectivity), *searches], pick(generator, shape, 0.0), pick(generator, shape, 0.0))
     ask_many(generator, searches)
     for search in searches:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from support.swept import swept_area_blocked
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
@@ -114,6 +115,7 @@ def check(costmap: Costmap, planner: HybridAStarPlanner, path: Path) -> None:
     if turns.max(initial=0.0) > 0.5:  # the poses of a turn in place are far apart, and lie on an arc
         return
     assert not costmap.footprint_collides(between(path), outline=thinner).any()
+    assert swept_area_blocked(costmap, path, thinner) == 0.0
     if not planner.settings.in_place:
         lengths = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
         assert (turns <= 1.01 * lengths * np.pi / 2 / planner.settings.minimum_turning_radius + 1e-4).all()

@@ -5,13 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage, sparse
-from scipy.sparse import csgraph
+from scipy import ndimage
 
+from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, ways_from
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.planning import Cancellation, GridSearch
 
-STRAIGHT, DIAGONAL = 5741, 8119
 METHODS = {8: ("jps", "jps_plus", "astar"), 4: ("astar",)}
 SIZES = (1, 2, 3, 7, 20, 61, 62, 63, 64, 65, 66, 126, 127, 128, 129, 190)
 
@@ -36,43 +35,6 @@ def make_map(rows, cols, kind, seed):
     return blocked
 
 
-def graph_of(blocked, connectivity):
-    """Every step that is allowed, with its cost, for SciPy."""
-    rows, cols = blocked.shape
-    free, index = ~blocked, np.arange(blocked.size).reshape(blocked.shape)
-    sources, targets, prices = [], [], []
-    for dr, dc in [(0, 1), (1, 0)] + ([(1, 1), (1, -1)] if connectivity == 8 else []):
-        here = (slice(0, rows - dr), slice(0, cols - dc) if dc >= 0 else slice(1, cols))
-        there = (slice(dr, rows), slice(dc, cols) if dc >= 0 else slice(0, cols - 1))
-        allowed = free[here] & free[there]
-        if dr and dc:
-            allowed &= free[here[0], there[1]] & free[there[0], here[1]]
-        sources.append(index[here][allowed])
-        targets.append(index[there][allowed])
-        prices.append(np.full(allowed.sum(), DIAGONAL if dr and dc else STRAIGHT, float))
-    size = blocked.size
-    return sparse.csr_matrix((np.concatenate(prices), (np.concatenate(sources), np.concatenate(targets))), (size, size))
-
-
-def count_steps(blocked, path, start, goal, connectivity=8):
-    """Straight and diagonal steps of a path, each of which is allowed; its waypoints are its turning points."""
-    cells = path.cells
-    assert cells.dtype == np.int32
-    assert tuple(cells[0]) == tuple(start)
-    assert tuple(cells[-1]) == tuple(goal)
-    assert not blocked[cells[:, 0], cells[:, 1]].any()
-    steps, before = np.diff(cells, axis=0), cells[:-1]
-    assert (np.abs(steps).max(axis=1) == 1).all()
-    assert not blocked[before[:, 0] + steps[:, 0], before[:, 1]].any()
-    assert not blocked[before[:, 0], before[:, 1] + steps[:, 1]].any()
-    turns = np.ones(len(cells), bool)
-    turns[1:-1] = (steps[1:] != steps[:-1]).any(axis=1)
-    assert np.array_equal(path.waypoints, cells[turns])
-    diagonal = int(np.abs(steps).sum(axis=1).sum()) - len(steps)
-    assert connectivity == 8 or diagonal == 0
-    return len(steps) - diagonal, diagonal
-
-
 def check_queries(blocked, connectivity, seed, count=25):
     """Ways from one cell to many, of every method, against Dijkstra's."""
     free = np.argwhere(~blocked)
@@ -81,8 +43,7 @@ def check_queries(blocked, connectivity, seed, count=25):
     rng = np.random.default_rng(seed)
     start = tuple(free[rng.integers(len(free))].tolist())
     goals = [tuple(cell) for cell in free[rng.integers(len(free), size=count)].tolist()]
-    source = start[0] * blocked.shape[1] + start[1]
-    costs = csgraph.dijkstra(graph_of(blocked, connectivity), directed=False, indices=source).reshape(blocked.shape)
+    costs = ways_from(blocked, start, connectivity)
     for method in METHODS[connectivity]:
         search = GridSearch(blocked, connectivity, method=method)
         assert search.method == method
@@ -120,12 +81,12 @@ def test_ways_are_dijkstras_on_odd_sizes(shape):
 def test_ways_from_and_to_every_corner_and_border_cell():
     blocked = make_map(9, 70, "boxes", 3)
     border = [(r, c) for r in range(9) for c in range(70) if (r in (0, 8) or c in (0, 69)) and not blocked[r, c]]
-    costs = csgraph.dijkstra(graph_of(blocked, 8), directed=False)
-    for method in METHODS[8]:
-        search = GridSearch(blocked, method=method)
-        for start in border[::5]:
+    searches = [GridSearch(blocked, method=method) for method in METHODS[8]]
+    for start in border[::5]:
+        costs = ways_from(blocked, start)
+        for search in searches:
             for goal in border:
-                expected = costs[start[0] * 70 + start[1], goal[0] * 70 + goal[1]]
+                expected = costs[goal]
                 path = search.shortest_path(start, goal)
                 if np.isinf(expected):
                     assert path.status == "unreachable"

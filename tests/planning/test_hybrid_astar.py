@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.swept import densely, swept_area_blocked
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import (
@@ -50,40 +50,6 @@ def costmap_of(data, footprint: npt.ArrayLike = CARTER, resolution=0.05, origin=
     return Costmap.from_grid(
         OccupancyGrid(data, resolution, origin or Pose2D(-resolution, -resolution)), np.array(footprint)
     )
-
-
-def densely(path, step=0.01):
-    """Poses along the straight lines and turns that a path stands for."""
-    pieces = [path.poses[:1]]
-    for a, b in zip(path.poses[:-1], path.poses[1:], strict=True):
-        change = np.array([b[0] - a[0], b[1] - a[1], math.remainder(b[2] - a[2], 2 * math.pi)])
-        count = 1 + int(max(math.hypot(*change[:2]), abs(change[2])) / step)
-        pieces.append(a + np.linspace(0, 1, count + 1)[1:, None] * change)
-    return np.concatenate(pieces)
-
-
-def swept_area_blocked(costmap, path):
-    """Area [m²] of blocked cells that the footprint sweeps over: hulls of neighbouring placements, by shapely."""
-    poses = densely(path)
-    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    corners = costmap.footprint
-    placed = np.stack(
-        [
-            poses[:, :1] + cos[:, None] * corners[:, 0] - sin[:, None] * corners[:, 1],
-            poses[:, 1:2] + sin[:, None] * corners[:, 0] + cos[:, None] * corners[:, 1],
-        ],
-        axis=2,
-    )
-    both = np.concatenate([placed[:-1], placed[1:]], axis=1)
-    swept = shapely.union_all(shapely.convex_hull(shapely.multipoints(both)))
-    rows, cols = np.nonzero(costmap.data >= 254)
-    edges = [
-        costmap.origin.transform_points(costmap.resolution * np.column_stack([cols + dx, rows + dy]))
-        for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))
-    ]
-    shapely.prepare(swept)
-    cells = [shapely.Polygon(corners) for corners in np.stack(edges, axis=1)]
-    return sum(cell.intersection(swept).area for cell in cells if swept.intersects(cell))
 
 
 def assert_drivable(costmap, path, start, goal, *, radius=0.4, in_place=False, forward_only=False):

@@ -115,7 +115,9 @@ class ZBuffer {
       if ((b.x - a.x) * (y - a.y) < 0.0) right = left - 1.0;
       return;
     }
-    const double x = a.x + (b.x - a.x) * (y - a.y) / rise;
+    // From the lower end, so that both triangles at an edge get the same place and leave no pixel between them.
+    const Spot &low = rise > 0.0 ? a : b, &high = rise > 0.0 ? b : a;
+    const double x = low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y);
     if (rise < 0.0)
       left = std::max(left, x);
     else
