@@ -104,17 +104,18 @@ class BitJumps {
   // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in a direction.
   // A diagonal jump that has led so far away that the way to the goal costs more than `least` from here is put off:
   // where it got to is given as if it were a jump point, and most are never asked for again.
-  template <typename Reach>
-  void jump(int direction, GridCell from, GridCell goal, std::uint64_t least, Reach &&reach) const {
+  template <typename Estimate, typename Reach>
+  void jump(int direction, GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate,
+            Reach &&reach) const {
     switch (direction) {
       case 0: straight<0>(from, goal, 0, reach); break;
-      case 1: diagonal<1>(from, goal, least, reach); break;
+      case 1: diagonal<1>(from, goal, least, estimate, reach); break;
       case 2: straight<2>(from, goal, 0, reach); break;
-      case 3: diagonal<3>(from, goal, least, reach); break;
+      case 3: diagonal<3>(from, goal, least, estimate, reach); break;
       case 4: straight<4>(from, goal, 0, reach); break;
-      case 5: diagonal<5>(from, goal, least, reach); break;
+      case 5: diagonal<5>(from, goal, least, estimate, reach); break;
       case 6: straight<6>(from, goal, 0, reach); break;
-      default: diagonal<7>(from, goal, least, reach);
+      default: diagonal<7>(from, goal, least, estimate, reach);
     }
   }
 
@@ -148,8 +149,8 @@ class BitJumps {
     return !stop.blocked || steps > 1;
   }
 
-  template <int Direction, typename Reach>
-  void diagonal(GridCell from, GridCell goal, std::uint64_t least, Reach &reach) const {
+  template <int Direction, typename Estimate, typename Reach>
+  void diagonal(GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate, Reach &reach) const {
     constexpr int kAlong = kStepCol[Direction] > 0 ? 0 : 4, kUp = kStepRow[Direction] > 0 ? 2 : 6;
     GridCell cell = from;
     bool free = !rows_.blocked(cell.row, cell.col + kStepCol[Direction]) &&
@@ -157,8 +158,7 @@ class BitJumps {
     for (std::uint64_t steps = 1; free; ++steps) {
       cell = {cell.row + kStepRow[Direction], cell.col + kStepCol[Direction]};
       if (rows_.blocked(cell.row, cell.col)) return;
-      if (steps % kAtOnce == 0 &&
-          steps * kDiagonalCost + octile_cost(cell.row - goal.row, cell.col - goal.col) > least) {
+      if (steps % kAtOnce == 0 && steps * kDiagonalCost + estimate(cell) > least) {
         reach(cell, 0, steps, Direction);
         return;
       }
@@ -189,13 +189,13 @@ inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arriva
   return onward;
 }
 
-// Start and goal are free and joined. The way is the octile optimum.
-template <typename Jumps>
-GridWay jump_search(const BitGrid &rows, const Jumps &jumps, GridCell start, GridCell goal, const Patience &patience,
-                    JumpNodes &memory) {
+// Start and goal are free and joined. The way is the octile optimum. `estimate` is at most what a way to the goal costs;
+// it need not be consistent, as cells that are reached more cheaply later are gone on from again.
+template <typename Jumps, typename Estimate>
+GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &estimate, GridCell start, GridCell goal,
+                    const Patience &patience, JumpNodes &memory) {
   constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
   memory.clear();
-  const auto estimate = [&](GridCell cell) { return octile_cost(cell.row - goal.row, cell.col - goal.col); };
   memory.at(start);
   memory.open.push_back({estimate(start), 0, 0});
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
@@ -226,7 +226,7 @@ GridWay jump_search(const BitGrid &rows, const Jumps &jumps, GridCell start, Gri
       if (cell == goal) best = total;
     };
     for (unsigned left = onward_directions(rows, node.cell, node.arrival); left != 0; left &= left - 1) {
-      jumps.jump(__builtin_ctz(left), node.cell, goal, entry.total - entry.reached, reach);
+      jumps.jump(__builtin_ctz(left), node.cell, goal, entry.total - entry.reached, estimate, reach);
     }
   }
   way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;

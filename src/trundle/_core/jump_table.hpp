@@ -35,8 +35,8 @@ class JumpTable {
   std::size_t bytes() const { return spans_.size() * sizeof(std::int16_t); }
 
   // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in a direction.
-  template <typename Reach>
-  void jump(int direction, GridCell from, GridCell goal, std::uint64_t, Reach &&reach) const {
+  template <typename Estimate, typename Reach>
+  void jump(int direction, GridCell from, GridCell goal, std::uint64_t, const Estimate &, Reach &&reach) const {
     if (direction % 2 == 0) {
       straight(direction, from, goal, 0, reach);
       return;
