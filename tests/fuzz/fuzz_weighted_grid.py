@@ -76,7 +76,10 @@ def check_lines(generator: random.Random, costs: np.ndarray, weights: FloatArray
     rng = rng_of(generator)
     rows, cols = costs.shape
     points = rng.uniform((0, 0), (cols, rows), (generator.choice((2, 5, 9)), 2))
-    if generator.random() < 0.5:
+    kind = generator.choice(("anywhere", "centres", "halves"))
+    if kind == "centres":
+        points = np.floor(points) + 0.5
+    if kind == "halves":
         points = np.floor(points * 2.0) / 2.0  # centres, corners and borders
     if generator.random() < 0.3:
         attempt(_core.line_costs, spoil(generator, (costs, weights, points[:-1].copy(), points[1:].copy())))
@@ -94,6 +97,8 @@ def check_lines(generator: random.Random, costs: np.ndarray, weights: FloatArray
         # A line that passes a corner within rounding may be refused; none that is blocked may pass.
         assert math.isinf(cost) or math.isclose(cost, expected, rel_tol=1e-8, abs_tol=1e-3), (cost, expected)
         assert not (math.isfinite(cost) and math.isinf(expected))
+    if kind == "halves":  # a line may end at the corner of a blocked cell, but not pass it: parts are not the whole
+        return
     chosen, cost = _core.shortcut(costs, weights, points)
     direct = float(found.sum())
     assert cost <= direct * (1.0 + 1e-12)

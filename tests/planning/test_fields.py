@@ -119,6 +119,24 @@ def test_costs_beyond_32_bits_are_still_exact() -> None:
     assert field[1, 1999] == np.float32(65534.0 * 1999)
 
 
+def test_the_dearest_costs_that_are_taken_and_the_least_ones_are_exact() -> None:
+    # The longest way through a map goes through all of it; numbers below 1.2e-38 are kept with fewer digits.
+    for cost, exact in ((2e36, 1e-6), (1e-37, 1e-6), (1e-44, 0.1)):
+        costs = np.full((5, 7), cost, dtype=np.float32)
+        costs[1, :-1] = costs[3, 1:] = np.inf
+        field = cost_field(costs, (0, 0))
+        assert field[4, 6] == pytest.approx(22 * float(costs[0, 0]), rel=exact)
+        assert np.isfinite(field).sum() == np.isfinite(costs).sum()
+
+
+def test_costs_of_0_lead_nowhere_else_than_dearer_ones_do() -> None:
+    costs = np.zeros((40, 70), dtype=np.float32)
+    costs[::3] = np.float32(0.5)
+    costs[:, 20] = np.inf
+    costs[7, 20] = -0.0
+    assert_same(cost_field(costs, (39, 60)), by_dijkstra(costs, [(39, 60)]))
+
+
 def test_free_travel_costs_nothing() -> None:
     field = cost_field(np.zeros((40, 40), dtype=np.float32), (3, 3))
     assert (field == 0.0).all()
@@ -153,6 +171,9 @@ def test_views_of_arrays_are_taken() -> None:
         (np.ones((0, 5)), r"at least one cell"),
         (np.full((2, 2), np.nan), r"\(0, 0\) is nan"),
         (np.array([[1.0, -0.5]]), r"\(0, 1\) is -0.5"),
+        (np.array([[1.0, 1e300]]), r"\(0, 1\) is 1e\+300"),
+        (np.full((2, 4), 3e38, dtype=np.float32), r"from 0 to 2.13e\+37"),
+        ([[1, 2], [3]], "shape"),
         (np.array([[1, -1]]), "from 0 to 65535"),
         (np.array([[1, 70000]]), "from 0 to 65535"),
         (np.array([["a"]]), "cannot be used"),

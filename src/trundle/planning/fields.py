@@ -50,7 +50,8 @@ def cost_field(
         float32, shape (rows, cols): 0 at the goals, infinity in walls and where no way leads to a goal.
 
     Raises:
-        InputError: If the costs have another shape or kind, are negative or NaN, or an option is out of range.
+        InputError: If the costs have another shape or kind, are negative, NaN or so large that a way through all cells
+            would be dearer than float32 holds, or an option is out of range.
         OutsideMapError: If a goal lies outside the grid; `cell` says which.
         BlockedPoseError: If a goal lies in a wall; `cell` says which.
         PlanningStoppedError: If it gave up: out of time, or cancelled.
@@ -73,7 +74,10 @@ def cost_field(
 
 def _as_costs(costs: npt.ArrayLike) -> CostArray:
     """The costs as an array that the kernel takes, checked."""
-    array = np.asarray(costs)
+    try:
+        array = np.asarray(costs)
+    except ValueError as error:
+        raise InputError(f"costs need shape (rows, cols): {error}") from None
     if array.ndim != 2 or array.size == 0:
         raise InputError(f"costs need shape (rows, cols) with at least one cell, got {array.shape}")
     if array.dtype == np.bool_:
@@ -86,13 +90,23 @@ def _as_costs(costs: npt.ArrayLike) -> CostArray:
             )
         array = array.astype(np.uint16)
     elif array.dtype.kind == "f":
+        _check_numbers(array)
         array = array.astype(np.float32, copy=False)
-        if not (array >= 0.0).all():
-            row, col = (int(index) for index in np.argwhere(~(array >= 0.0))[0])
-            raise InputError(f"costs must be 0 or more, infinity for a wall; ({row}, {col}) is {array[row, col]}")
     elif array.dtype.name not in _WALLS:
         raise InputError(f"costs of type {array.dtype} cannot be used; give uint8, uint16, float32 or bool")
     return cast("CostArray", np.ascontiguousarray(array))
+
+
+def _check_numbers(costs: npt.NDArray[np.floating]) -> None:
+    """Raise `InputError` unless all are costs or walls, and no way through all cells is dearer than float32 holds."""
+    most = float(np.finfo(np.float32).max) / (2.0 * costs.size)
+    fine = (costs >= 0.0) & ((costs <= most) | (costs == np.inf))
+    if not fine.all():
+        row, col = (int(index) for index in np.argwhere(~fine)[0])
+        raise InputError(
+            f"costs must be from 0 to {most:.3g} on a map of this size, or infinity for a wall; "
+            f"({row}, {col}) is {costs[row, col]}"
+        )
 
 
 def _as_cells(goals: npt.ArrayLike, costs: CostArray) -> npt.NDArray[np.int64]:
