@@ -127,6 +127,8 @@ def test_writable_costs_are_copied():
         ({"inflation_radius": -1.0}, "inflation_radius"),
         ({"inflation_radius": math.nan}, "inflation_radius"),
         ({"inflation_radius": 1e9}, "inflation_radius"),
+        ({"inflation_radius": "1"}, "inflation_radius"),
+        ({"cost_scaling_factor": "3"}, "cost_scaling_factor"),
         ({"cost_scaling_factor": -1.0}, "cost_scaling_factor"),
         ({"cost_scaling_factor": math.inf}, "cost_scaling_factor"),
     ],
@@ -157,6 +159,12 @@ def test_bad_footprints_are_refused(outline, message):
 def test_bad_costs_are_refused(data):
     with pytest.raises(MapError, match="uint8"):
         Costmap(data, 0.1, Pose2D(0, 0), np.array(SQUARE), 1.0)
+
+
+@pytest.mark.parametrize("resolution", [0.0, -0.1, math.nan, math.inf, "0.1"])
+def test_a_resolution_that_is_no_size_is_refused(resolution):
+    with pytest.raises(MapError, match="resolution"):
+        Costmap(np.zeros((3, 3), np.uint8), resolution, Pose2D(0, 0), SQUARE, 1.0)
 
 
 def test_a_clockwise_outline_is_turned_round():
@@ -256,8 +264,9 @@ def test_clearance_is_capped():
     costmap = Costmap.from_grid(OccupancyGrid(np.zeros((200, 200), np.int8), 0.1), SQUARE)
     assert costmap.clearance([(10.0, 10.0, 0.4)]).tolist() == [2.0]
     assert costmap.clearance([(10.0, 10.0, 0.0)], cap=100.0)[0] == pytest.approx(9.8)
-    with pytest.raises(InputError, match="cap"):
-        costmap.clearance([(10.0, 10.0, 0.0)], cap=0.0)
+    for cap in (0.0, math.nan, "1"):
+        with pytest.raises(InputError, match="cap"):
+            costmap.clearance([(10.0, 10.0, 0.0)], cap=cap)
 
 
 def test_one_pose_and_no_pose_are_batches_too():
@@ -362,6 +371,8 @@ def test_an_update_makes_a_new_costmap_and_leaves_the_old_one():
         (slice(0, 2), slice(0, 2), 101),
         (slice(0, 2), slice(0, 2), -2),
         (slice(0, 2), slice(0, 2), 0.5),
+        (slice(0, 2), slice(0, 2), [[1], [0, 0]]),
+        (slice(0, 2), slice(0, 2), None),
         (slice(0, 2), slice(0, 2), [100, 0]),
     ],
 )

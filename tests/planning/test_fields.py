@@ -199,7 +199,9 @@ def test_bad_goals_are_refused_with_their_cell() -> None:
             cost_field(costs, goals)
 
 
-@pytest.mark.parametrize("options", [{"connectivity": 6}, {"threads": 0}, {"threads": 5000}])
+@pytest.mark.parametrize(
+    "options", [{"connectivity": 6}, {"threads": 0}, {"threads": 5000}, {"threads": "2"}, {"threads": 1.5}]
+)
 def test_bad_options_are_refused(options: dict[str, int]) -> None:
     with pytest.raises(InputError, match=next(iter(options))):
         cost_field(np.ones((2, 2), dtype=np.uint8), (0, 0), **options)

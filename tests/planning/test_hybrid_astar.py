@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support.swept import densely, swept_area_blocked
+from support.swept import densely, penalised_length, swept_area_blocked
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import (
@@ -210,6 +210,21 @@ def test_the_price_of_reversing_decides_which_way_round():
     start, goal = Pose2D(6, 3, 0.0), Pose2D(3, 3, 0.0)
     assert HybridAStarPlanner(reverse_penalty=1.0).plan(costmap, start, goal).backward.all()
     assert not HybridAStarPlanner(reverse_penalty=20.0).plan(costmap, start, goal).backward.all()
+
+
+@pytest.mark.parametrize("kind", [{}, {"in_place": True}, {"motion_model": "dubins"}])
+def test_where_no_cell_costs_the_cost_is_the_length_with_its_penalties(kind):
+    costmap = costmap_of(np.zeros((120, 130), np.int8))
+    penalties = {"reverse_penalty": 3.0, "change_penalty": 0.4, "turn_penalty": 0.7}
+    planner, rng, reversed_paths = HybridAStarPlanner(**kind, **penalties), np.random.default_rng(0), 0
+    for _ in range(60):
+        ends = np.column_stack([rng.uniform(1.0, 5.0, (2, 2)), rng.uniform(-3.1, 3.1, 2)])
+        ends[1, :2] = np.clip(ends[0, :2] + rng.normal(0.0, 0.6, 2), 1.0, 5.0)
+        path = planner.plan(costmap, *(Pose2D(*end) for end in ends.tolist()))
+        expected = penalised_length(path, reverse=3.0, change=0.4, turn=0.7)
+        assert path.cost == pytest.approx(expected, rel=1e-5, abs=1e-5)
+        reversed_paths += bool(path.backward.any())
+    assert reversed_paths > 10 or kind.get("motion_model") == "dubins"
 
 
 def test_with_a_free_yaw_it_ends_as_it_arrives():

@@ -22,6 +22,20 @@ def densely(path: Path, step: float = 0.01) -> FloatArray:
     return np.concatenate(pieces)
 
 
+def penalised_length(path: Path, *, reverse: float, change: float, turn: float) -> float:
+    """Length [m] of a path along its arcs, dearer backwards, with a price for each change and each radian in place."""
+    steps = np.diff(path.poses, axis=0)
+    turns = np.abs(np.remainder(steps[:, 2] + np.pi, 2 * np.pi) - np.pi)
+    chords = np.hypot(steps[:, 0], steps[:, 1])
+    moving = chords > 1e-6
+    arcs = chords / np.sinc(turns / 2 / np.pi)
+    backward = path.backward & moving
+    total = arcs[moving & ~backward].sum() + reverse * arcs[backward].sum() + turn * turns[~moving].sum()
+    # A turn in place between two stretches parts them: no change is counted there.
+    changes = (moving[:-1] & moving[1:] & (backward[:-1] != backward[1:])).sum()
+    return float(total + change * changes)
+
+
 def swept_area_blocked(costmap: Costmap, path: Path, outline: FloatArray | None = None) -> float:
     """Area [m²] of blocked cells that an outline sweeps over: hulls of neighbouring placements, by shapely."""
     poses = densely(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -77,9 +78,9 @@ class Costmap(GridFrame):
         data = np.asarray(self.data)
         if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
+        if not (_is_number(self.resolution) and self.resolution > 0.0):
+            raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution!r}")
         resolution = float(self.resolution)
-        if not (math.isfinite(resolution) and resolution > 0.0):
-            raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
         keepout = self.keepout
         if keepout is not None:
             if keepout.shape != data.shape or keepout.dtype != np.uint8:
@@ -152,7 +153,10 @@ class Costmap(GridFrame):
         """
         row, row_end = _as_range(rows, "rows", self.shape[0])
         col, col_end = _as_range(cols, "cols", self.shape[1])
-        values = np.asarray(occupancy)
+        try:
+            values = np.asarray(occupancy)
+        except ValueError as error:
+            raise InputError(f"the values of a rectangle must be an array: {error}") from None
         size = row_end - row, col_end - col
         if values.dtype.kind not in "iub" or values.shape not in ((), size):
             raise InputError(f"a rectangle of {size} needs whole numbers of this shape or one, got {values.shape}")
@@ -236,22 +240,26 @@ class Costmap(GridFrame):
         Raises:
             InputError: If `cap` is not a positive number.
         """
-        if not (math.isfinite(cap) and cap > 0.0):
-            raise InputError(f"cap must be a positive number of metres, got {cap}")
+        if not (_is_number(cap) and cap > 0.0):
+            raise InputError(f"cap must be a positive number of metres, got {cap!r}")
         return _core.footprint_clearance(
             self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
         )
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and math.isfinite(value)
+
+
 def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
     """Raise `InputError` unless these are inflation numbers that can be used."""
-    if not (math.isfinite(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
+    if not (_is_number(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
         raise InputError(
             f"inflation_radius must be from 0 to {_MAX_INFLATION_CELLS} cells "
-            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius}"
+            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius!r}"
         )
-    if not (math.isfinite(cost_scaling_factor) and cost_scaling_factor >= 0.0):
-        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor}")
+    if not (_is_number(cost_scaling_factor) and cost_scaling_factor >= 0.0):
+        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor!r}")
 
 
 def cost_table(

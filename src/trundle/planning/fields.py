@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import cast
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
 from trundle.planning.cancellation import Cancellation, check_limits
+from trundle.planning.cells import check_threads
 
 CostArray = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
@@ -60,12 +60,9 @@ def cost_field(
     cells = _as_cells(goals, array)
     if connectivity not in (4, 8):
         raise InputError(f"connectivity is {connectivity!r}, it must be 4 or 8")
-    if threads is None:
-        threads = min(8, os.cpu_count() or 1)
-    if not 1 <= threads <= 1024:
-        raise InputError(f"threads is {threads!r}, it must be from 1 to 1024")
+    count = check_threads(threads)
     flag = check_limits(deadline_s, cancel)
-    status, field = _core.cost_field(array, cells, int(connectivity), int(threads), deadline_s, flag)
+    status, field = _core.cost_field(array, cells, int(connectivity), count, deadline_s, flag)
     if field is None:
         why = "it was cancelled" if status == _CANCELLED else f"{deadline_s:g} s passed (deadline_s)"
         raise PlanningStoppedError(f"the cost field of {array.shape[0]} x {array.shape[1]} was not done when {why}")
