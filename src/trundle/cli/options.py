@@ -27,6 +27,27 @@ Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),
 ]
+Unknown = Annotated[
+    Literal["blocked", "free", "costly"] | None,
+    Parameter(
+        name="--unknown",
+        help="What planning takes unknown cells of the map for: blocked (as when it is left out), free, or costly.",
+    ),
+]
+UnknownCost = Annotated[
+    int | None,
+    Parameter(name="--unknown-cost", help="With --unknown costly: what unknown cells cost at least, 0 to 252."),
+]
+PlannerOptions = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--planner-option",
+        allow_leading_hyphen=True,
+        negative="",
+        metavar="KEY=VALUE",
+        help="An option of the planner, for example goal_tolerance=0.5; repeat it for several.",
+    ),
+]
 Keepout = Annotated[
     Path | None,
     Parameter(
@@ -123,17 +144,23 @@ def parse_goal(option: str, text: str) -> Target:
     return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])
 
 
-def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) -> dict[str, bool | int | float | str]:
-    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text. `--exclude` becomes one of them."""
+def parse_pairs(option: str, texts: list[str] | None, example: str) -> dict[str, bool | int | float | str]:
+    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text."""
     settings: dict[str, bool | int | float | str] = {}
     for text in texts or []:
         key, equals, value = text.partition("=")
         key = key.strip().replace("-", "_")
         if not equals or not key.isidentifier():
-            raise InputError(f"--set {text!r}: give KEY=VALUE, for example --set aisle_width=1.6")
+            raise InputError(f"{option} {text!r}: give KEY=VALUE, for example {option} {example}")
         if key in settings:
-            raise InputError(f"--set {key} is given twice")
+            raise InputError(f"{option} {key} is given twice")
         settings[key] = _plain(value.strip())
+    return settings
+
+
+def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) -> dict[str, bool | int | float | str]:
+    """Read the pairs of `--set`. `--exclude` becomes one of them."""
+    settings = parse_pairs("--set", texts, "aisle_width=1.6")
     if exclude:
         if "exclude" in settings:
             raise InputError("give --exclude or --set exclude=, not both")

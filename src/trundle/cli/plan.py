@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, plan_compare, sources
-from trundle.errors import NoPathError, UnknownNameError
+from trundle.errors import InputError, NoPathError, PlanningStoppedError, UnknownNameError
 
 app = App(
     name="plan",
@@ -17,6 +17,7 @@ app = App(
         "Examples:\n"
         "  trundle plan map.yaml --start -6,-1,3.14 --goal 5,3 -o overlay.png\n"
         "  trundle plan map.yaml --planner blog --seed 3 --json\n"
+        "  trundle plan map.yaml --goal 9,3 --unknown costly --partial --planner-option goal_tolerance=0.5\n"
         "  trundle plan map.yaml --start -13,0 --goal 13,0 --compare"
     ),
 )
@@ -31,9 +32,14 @@ def plan(
     goal: options.Goal = None,
     robot: options.RobotName = "nova_carter",
     planner: options.PlannerName = "least_cost",
+    planner_options: options.PlannerOptions = None,
+    partial: Annotated[bool, Parameter(negative="")] = False,
+    deadline: float | None = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
+    unknown: options.Unknown = None,
+    unknown_cost: options.UnknownCost = None,
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
@@ -47,6 +53,9 @@ def plan(
 
     Args:
         map_file: The YAML of a ROS map.
+        partial: Where the goal cannot be reached, plan to the place nearest to it; the same as --planner-option
+            allow_partial=true.
+        deadline: Give up after this time [s]; the same as --planner-option deadline_s=….
         compare: Plan by every planner there is: a table of them, and all their paths in one picture. The times are
             medians of repeated plans on one map.
         backend: Taken as every step takes it; a plan needs no simulator, and none is started.
@@ -64,10 +73,17 @@ def plan(
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
     target = options.output_file(out, "overlay.png", (".png",))
+    chosen = options.parse_pairs("--planner-option", planner_options, "goal_tolerance=0.5")
+    chosen |= ({"allow_partial": True} if partial else {}) | ({} if deadline is None else {"deadline_s": deadline})
+    if compare and chosen:
+        raise InputError("--compare plans by every planner as it is by default: give it no options of one")
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat),
         robot,
         planner=planner,
+        planner_options=chosen,
+        unknown=unknown,
+        unknown_cost=unknown_cost,
         keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
         speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
     )
@@ -77,13 +93,15 @@ def plan(
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
-    except NoPathError as error:
+    except (NoPathError, PlanningStoppedError) as error:
         output.remark(f"trundle: {error}", quiet=False)
         return 1
     picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask)
     with atomic_path(target) as temporary:
         picture.save(temporary, format="PNG")
     facts = {
+        "status": path.status,
+        "remaining_m": path.remaining_m,
         "length_m": path.length,
         "cost": path.cost,
         "planning_ms": 1000.0 * navigator.planning_time_s,
@@ -100,6 +118,7 @@ def plan(
         {
             "from": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.start.as_tuple()),
             "to": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.goal.as_tuple()),
+            **({} if path.status == "found" else {"remaining": f"{path.remaining_m:.3f} m to the goal"}),
             "length": f"{path.length:.3f} m",
             "cost": path.cost,
             "time": f"{facts['planning_ms']:.1f} ms",

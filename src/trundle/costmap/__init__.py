@@ -1,5 +1,15 @@
 """Costmaps: how dear each cell is for one robot, and whether its footprint touches something."""
 
 from trundle.costmap.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UNKNOWN_POLICIES, UnknownPolicy
 
-__all__ = ["FREE_SPACE", "INSCRIBED", "LETHAL", "NO_INFORMATION", "Costmap"]
+__all__ = [
+    "DEFAULT_UNKNOWN_COST",
+    "FREE_SPACE",
+    "INSCRIBED",
+    "LETHAL",
+    "NO_INFORMATION",
+    "UNKNOWN_POLICIES",
+    "Costmap",
+    "UnknownPolicy",
+]

@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 import numbers
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribed_radius
+from trundle.costmap.unknown import (
+    DEFAULT_UNKNOWN_COST,
+    UnknownPolicy,
+    check_unknown,
+    check_unseen,
+    open_unknown,
+    raise_unknown,
+)
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import GridFrame
@@ -36,13 +44,17 @@ _MAX_INFLATION_CELLS = 4096
 
 _REMEMBERED_CHANGES = 16
 
+_Item = TypeVar("_Item", bound=np.generic)
+
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Costmap(GridFrame):
     """How dear each cell is for one robot, and whether its footprint touches something.
 
     Costs are Nav2's: 0 free, 1..252 near something, 253 where the inscribed circle touches, 254 occupied, 255 unknown.
-    Planning and checking treat unknown cells, and everything outside the map, as occupied.
+    Planning and checking treat cells of 255, and everything outside the map, as occupied. Whether unknown cells have
+    255 is settled here, for planners, footprint checks and controllers alike: with `unknown` "free" or "costly" they
+    have the costs of free ones.
 
     Attributes:
         data: uint8, shape (rows, cols) = (y, x), row 0 at the bottom, read-only.
@@ -52,13 +64,16 @@ class Costmap(GridFrame):
         inflation_radius: Distance from an occupied or unknown cell up to which costs rise [m].
         cost_scaling_factor: Decay of the cost with distance [1/m].
         keepout: What a keep-out mask makes each cell cost at least, uint8, shape (rows, cols), read-only; or None.
+        unknown: What unknown cells are taken for: "blocked", "free" or "costly".
+        unknown_cost: What they cost at least where they are costly, 0 to 252.
+        unseen: Which cells are unknown where they are free or costly, bool, shape (rows, cols), read-only; else None.
         inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
         circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
         version: Another object for every costmap, to ask its successors what changed since (`changes_since`).
 
     Raises:
         MapError: If the costs are not a uint8 array of shape (rows, cols), or the resolution is not positive; or the
-            keep-out costs are of another kind.
+            keep-out costs or `unseen` are of another kind.
         InputError: If the footprint is no convex outline around base_link, or an inflation number is out of range.
     """
 
@@ -69,6 +84,9 @@ class Costmap(GridFrame):
     inflation_radius: float
     cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR
     keepout: npt.NDArray[np.uint8] | None = None
+    unknown: UnknownPolicy = "blocked"
+    unknown_cost: int = DEFAULT_UNKNOWN_COST
+    unseen: npt.NDArray[np.bool_] | None = None
     inscribed_radius: float = field(init=False)
     circumscribed_radius: float = field(init=False)
     version: object = field(init=False, repr=False)
@@ -86,6 +104,10 @@ class Costmap(GridFrame):
             if keepout.shape != data.shape or keepout.dtype != np.uint8:
                 raise MapError(f"keepout needs uint8 costs of shape {data.shape}, got {keepout.dtype} {keepout.shape}")
             object.__setattr__(self, "keepout", _frozen(keepout))
+        check_unknown(self.unknown, self.unknown_cost)
+        check_unseen(self.unknown, self.unseen, data.shape)
+        if self.unseen is not None:
+            object.__setattr__(self, "unseen", _frozen(self.unseen))
         data = _frozen(data)
         outline = as_outline(self.footprint)
         object.__setattr__(self, "data", data)
@@ -107,13 +129,15 @@ class Costmap(GridFrame):
         cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR,
         *,
         keepout: KeepoutMask | None = None,
+        unknown: UnknownPolicy = "blocked",
+        unknown_cost: int = DEFAULT_UNKNOWN_COST,
     ) -> Costmap:
         """Inflate a map for a robot.
 
         As in Nav2's static layer with `trinary_costmap`, only 100 is occupied: 1 to 99 are free. Distances are exact
-        and between the centres of cells; unknown cells inflate like occupied ones. Up to the inscribed radius a cell
-        costs 253 whatever the inflation radius is, then `int(252 · exp(−k · (d − inscribed radius)))` up to the
-        inflation radius, and 0 beyond.
+        and between the centres of cells; unknown cells that block inflate like occupied ones. Up to the inscribed
+        radius a cell costs 253 whatever the inflation radius is, then
+        `int(252 · exp(−k · (d − inscribed radius)))` up to the inflation radius, and 0 beyond.
 
         Args:
             grid: The map.
@@ -122,19 +146,38 @@ class Costmap(GridFrame):
             cost_scaling_factor: k above [1/m].
             keepout: What it keeps out is lethal and inflates as what is occupied does, so that no part of the robot
                 gets in; in cells where it has 1 to 99 costs are raised. Cells that are unknown otherwise stay unknown.
+            unknown: What unknown cells are taken for, as Nav2's `allow_unknown` and `track_unknown_space` ask.
+                "blocked": they cost 255 and inflate; no part of the robot gets there. "free": as if they were free.
+                "costly": as if they were free, at `unknown_cost` or what an obstacle nearby makes them cost.
+            unknown_cost: For "costly", from 0 to 252; `least_cost` and `hybrid_astar` weigh it as they do all costs.
 
         Raises:
-            InputError: If the footprint is no convex outline around base_link, or a number is out of range.
+            InputError: If the footprint is no convex outline around base_link, or an option is out of range.
             MapError: If the mask lies beside the map.
         """
         outline = as_outline(footprint)
         radius = circumscribed_radius(outline) + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
         table = cost_table(inscribed_radius(outline), radius, cost_scaling_factor, grid.resolution)
         floor = None if keepout is None else keepout.costs_on(grid)
-        data = _inflate(grid.data, table, floor)
-        data.flags.writeable = False
+        check_unknown(unknown, unknown_cost)
+        cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
+        data = _inflate(cells, table, floor)
+        if unknown == "costly" and unseen is not None:
+            data = raise_unknown(data, unseen, unknown_cost)
+        for array in (data, unseen):
+            if array is not None:
+                array.flags.writeable = False
         return cls(
-            data, grid.resolution, grid.origin, outline, float(radius), float(cost_scaling_factor), keepout=floor
+            data,
+            grid.resolution,
+            grid.origin,
+            outline,
+            float(radius),
+            float(cost_scaling_factor),
+            keepout=floor,
+            unknown=unknown,
+            unknown_cost=unknown_cost,
+            unseen=unseen,
         )
 
     def update(self, rows: slice, cols: slice, occupancy: npt.ArrayLike) -> Costmap:
@@ -173,13 +216,20 @@ class Costmap(GridFrame):
         cells[old == NO_INFORMATION] = UNKNOWN
         cells[row - window[0] : row_end - window[0], col - window[2] : col_end - window[2]] = values
         floor = None if self.keepout is None else self.keepout[_slices(window)]
+        unseen = None if self.unseen is None else self.unseen.copy()
+        if unseen is not None:
+            unseen[row:row_end, col:col_end] = values == UNKNOWN
+            unseen.flags.writeable = False
+            cells[cells == UNKNOWN] = FREE
         costs = _inflate(cells, table, floor)
+        if unseen is not None and self.unknown == "costly":
+            costs = raise_unknown(costs, unseen[_slices(window)], self.unknown_cost)
         data = self.data.copy()
         data[_slices(changed)] = costs[
             changed[0] - window[0] : changed[1] - window[0], changed[2] - window[2] : changed[3] - window[2]
         ]
         data.flags.writeable = False
-        successor = replace(self, data=data)
+        successor = replace(self, data=data, unseen=unseen)
         changes = (*self._changes, (self.version, _slices(changed)))
         object.__setattr__(successor, "_changes", changes[-_REMEMBERED_CHANGES:])
         return successor
@@ -200,6 +250,11 @@ class Costmap(GridFrame):
         rows, cols = self.data.shape
         return rows, cols
 
+    @property
+    def unknown_cells(self) -> npt.NDArray[np.bool_]:
+        """Which cells are unknown, whatever they are taken for, shape (rows, cols)."""
+        return self.data == NO_INFORMATION if self.unseen is None else self.unseen
+
     def cost_at(self, x: npt.ArrayLike, y: npt.ArrayLike) -> npt.NDArray[np.uint8]:
         """Costs at points x, y [m] in the map frame, of any one shape; 255 (unknown) outside the map."""
         row, col = self.world_to_cell(x, y)
@@ -210,7 +265,7 @@ class Costmap(GridFrame):
     def footprint_collides(
         self, poses: npt.ArrayLike, *, outline: npt.ArrayLike | None = None
     ) -> npt.NDArray[np.bool_]:
-        """Whether the footprint touches an occupied or unknown cell or leaves the map, at each of many poses.
+        """Whether the footprint touches a cell of 254 or 255 or leaves the map, at each of many poses.
 
         The oriented outline is tested exactly against the squares of the cells; contact shallower than 1e-9 m is none.
 
@@ -228,7 +283,7 @@ class Costmap(GridFrame):
         return _core.footprint_collides(self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses))
 
     def clearance(self, poses: npt.ArrayLike, cap: float = 2.0) -> FloatArray:
-        """Distance [m] from the oriented footprint to the nearest occupied or unknown cell or the map's edge.
+        """Distance [m] from the oriented footprint to the nearest cell of 254 or 255 or the map's edge.
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
@@ -290,7 +345,7 @@ def _inflate(
     return np.maximum(costs, floor)
 
 
-def _frozen(data: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:
     """The array itself where it can neither be written to nor is scattered, else a copy."""
     if data.flags.writeable or not data.flags.c_contiguous:
         data = np.array(data, order="C", copy=True)

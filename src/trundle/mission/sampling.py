@@ -78,14 +78,15 @@ def sample_mission(
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:
-    """Cells that are farther from blocked ones than half of the robot's width."""
+    """Known cells that are farther from blocked ones than half of the robot's width."""
     corners = costmap.footprint
     edges = np.roll(corners, -1, axis=0) - corners
     normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
     across = corners @ normals.T
     half_width = (float((across.max(axis=0) - across.min(axis=0)).min()) + costmap.resolution) / 2.0
     decay = costmap.cost_scaling_factor * max(0.0, half_width - costmap.inscribed_radius)
-    return costmap.data < min(INSCRIBED, int(252.0 * math.exp(-decay)) + 1)
+    wide = costmap.data < min(INSCRIBED, int(252.0 * math.exp(-decay)) + 1)
+    return wide if costmap.unseen is None else wide & ~costmap.unseen
 
 
 def _pick_two(

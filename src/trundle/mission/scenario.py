@@ -12,6 +12,7 @@ import numpy as np
 import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from trundle.costmap import UnknownPolicy
 from trundle.errors import InputError, ScenarioError
 from trundle.files import write_text
 from trundle.geometry import Pose2D
@@ -79,11 +80,12 @@ class MapOptions(Config):
 
     Attributes:
         height: Of the walls [m].
-        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown.
+        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown. None means
+            solid where the scenario's `unknown` is blocked, and free where the robot is to go there.
     """
 
     height: Positive = 1.0
-    unknown: Literal["solid", "free"] = "solid"
+    unknown: Literal["solid", "free"] | None = None
 
 
 def _name_alone(value: object) -> object:
@@ -97,7 +99,9 @@ class Scenario(Config):
         name: Of the run; none means robot and place.
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
-        map_options: How it is extruded; none means walls of 1 m, and walls where it is unknown.
+        map_options: How it is extruded; none means walls of 1 m.
+        unknown: What the robot takes unknown cells of the map for: blocked, free or costly.
+        unknown_cost: What they cost it at least where they are costly, 0 to 252; none means the costmap's default.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
         speed_mask: Path of a speed mask's YAML; in a file, relative to that file.
@@ -121,6 +125,8 @@ class Scenario(Config):
     map: str | None = None
     map_options: MapOptions | None = None
     compat: Literal["humble"] | None = None
+    unknown: UnknownPolicy = "blocked"
+    unknown_cost: Annotated[int, Field(ge=0, le=252)] | None = None
     keepout: str | None = None
     speed_mask: str | None = None
     robot: str = "nova_carter"
@@ -218,6 +224,8 @@ class Scenario(Config):
             inflation_radius=self.inflation_radius,
             cost_scaling_factor=self.cost_scaling_factor,
             control_frequency=self.control_frequency,
+            unknown=self.unknown,
+            unknown_cost=self.unknown_cost,
             keepout=None if self.keepout is None else KeepoutMask.load(self.keepout, compat=self.compat),
             speed_mask=None if self.speed_mask is None else SpeedMask.load(self.speed_mask, compat=self.compat),
         )
@@ -264,7 +272,8 @@ class Scenario(Config):
         if self.map is not None:
             grid = OccupancyGrid.load(self.map, compat=self.compat)
             walls = self.map_options or MapOptions()
-            return World.from_map(grid, height=walls.height, unknown=walls.unknown), grid
+            unknown = walls.unknown or ("solid" if self.unknown == "blocked" else "free")
+            return World.from_map(grid, height=walls.height, unknown=unknown), grid
         if self.world is None:
             raise ScenarioError("give either world or map")
         if self.world.is_file:

@@ -14,7 +14,7 @@ import numpy as np
 
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import can_stop
-from trundle.costmap import Costmap
+from trundle.costmap import Costmap, UnknownPolicy
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -70,6 +70,8 @@ class Navigator:
         inflation_radius: Of the costmap [m]; none means the costmap's default for the robot.
         cost_scaling_factor: Of the costmap [1/m]; none means the costmap's default.
         control_frequency: How often `update` is called [Hz].
+        unknown: What unknown cells are taken for: "blocked", "free" or "costly"; see `Costmap.from_grid`.
+        unknown_cost: What they cost at least where they are costly; none means the costmap's default.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
         replan_interval_s: After so long [s] it looks for a better path; none means only where the path is blocked.
@@ -91,7 +93,7 @@ class Navigator:
     Raises:
         UnknownNameError: If a name is not known.
         MapError: If the map cannot be read.
-        InputError: If an option is out of range, or a keep-out mask is given for a costmap.
+        InputError: If an option is out of range, or a keep-out mask or `unknown` is given for a costmap.
     """
 
     def __init__(
@@ -108,6 +110,8 @@ class Navigator:
         inflation_radius: float | None = None,
         cost_scaling_factor: float | None = None,
         control_frequency: float = 20.0,
+        unknown: UnknownPolicy | None = None,
+        unknown_cost: int | None = None,
         keepout: KeepoutMask | str | os.PathLike[str] | None = None,
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
         replan_interval_s: float | None = None,
@@ -123,11 +127,20 @@ class Navigator:
         if isinstance(grid, Costmap):
             if keepout is not None:
                 raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")
+            if unknown is not None or unknown_cost is not None:
+                raise InputError("what unknown cells are is settled in the costmap: Costmap.from_grid(…, unknown=…)")
             self.grid, self.costmap = None, grid
         else:
             self.grid = _load_grid(grid)
             zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
-            self.costmap = _make_costmap(self.grid, self.robot, inflation_radius, cost_scaling_factor, zones)
+            wanted = {
+                "inflation_radius": inflation_radius,
+                "cost_scaling_factor": cost_scaling_factor,
+                "unknown": unknown,
+                "unknown_cost": unknown_cost,
+            }
+            given: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
+            self.costmap = Costmap.from_grid(self.grid, self.robot.outline, **given, keepout=zones)
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
@@ -376,15 +389,3 @@ _FINAL = frozenset({NavigationStatus.ARRIVED, NavigationStatus.STUCK, Navigation
 
 def _load_grid(grid: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:
     return grid if isinstance(grid, OccupancyGrid) else OccupancyGrid.load(grid)
-
-
-def _make_costmap(
-    grid: OccupancyGrid,
-    robot: Robot,
-    inflation_radius: float | None,
-    cost_scaling_factor: float | None,
-    keepout: KeepoutMask | None,
-) -> Costmap:
-    options = {"inflation_radius": inflation_radius, "cost_scaling_factor": cost_scaling_factor}
-    given = {name: value for name, value in options.items() if value is not None}
-    return Costmap.from_grid(grid, robot.outline, **given, keepout=keepout)

@@ -145,7 +145,7 @@ def _blocked_message(
     costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str, tolerance_m: float, found: End | None
 ) -> str:
     cost = costmap.data[cell]
-    places = {NO_INFORMATION: "in unknown space", LETHAL: "in an obstacle"}
+    places = {NO_INFORMATION: "in unknown space, which blocks on this costmap", LETHAL: "in an obstacle"}
     where = places.get(int(cost), "too close to an obstacle or to unknown space")
     if costmap.keepout is not None and costmap.keepout[cell] == LETHAL:
         where = "where the keep-out mask keeps the robot out"

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D
-from trundle.record.colors import KEPT_OUT, PAGE, SLOW, Rgb, map_palette
+from trundle.record.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, map_palette
 from trundle.record.zones import SpeedZones
 
 SMOOTH = 2
@@ -59,6 +59,10 @@ class MapView:
         self.size = (cols * enlarged, rows * enlarged)
         """Width and height of the finished picture [px]."""
         pixels = map_palette()[cells]
+        if costmap.unseen is not None:
+            unseen = costmap.unseen[row0:row1, col0:col1].view(np.uint8)
+            open_ = ((_merge_cells(unseen, merged) if merged > 1 else unseen) == 1) & (cells < INSCRIBED)
+            pixels[open_] = (pixels[open_].astype(int) + UNKNOWN) // 2
         if zones is not None:
             self._tint(pixels, zones, merged)
         if costmap.keepout is not None:
