@@ -205,3 +205,36 @@ def test_the_options_for_signatures_are_those_of_the_planner():
 def test_bad_options_are_refused(name, options):
     with pytest.raises(InputError, match=next(iter(options))):
         create_planner(name, **options)
+
+
+def test_hybrid_astar_leads_to_the_pose_nearest_to_a_goal_beyond_a_wall():
+    costmap = costmap_of(rooms())
+    for goal in (GOAL, Pose2D(4.08, 2.0, 0.0)):
+        path = create_planner("hybrid_astar", allow_partial=True).plan(costmap, START, goal)
+        assert (path.status, path.start) == ("partial", START)
+        assert path.remaining_m == pytest.approx(path.goal.distance_to(goal))
+        free = np.argwhere(costmap.data[:, :80] < 253)
+        x, y = costmap.cell_to_world(free[:, 0], free[:, 1])
+        overhang = costmap.circumscribed_radius - costmap.inscribed_radius
+        assert path.remaining_m <= np.hypot(x - goal.x, y - goal.y).min() + overhang + 0.15
+        assert not costmap.footprint_collides(path.poses).any()
+
+
+def test_hybrid_astar_leads_as_near_as_it_could_try_to_get():
+    data = rooms(40)
+    data[:30, 1:80] = data[50:, 1:80] = 100  # an alley of 1 m: too narrow to turn in, and it is to go back
+    costmap = costmap_of(data)
+    planner = {"motion_model": "dubins", "minimum_turning_radius": 1.0, "max_expansions": 3000}
+    start, goal = Pose2D(2.0, 2.0, 0.0), Pose2D(1.0, 2.0, 0.0)
+    with pytest.raises((NoPathError, PlanningStoppedError)):
+        create_planner("hybrid_astar", **planner).plan(costmap, start, goal)
+    path = create_planner("hybrid_astar", **planner, allow_partial=True).plan(costmap, start, goal)
+    assert path.status == "partial"
+    assert path.remaining_m == pytest.approx(path.goal.distance_to(goal))
+    assert path.remaining_m <= 1.0 + 1e-9
+    few = {**planner, "max_expansions": 5}
+    question = costmap_of(comb(400)), Pose2D(1.0, 2.0), Pose2D(19.0, 2.0)
+    with pytest.raises(PlanningStoppedError) as caught:
+        create_planner("hybrid_astar", **few).plan(*question)
+    assert caught.value.status == "exhausted"
+    assert create_planner("hybrid_astar", **few, allow_partial=True).plan(*question).status == "partial"

@@ -77,6 +77,7 @@ class HybridAStar:
         max_expansions: int,
         seconds: float | None,
         cancel: npt.NDArray[np.uint8] | None,
+        partial: bool = False,
     ) -> tuple[
         int,
         npt.NDArray[np.float64],
@@ -91,7 +92,8 @@ class HybridAStar:
         for the inscribed circle, too); poses, shape (N, 3);
         for each leg between two of them 1 where it is driven backwards, shape (N - 1,); the lengths [m], negative
         backwards, and turns [rad] of the arcs, lines and turns in place, shape (M, 2); the cost [m]; and how many
-        nodes were expanded, cells of the field settled, and poses checked with the outline.
+        nodes were expanded, cells of the field settled, and poses checked with the outline. With `partial` the status
+        may be 1, 4 or 5 with poses all the same: they lead to the pose nearest to the goal of those that were tried.
         """
     @property
     def bytes(self) -> int: ...

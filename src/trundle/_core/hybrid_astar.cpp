@@ -84,13 +84,14 @@ class HybridAStar {
 
   nb::tuple plan(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 1> start,
                  In<double, 1> goal, bool any_yaw, double step, double spacing, std::uint64_t max_expansions,
-                 std::optional<double> seconds, Flag cancel) const {
+                 std::optional<double> seconds, Flag cancel, bool partial) const {
     const HybridQuery query{costs.data(),     static_cast<std::int64_t>(costs.shape(0)),
                             static_cast<std::int64_t>(costs.shape(1)),
                             resolution,       outline.data(),
                             outline.shape(0), pose_of(start),
                             pose_of(goal),    any_yaw,
-                            step,             max_expansions};
+                            step,             max_expansions,
+                            partial};
     if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
     if (!is_number(resolution, 1e-6, 1e6) || !is_number(step, 1e-6, 1e6) || !is_number(spacing, 1e-6, 1e6)) {
       throw nb::value_error("resolution, step and spacing must be positive numbers");
@@ -107,9 +108,14 @@ class HybridAStar {
       std::unique_ptr<HybridMemory> memory = borrow();
       way = HybridSearch(settings_, query, patience, *memory).find();
       give_back(std::move(memory));
-      if (way.status == SearchStatus::kFound && !way.spent) {
+      if ((way.status == SearchStatus::kFound && !way.spent) || way.partial) {
         const std::vector<Stretch> joined = merged(way.parts);
-        sample(query.start, query.goal, joined, spacing, poses, backward);
+        PlanarPose end = query.goal;
+        if (way.partial) {
+          end = query.start;
+          for (const Stretch &part : joined) end = part.from(end);
+        }
+        sample(query.start, end, joined, spacing, poses, backward);
         for (const Stretch &part : joined) parts.insert(parts.end(), {part.length, part.turn});
       }
     }
@@ -170,6 +176,6 @@ void bind_hybrid_astar(nanobind::module_ &m) {
       .def("plan", &trundle::HybridAStar::plan, nb::arg("costs").noconvert(), nb::arg("resolution"),
            nb::arg("outline").noconvert(), nb::arg("start").noconvert(), nb::arg("goal").noconvert(),
            nb::arg("any_yaw"), nb::arg("step"), nb::arg("spacing"), nb::arg("max_expansions"),
-           nb::arg("seconds").none(), nb::arg("cancel").none())
+           nb::arg("seconds").none(), nb::arg("cancel").none(), nb::arg("partial") = false)
       .def_prop_ro("bytes", &trundle::HybridAStar::bytes);
 }

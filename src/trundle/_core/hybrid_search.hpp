@@ -28,6 +28,7 @@ struct HybridQuery {
   bool any_yaw;
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
+  bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
 };
 
 struct HybridWay {
@@ -37,6 +38,7 @@ struct HybridWay {
   double cost = 0.0;
   std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
   std::vector<Stretch> parts;
+  bool partial = false;  // whether the parts only lead near to the goal
 };
 
 class HybridSearch {
@@ -85,6 +87,7 @@ class HybridSearch {
       std::pop_heap(memory_.queue.begin(), memory_.queue.end());
       memory_.queue.pop_back();
       if (!settle(entry)) continue;
+      if (query_.partial) keep_nearest(entry.node);
       if (++expansions_ > query_.max_expansions) {
         way.spent = true;
         break;
@@ -304,6 +307,21 @@ class HybridSearch {
     return best_node_ != kNoNode && expansions_ > 4 * first_found_ + 500;
   }
 
+  // Of nodes as near to the goal the one that was settled first.
+  void keep_nearest(std::uint32_t index) {
+    const HybridNode &node = memory_.nodes[index];
+    const double distance = std::hypot(query_.goal.x - node.x, query_.goal.y - node.y);
+    if (distance < nearest_) nearest_ = distance, nearest_node_ = index;
+  }
+
+  // From the start to a node.
+  void add_motions(std::uint32_t node, std::vector<Stretch> &parts) const {
+    for (; memory_.nodes[node].parent != kNoNode; node = memory_.nodes[node].parent) {
+      parts.push_back(motions_[memory_.nodes[node].motion].stretch);
+    }
+    std::reverse(parts.begin(), parts.end());
+  }
+
   void finish(HybridWay &way) {
     way.expansions = expansions_;
     way.field_cells = field_begun_ ? memory_.field.expanded() : 0;
@@ -311,14 +329,15 @@ class HybridSearch {
     way.status = status_;
     if (best_node_ == kNoNode) {
       if (status_ == SearchStatus::kFound && !way.spent) way.status = SearchStatus::kUnreachable;
+      if (nearest_node_ == kNoNode || status_ != SearchStatus::kFound) return;
+      way.partial = true;
+      way.cost = memory_.nodes[nearest_node_].cost;
+      add_motions(nearest_node_, way.parts);
       return;
     }
     way.status = SearchStatus::kFound, way.spent = false;
     way.cost = best_cost_;
-    for (std::uint32_t n = best_node_; memory_.nodes[n].parent != kNoNode; n = memory_.nodes[n].parent) {
-      way.parts.push_back(motions_[memory_.nodes[n].motion].stretch);
-    }
-    std::reverse(way.parts.begin(), way.parts.end());
+    add_motions(best_node_, way.parts);
     way.parts.insert(way.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
   }
 
@@ -339,7 +358,8 @@ class HybridSearch {
   bool field_begun_ = false;
   std::uint64_t expansions_ = 0, first_found_ = 0;
   double best_cost_ = kInfinite;
-  std::uint32_t best_node_ = kNoNode;
+  std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;
+  double nearest_ = kInfinite;
   Shot best_shot_;
 };
 

@@ -4,6 +4,7 @@ from trundle.planning.cancellation import Cancellation
 from trundle.planning.fields import cost_field
 from trundle.planning.grid_paths import GridPath, GridPaths, PointPath, PointPaths
 from trundle.planning.grid_search import GridSearch
+from trundle.planning.many import plan_many
 from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, create_planner, planner_names
 from trundle.planning.point_path import any_angle_path
@@ -21,5 +22,6 @@ __all__ = [
     "any_angle_path",
     "cost_field",
     "create_planner",
+    "plan_many",
     "planner_names",
 ]

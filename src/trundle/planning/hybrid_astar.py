@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from trundle import _core
-from trundle.costmap import Costmap
-from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import BlockedPoseError, InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
-from trundle.planning.ends import find_end, patience_for
-from trundle.planning.options import check_question
+from trundle.planning.ends import End, find_end, patience_for
+from trundle.planning.grid_search import GridSearch
+from trundle.planning.options import check_flag, check_question
 from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
@@ -50,6 +51,8 @@ class HybridAStarSettings:
         spacing: Largest distance between two poses of the path [m].
         max_expansions: How many nodes to expand before it gives up.
         deadline_s: How long to search before it gives up [s]; none means as long as it takes.
+        allow_partial: Where the goal cannot be reached, the robot does not fit there, or `max_expansions` is spent,
+            give the way to the pose nearest to it of those that were tried; `Path.status` is "partial" then.
     """
 
     motion_model: str = "reeds_shepp"
@@ -67,6 +70,7 @@ class HybridAStarSettings:
     spacing: float = 0.05
     max_expansions: int = 200_000
     deadline_s: float | None = None
+    allow_partial: bool = False
 
     def __post_init__(self) -> None:
         if self.motion_model not in MOTION_MODELS:
@@ -89,6 +93,7 @@ class HybridAStarSettings:
             raise InputError(f"max_expansions must be a whole number from 1 to 1e8, got {self.max_expansions!r}")
         if self.deadline_s is not None:
             self._check("deadline_s", 1e-9, 1e9)
+        check_flag("allow_partial", self.allow_partial)
 
     def _check(self, name: str, least: float, most: float, hint: str = "") -> None:
         value = getattr(self, name)
@@ -162,34 +167,74 @@ class HybridAStarPlanner:
         patience = patience_for(costmap, start, goal, settings.deadline_s if deadline_s is None else deadline_s, cancel)
         patience.check()
         first = find_end(costmap, start, "start", settings.start_tolerance, patience=patience)
-        last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
+        try:
+            last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
+        except BlockedPoseError:
+            if not settings.allow_partial:
+                raise
+            return self._approach(costmap, first, goal, patience)
         query = Query(costmap, first, last, first, last, goal_yaw_free)
+        status, path, expansions = self._find(query, patience)
+        if path is not None and status != _CLOSED_OFF:
+            return path if status == 0 else replace(path, remaining_m=path.goal.distance_to(goal))
+        if settings.allow_partial:
+            return self._approach(costmap, first, goal, patience)
+        raise self._failure(query, status, expansions, patience)
+
+    def _approach(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
+        """A way to near a goal to which there is none: towards the nearest place that the inscribed circle gets to."""
+        row, col = (int(index) for index in costmap.world_to_cell(goal.x, goal.y))
+        search = GridSearch(costmap.data >= INSCRIBED, method="astar")
+        cell = search.nearest_reachable(start.cell, (row, col))
+        x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
+        place = End(Pose2D(float(x), float(y)), cell)
+        if start.pose.distance_to(goal) > place.pose.distance_to(goal):
+            path = self._find(Query(costmap, start, place, start, place, goal_yaw_free=True), patience)[1]
+            if path is not None:
+                return replace(path, status="partial", remaining_m=path.goal.distance_to(goal))
+        here = np.array([start.pose.as_tuple()])
+        left = start.pose.distance_to(goal)
+        return Path(
+            here,
+            cost=0.0,
+            planner="hybrid_astar",
+            start_snapped_m=start.snapped_m,
+            status="partial",
+            remaining_m=left,
+        )
+
+    def _find(self, query: Query, patience: Patience) -> tuple[int, Path | None, int]:
+        """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
+        costmap, settings = query.costmap, self.settings
         padding = self._padding_at_ends(query)
         status, poses, backward, _, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,
             pad_outline(costmap.footprint, padding),
-            _on_grid(costmap, first.pose),
-            _on_grid(costmap, last.pose),
-            goal_yaw_free,
+            _on_grid(costmap, query.start.pose),
+            _on_grid(costmap, query.goal.pose),
+            query.goal_yaw_free,
             max(2.0 * _PADDING_SHARE * padding, _LEAST_STEP_M),
             self._spacing(padding),
             settings.max_expansions,
             patience.seconds,
             patience.flag,
+            settings.allow_partial,
         )
         if status in (_TIMEOUT, _CANCELLED):
             raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
-        if status != 0:
-            raise self._failure(query, status, effort[0], patience)
-        return Path(
-            _in_map(query, poses),
+        if len(poses) == 0:
+            return status, None, effort[0]
+        path = Path(
+            _in_map(query, poses, ends_at_goal=status == 0),
             cost=cost,
             planner="hybrid_astar",
-            start_snapped_m=first.snapped_m,
-            goal_snapped_m=last.snapped_m,
+            start_snapped_m=query.start.snapped_m,
+            goal_snapped_m=query.goal.snapped_m if status == 0 else 0.0,
             backward=backward.view(np.bool_),
+            status="found" if status == 0 else "partial",
         )
+        return status, path, effort[0]
 
     def _padding_at_ends(self, query: Query) -> float:
         """The padding, or what there is room for where the robot starts and ends."""
@@ -235,11 +280,13 @@ def _on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:
     return np.array([min(max(x, 0.0), cols * edge), min(max(y, 0.0), rows * edge), yaw])
 
 
-def _in_map(query: Query, poses: FloatArray) -> FloatArray:
+def _in_map(query: Query, poses: FloatArray, *, ends_at_goal: bool) -> FloatArray:
     """Poses in the frame of the grid's corner in the map frame, with the ends exactly as they were asked for."""
     origin = query.costmap.origin
     out = np.column_stack([origin.transform_points(poses[:, :2]), wrap_angles(poses[:, 2] + origin.yaw)])
     out[0] = query.start.pose.as_tuple()
+    if not ends_at_goal:
+        return out
     goal = query.goal.pose
     out[-1] = (goal.x, goal.y, out[-1, 2] if query.goal_yaw_free else goal.yaw)
     return out

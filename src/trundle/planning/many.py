@@ -1,0 +1,88 @@
+"""`plan_many`: one planner, one costmap, many queries, in several threads."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from trundle.costmap import Costmap
+from trundle.errors import InputError, PlanningError
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.cells import check_threads
+from trundle.planning.options import check_question
+from trundle.planning.planner import Planner, create_planner
+
+PoseLike = Pose2D | Sequence[float]
+
+
+def plan_many(
+    planner: str | Planner,
+    costmap: Costmap,
+    starts: Iterable[PoseLike],
+    goals: Iterable[PoseLike],
+    *,
+    threads: int | None = None,
+    deadline_s: float | None = None,
+    cancel: Cancellation | None = None,
+) -> list[Path | PlanningError]:
+    """Plan many queries on one costmap, in several threads.
+
+    The kernels release the GIL, so that they run at the same time; what a planner does in Python does not. The planners
+    of trundle may be used by several threads; for one that may not give `threads=1`. What comes out is what one plan
+    after the other gives.
+
+    Args:
+        planner: A planner or the name of one.
+        costmap: What to stay clear of.
+        starts: Poses, (x, y) or (x, y, yaw) [m, m, rad], map frame.
+        goals: As many.
+        threads: How many to use; none means as many as there are processors, up to 8.
+        deadline_s: Give up after this time for all [s].
+        cancel: Give up when this says so.
+
+    Returns:
+        For each query its path, or the error that says why there is none. What was not done when it gave up has a
+        `PlanningStoppedError`.
+
+    Raises:
+        UnknownNameError: If there is no planner of that name.
+        InputError: If a pose is none, there are not as many goals as starts, or an argument is none of these.
+    """
+    chosen = create_planner(planner)
+    first, last = _as_list(starts, "starts"), _as_list(goals, "goals")
+    if len(first) != len(last):
+        raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
+    queries: list[tuple[Pose2D, Pose2D]] = []
+    for index, (start, goal) in enumerate(zip(first, last, strict=True)):
+        try:
+            queries.append(check_question(costmap, start, goal))
+        except InputError as error:
+            raise InputError(f"query {index}: {error}") from error
+    count = check_threads(threads)
+    takes = inspect.signature(chosen.plan).parameters
+    patience = Patience(deadline_s, cancel, f"not all of {len(queries)} paths were planned")
+
+    def plan(query: tuple[Pose2D, Pose2D]) -> Path | PlanningError:
+        limits: dict[str, Any] = {"deadline_s": patience.seconds, "cancel": cancel}
+        given = {name: value for name, value in limits.items() if value is not None and name in takes}
+        try:
+            patience.check()
+            return chosen.plan(costmap, *query, **given)
+        except PlanningError as error:
+            return error
+
+    if count == 1 or len(queries) < 2:
+        return [plan(query) for query in queries]
+    with ThreadPoolExecutor(min(count, len(queries)), thread_name_prefix="plan") as pool:
+        return list(pool.map(plan, queries))
+
+
+def _as_list(poses: Iterable[PoseLike], what: str) -> list[PoseLike]:
+    try:
+        return list(poses)
+    except TypeError:
+        raise InputError(f"{what} must be poses, got {poses!r}") from None
