@@ -71,6 +71,19 @@ def test_long_ways_through_many_tiles_are_exact(threads: int) -> None:
     assert_same(cost_field(costs, goals, threads=threads), by_dijkstra(costs, goals))
 
 
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_long_maps_of_uneven_costs_are_exact(dtype: type[np.generic]) -> None:
+    # Tiles are settled several times, and more of them in a row than their numbers are kept of; ways of uint16 costs
+    # leave 32 bits.
+    random = np.random.default_rng(7)
+    costs = random.integers(1, 200 if dtype == np.uint8 else 60_000, (45, 1500)).astype(dtype)
+    costs[random.random(costs.shape) < 0.2] = np.inf if dtype == np.float32 else np.iinfo(dtype).max
+    goal = np.argwhere(np.isfinite(costs) & (costs < 200 if dtype == np.uint8 else costs < 60_000))[100]
+    expected = by_dijkstra(costs, [tuple(goal.tolist())])
+    for threads in (1, 2):
+        assert_same(cost_field(costs, goal, threads=threads), expected)
+
+
 def test_the_number_of_threads_changes_no_bit() -> None:
     costs = maze(5, 300, 333).astype(np.float32) + np.float32(0.3)
     costs[costs > 255] = np.inf
@@ -174,6 +187,7 @@ def test_views_of_arrays_are_taken() -> None:
         (np.array([[1.0, 1e300]]), r"\(0, 1\) is 1e\+300"),
         (np.full((2, 4), 3e38, dtype=np.float32), r"from 0 to 2.13e\+37"),
         ([[1, 2], [3]], "shape"),
+        (np.array([[1.0, -np.inf]], dtype=np.float32), r"\(0, 1\) is -inf"),
         (np.array([[1, -1]]), "from 0 to 65535"),
         (np.array([[1, 70000]]), "from 0 to 65535"),
         (np.array([["a"]]), "cannot be used"),

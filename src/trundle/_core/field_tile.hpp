@@ -1,15 +1,16 @@
 // One tile of a cost field: a square of cells with a frame of the neighbours' cells around it, settled by sweeps.
 //
-// A sweep takes the rows one after the other and relaxes each from the row before it, straight and along both diagonals:
-// no cell of a row waits for another of the same row, so rows are done a register at a time. Sweeps run up and down, and,
-// on the transposed tile, right and left. Only rows next to one that changed are done again, until none changes.
+// A sweep takes the rows one after the other and relaxes each from the row before it, straight and along both
+// diagonals: no cell of a row waits for another of the same row, so a row is done a register at a time, and stays in
+// registers for the next. Sweeps run up and down, and, on the transposed tile, right and left. Only rows next to one
+// that changed are done again, until none changes.
 #pragma once
 
+#include "field_lanes.hpp"
+
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <limits>
-#include <type_traits>
 
 namespace trundle {
 
@@ -19,7 +20,7 @@ constexpr int kTile = 32;
 template <typename Number>
 struct Scale {
   static constexpr Number kStraight = 985, kDiagonal = 1393;
-  static constexpr Number kFar = Number{1} << (sizeof(Number) * 8 - 3);  // three of them still fit
+  static constexpr Number kFar = Number{1} << (sizeof(Number) * 8 - 3);  // four of them still fit
   static constexpr double kUnit = 2.0 * 985.0;
 };
 
@@ -30,187 +31,209 @@ struct Scale<double> {
   static constexpr double kUnit = 1.0;
 };
 
-// The largest cost of a type is a wall.
-template <typename Cost>
-inline bool is_wall(Cost cost) {
-  if constexpr (std::is_floating_point_v<Cost>) {
-    return std::isinf(cost);
-  } else {
-    return cost == std::numeric_limits<Cost>::max();
-  }
-}
-
-#define TRUNDLE_INLINE inline __attribute__((always_inline))
-
-// As many numbers as fit into a register of so many bytes.
-template <typename Number, int kBytes>
-struct Register {
-  typedef Number Vector __attribute__((vector_size(kBytes)));
-};
-
 template <typename Number>
 struct Tile {
-  static constexpr int kFirst = 8;                    // where a row's own cells begin, after room for the frame
-  static constexpr int kStride = kTile + 2 * kFirst;  // of a row
-  using Rows = Number[kTile + 2][kStride];            // own rows are 1 to kTile
+  static constexpr Number kFar = Scale<Number>::kFar;
 
+  // The tile as rows, each dealt to registers. What steps from one row to the next cost stands in the row of the
+  // lower one: of a step straight up to a column, of one to it from the left, and of one to it from the right; kFar
+  // or more where there is a wall, and where the step would come from beyond the row's ends: those are the other
+  // plane's.
   struct Plane {
-    alignas(64) Rows value;     // cost to go
-    alignas(64) Rows straight;  // what half a straight step in the cell costs; kFar in a wall
-    alignas(64) Rows diagonal;  // the same for a diagonal step
+    alignas(64) Number value[kTile + 2][kTile];  // cost to go; own rows are 1 to kTile
+    alignas(64) Number straight[kTile + 1][kTile], left[kTile + 1][kTile], right[kTile + 1][kTile];
+  };
+
+  // Rows of a plane that changed since they were last relaxed from, upward and downward, and that changed at all; bit
+  // r for row r.
+  struct Changed {
+    std::uint64_t up = 0, down = 0, ever = 0;
+
+    TRUNDLE_INLINE void add(std::uint64_t mask) {
+      up |= mask;
+      down |= mask;
+      ever |= mask;
+    }
   };
 
   Plane upright, turned;
+  Number corner_value[4], corner_step[4];  // the frame's corners and the steps from them: low left, low right, high...
+  Changed rows, cols;
 
-  // Rows of a plane that changed since they were last relaxed from, upward and downward; bit r for row r.
-  struct Changed {
-    std::uint64_t up, down;
+  // The least cost that a neighbour gets by a step from here, where that is less than it has; kFar where it gains
+  // nothing.
+  struct Gains {
+    Number low, high, left, right, corner[4];
   };
 
-  static constexpr std::uint64_t kAll = (std::uint64_t{1} << (kTile + 2)) - 1;
-  static constexpr std::uint64_t kLowFrame = 1, kHighFrame = std::uint64_t{1} << (kTile + 1);
+  // Begin with the frame and with what is known of the tile's own cells, where anything is.
+  template <int kBytes>
+  TRUNDLE_INLINE void begin(const Number *known) {
+    if (known != nullptr) {
+      std::memcpy(upright.value[1], known, sizeof(Number) * kTile * kTile);
+    } else {
+      std::fill_n(&upright.value[1][0], kTile * kTile, kFar);
+    }
+    rows = frame_of(upright);
+    cols = frame_of(turned);
+    for (int corner = 0; corner < 4; ++corner) {
+      const Number value = corner_value[corner] + corner_step[corner];
+      improve<kBytes>(corner < 2 ? 0 : kTile - 1, corner % 2 == 0 ? 0 : kTile - 1, value);
+    }
+  }
 
   template <int kBytes>
-  TRUNDLE_INLINE void settle(bool everywhere);
+  TRUNDLE_INLINE void improve(int row, int col, Number value) {
+    Number &own = upright.value[1 + row][col % Row<kBytes>::kParts * Row<kBytes>::kLanes + col / Row<kBytes>::kParts];
+    if (!(value < own)) return;
+    own = value;
+    rows.add(std::uint64_t{2} << row);
+    cols.add(std::uint64_t{2} << col);
+  }
+
+  // Sweep until nothing changes.
+  template <int kBytes>
+  TRUNDLE_INLINE void settle() {
+    while (true) {
+      while (rows.up || rows.down) {
+        if (rows.up) sweep<kBytes, 1>(upright, rows, cols);
+        if (rows.down) sweep<kBytes, -1>(upright, rows, cols);
+      }
+      transpose<kTile, Row<kBytes>::kParts>(upright.value[1], turned.value[1]);
+      if (!cols.up && !cols.down) break;
+      while (cols.up || cols.down) {
+        if (cols.up) sweep<kBytes, 1>(turned, cols, rows);
+        if (cols.down) sweep<kBytes, -1>(turned, cols, rows);
+      }
+      transpose<kTile, Row<kBytes>::kParts>(turned.value[1], upright.value[1]);
+      if (!rows.up && !rows.down) break;
+    }
+  }
+
+  template <int kBytes>
+  TRUNDLE_INLINE Gains gains() const {
+    Gains gains;
+    gains.low = gain<kBytes, -1>(upright);
+    gains.high = gain<kBytes, 1>(upright);
+    gains.left = gain<kBytes, -1>(turned);
+    gains.right = gain<kBytes, 1>(turned);
+    for (int corner = 0; corner < 4; ++corner) {
+      const Number own = upright.value[corner < 2 ? 1 : kTile][corner % 2 == 0 ? 0 : kTile - 1] + corner_step[corner];
+      gains.corner[corner] = own < corner_value[corner] ? own : kFar;
+    }
+    return gains;
+  }
 
  private:
+  static constexpr std::uint64_t kLowFrame = 1, kHighFrame = std::uint64_t{1} << (kTile + 1);
+
+  // The frame's rows, where anything is known of them.
+  static TRUNDLE_INLINE Changed frame_of(const Plane &plane) {
+    return {any_near(plane.value[0]) ? kLowFrame : 0, any_near(plane.value[kTile + 1]) ? kHighFrame : 0, 0};
+  }
+
+  static TRUNDLE_INLINE bool any_near(const Number (&row)[kTile]) {
+    Number nearest = kFar;
+    for (const Number value : row) nearest = std::min(nearest, value);
+    return nearest < kFar;
+  }
+
+  template <int kBytes>
+  struct Row {
+    static constexpr int kLanes = kBytes / static_cast<int>(sizeof(Number)), kParts = kTile / kLanes;
+    using Vector = typename Register<Number, kBytes>::Vector;
+    using Bits = typename Register<std::int64_t, kBytes>::Vector;
+    Vector part[kParts];
+
+    // Register by register: compilers copy all at once in pieces of their own choice.
+    TRUNDLE_INLINE void load(const Number (&from)[kTile]) {
+      each<kParts>(TRUNDLE_LAMBDA(auto k) { std::memcpy(&part[k], from + k * kLanes, kBytes); });
+    }
+    TRUNDLE_INLINE void store(Number (&to)[kTile]) const {
+      each<kParts>(TRUNDLE_LAMBDA(auto k) { std::memcpy(to + k * kLanes, &part[k], kBytes); });
+    }
+  };
+
+  // What the cells of the next row get by a step from this one.
   template <int kBytes, int kStep>
-  static TRUNDLE_INLINE void sweep(Plane &plane, Changed &rows, Changed &cols);
-
-  static TRUNDLE_INLINE void transpose(const Rows &from, Rows &to) {
-    for (int row = 0; row < kTile; row += 4) {
-      for (int col = 0; col < kTile; col += 4) transpose_block(from, to, row, col);
+  static TRUNDLE_INLINE void step_from(const Plane &plane, int row, const Row<kBytes> &own, Row<kBytes> &next) {
+    using Vector = typename Row<kBytes>::Vector;
+    constexpr int kParts = Row<kBytes>::kParts;
+    const int lower = kStep > 0 ? row : row - 1;
+    Row<kBytes> straight, left, right;
+    straight.load(plane.straight[lower]);
+    left.load(plane.left[lower]);
+    right.load(plane.right[lower]);
+    if constexpr (kStep > 0) {
+      const Vector below_first = turned_up(own.part[kParts - 1]), beyond_last = turned_down(own.part[0]);
+      each<kParts>(TRUNDLE_LAMBDA(auto k) {
+        left.part[k] += k > 0 ? own.part[(k + kParts - 1) % kParts] : below_first;
+        right.part[k] += k + 1 < kParts ? own.part[(k + 1) % kParts] : beyond_last;
+        next.part[k] = least(own.part[k] + straight.part[k], least(left.part[k], right.part[k]));
+      });
+    } else {
+      each<kParts>(TRUNDLE_LAMBDA(auto k) {
+        left.part[k] += own.part[k];
+        right.part[k] += own.part[k];
+      });
+      const Vector below_first = turned_up(right.part[kParts - 1]), beyond_last = turned_down(left.part[0]);
+      each<kParts>(TRUNDLE_LAMBDA(auto k) {
+        const Vector from_left = k > 0 ? right.part[(k + kParts - 1) % kParts] : below_first;
+        const Vector from_right = k + 1 < kParts ? left.part[(k + 1) % kParts] : beyond_last;
+        next.part[k] = least(own.part[k] + straight.part[k], least(from_left, from_right));
+      });
     }
   }
 
-  static TRUNDLE_INLINE void transpose_block(const Rows &from, Rows &to, int row, int col) {
-    Number block[4][4];
-    for (int r = 0; r < 4; ++r) {
-      for (int c = 0; c < 4; ++c) block[c][r] = from[1 + row + r][kFirst + col + c];
-    }
-    for (int c = 0; c < 4; ++c) std::memcpy(&to[1 + col + c][kFirst + row], block[c], sizeof block[c]);
+  // Relax every row that follows a changed one; what changes is noted for the other way and for the other plane.
+  template <int kBytes, int kStep>
+  static TRUNDLE_INLINE void sweep(Plane &plane, Changed &rows, Changed &cols) {
+    using Bits = typename Row<kBytes>::Bits;
+    constexpr int kParts = Row<kBytes>::kParts;
+    constexpr std::uint64_t kSources = ((std::uint64_t{1} << kTile) - 1) << (kStep > 0 ? 0 : 2);
+    std::uint64_t open = (kStep > 0 ? rows.up : rows.down) & kSources, changed_rows = 0;
+    Bits changed_cols[kParts] = {};
+    (kStep > 0 ? rows.up : rows.down) = 0;
+    if (open == 0) return;
+    int row = kStep > 0 ? __builtin_ctzll(open) : 63 - __builtin_clzll(open);
+    Row<kBytes> own, next, old;
+    own.load(plane.value[row]);
+    // Rows between changed ones are relaxed too: to pass them by would take longer.
+    do {
+      step_from<kBytes, kStep>(plane, row, own, next);
+      row += kStep;
+      old.load(plane.value[row]);
+      Bits changed = {};
+      each<kParts>(TRUNDLE_LAMBDA(auto k) {
+        own.part[k] = least(next.part[k], old.part[k]);
+        const Bits bits = reinterpret_cast<Bits>(own.part[k]) ^ reinterpret_cast<Bits>(old.part[k]);
+        changed |= bits;
+        changed_cols[k] |= bits;
+      });
+      own.store(plane.value[row]);
+      const std::uint64_t bit = std::uint64_t{joined_bits(changed) != 0} << row;
+      changed_rows |= bit;
+      open |= bit & kSources;
+    } while ((kStep > 0 ? open >> row : open << (63 - row)) != 0);
+    (kStep > 0 ? rows.down : rows.up) |= changed_rows;
+    rows.ever |= changed_rows;
+    cols.add(std::uint64_t{cells_set<Number>(changed_cols)} << 1);
   }
 
-  static TRUNDLE_INLINE void transpose_frame(const Rows &from, Rows &to) {
-    for (int k = 0; k < kTile + 2; ++k) {
-      to[k][kFirst - 1] = from[0][kFirst - 1 + k];
-      to[k][kFirst + kTile] = from[kTile + 1][kFirst - 1 + k];
-      to[0][kFirst - 1 + k] = from[k][kFirst - 1];
-      to[kTile + 1][kFirst - 1 + k] = from[k][kFirst + kTile];
-    }
+  template <int kBytes, int kStep>
+  static TRUNDLE_INLINE Number gain(const Plane &plane) {
+    using Vector = typename Row<kBytes>::Vector;
+    constexpr int kEdge = kStep > 0 ? kTile : 1;
+    Row<kBytes> own, next, beyond;
+    own.load(plane.value[kEdge]);
+    beyond.load(plane.value[kEdge + kStep]);
+    step_from<kBytes, kStep>(plane, kEdge, own, next);
+    Vector best = Vector{} + kFar;
+    each<Row<kBytes>::kParts>(TRUNDLE_LAMBDA(auto k) {
+      best = least(best, next.part[k] < beyond.part[k] ? next.part[k] : Vector{} + kFar);
+    });
+    return least_lane(best);
   }
 };
-
-// Relax every row that follows a changed one; what changes is noted for the other way and for the other plane.
-template <typename Number>
-template <int kBytes, int kStep>
-TRUNDLE_INLINE void Tile<Number>::sweep(Plane &plane, Changed &rows, Changed &cols) {
-  constexpr int kLanes = kBytes / static_cast<int>(sizeof(Number));
-  using Vector = typename Register<Number, kBytes>::Vector;
-  using Bits = typename Register<std::int64_t, kBytes>::Vector;
-  using Word = std::conditional_t<sizeof(Number) == 4, std::uint32_t, std::uint64_t>;
-  constexpr Number kFar = Scale<Number>::kFar;
-  std::uint64_t &ahead = kStep > 0 ? rows.up : rows.down, &back = kStep > 0 ? rows.down : rows.up;
-  Bits changed_cols[kTile / kLanes] = {};
-  bool any = false;
-  for (int n = 0, row = kStep > 0 ? 1 : kTile; n < kTile; ++n, row += kStep) {
-    if (((ahead >> (row - kStep)) & 1) == 0) continue;
-    const Number *value = plane.value[row - kStep], *straight = plane.straight[row - kStep];
-    const Number *diagonal = plane.diagonal[row - kStep], *own_straight = plane.straight[row];
-    const Number *own_diagonal = plane.diagonal[row];
-    Number *own = plane.value[row];
-    Bits changed = {};
-    for (int k = 0; k < kTile / kLanes; ++k) {
-      const int at = kFirst + k * kLanes;
-      Vector before, step, here, left, right, side, turn;
-      std::memcpy(&step, straight + at, kBytes);
-      std::memcpy(&before, value + at, kBytes);
-      std::memcpy(&here, own_straight + at, kBytes);
-      Vector best = before + step + here;
-      std::memcpy(&left, value + at - 1, kBytes);
-      std::memcpy(&turn, diagonal + at - 1, kBytes);
-      std::memcpy(&side, own_straight + at - 1, kBytes);
-      left += turn;
-      if constexpr (std::is_integral_v<Number>) {
-        left |= side & kFar;  // a wall at the corner
-      } else {
-        left = side >= kFar ? side : left;
-      }
-      std::memcpy(&right, value + at + 1, kBytes);
-      std::memcpy(&turn, diagonal + at + 1, kBytes);
-      std::memcpy(&side, own_straight + at + 1, kBytes);
-      right += turn;
-      if constexpr (std::is_integral_v<Number>) {
-        right |= side & kFar;
-      } else {
-        right = side >= kFar ? side : right;
-      }
-      left = left < right ? left : right;
-      if constexpr (std::is_integral_v<Number>) {
-        left |= step & kFar;  // a wall at the corner that both share
-      } else {
-        left = step >= kFar ? step : left;
-      }
-      std::memcpy(&turn, own_diagonal + at, kBytes);
-      left += turn;
-      best = left < best ? left : best;
-      Vector old;
-      std::memcpy(&old, own + at, kBytes);
-      best = best < old ? best : old;
-      std::memcpy(own + at, &best, kBytes);
-      Bits old_bits, new_bits;
-      std::memcpy(&old_bits, &old, kBytes);
-      std::memcpy(&new_bits, &best, kBytes);
-      changed |= old_bits ^ new_bits;
-      changed_cols[k] |= old_bits ^ new_bits;
-    }
-    std::int64_t difference = 0;
-    for (int lane = 0; lane < kBytes / 8; ++lane) difference |= changed[lane];
-    if (difference != 0) {
-      ahead |= std::uint64_t{1} << row;
-      back |= std::uint64_t{1} << row;
-      any = true;
-    }
-  }
-  ahead = 0;
-  if (!any) return;
-  std::uint64_t mask = 0;
-  for (int k = 0; k < kTile / kLanes; ++k) {
-    Word lanes[kLanes];
-    std::memcpy(lanes, &changed_cols[k], kBytes);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (lanes[lane] != 0) mask |= std::uint64_t{1} << (1 + k * kLanes + lane);
-    }
-  }
-  cols.up |= mask;
-  cols.down |= mask;
-}
-
-// Sweep until nothing changes. The upright plane is loaded whole; at first its frame alone counts as changed, or all.
-template <typename Number>
-template <int kBytes>
-TRUNDLE_INLINE void Tile<Number>::settle(bool everywhere) {
-  transpose(upright.straight, turned.straight);
-  transpose(upright.diagonal, turned.diagonal);
-  transpose_frame(upright.straight, turned.straight);
-  transpose_frame(upright.diagonal, turned.diagonal);
-  transpose_frame(upright.value, turned.value);
-  Changed rows{kLowFrame, kHighFrame}, cols{kLowFrame, kHighFrame};
-  if (everywhere) rows = cols = {kAll, kAll};
-  while (true) {
-    while (rows.up || rows.down) {
-      if (rows.up) sweep<kBytes, 1>(upright, rows, cols);
-      if (rows.down) sweep<kBytes, -1>(upright, rows, cols);
-    }
-    transpose(upright.value, turned.value);
-    if (!cols.up && !cols.down) break;
-    while (cols.up || cols.down) {
-      if (cols.up) sweep<kBytes, 1>(turned, cols, rows);
-      if (cols.down) sweep<kBytes, -1>(turned, cols, rows);
-    }
-    transpose(turned.value, upright.value);
-    if (!rows.up && !rows.down) break;
-  }
-}
 
 }  // namespace trundle

@@ -1,0 +1,180 @@
+// Registers as vectors of numbers, of whatever width the processor has, in the compilers' own notation.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#define TRUNDLE_INLINE inline __attribute__((always_inline))
+#define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__) __attribute__((always_inline))
+
+namespace trundle {
+
+// As many numbers as fit into a register of so many bytes.
+template <typename Number, int kBytes>
+struct Register {
+  typedef Number Vector __attribute__((vector_size(kBytes)));
+};
+
+template <typename Vector>
+using Lane = std::remove_reference_t<decltype(std::declval<Vector &>()[0])>;
+
+template <typename Vector>
+constexpr int kLaneCount = sizeof(Vector) / sizeof(Lane<Vector>);
+
+template <typename Vector, int... kFrom>
+TRUNDLE_INLINE Vector pick(Vector low, Vector high, std::integer_sequence<int, kFrom...>) {
+#if defined(__clang__)
+  return __builtin_shufflevector(low, high, kFrom...);
+#else
+  using Index = std::conditional_t<sizeof(Lane<Vector>) == 8, std::int64_t,
+                                   std::conditional_t<sizeof(Lane<Vector>) == 4, std::int32_t,
+                                   std::conditional_t<sizeof(Lane<Vector>) == 2, std::int16_t, std::int8_t>>>;
+  using Indices = typename Register<Index, sizeof(Vector)>::Vector;
+  return __builtin_shuffle(low, high, Indices{kFrom...});
+#endif
+}
+
+template <int kFirst, int... k>
+constexpr auto counted(std::integer_sequence<int, k...>) {
+  return std::integer_sequence<int, (kFirst + k)...>{};
+}
+
+// Every lane one place up, and one place down; what falls off one end comes in at the other.
+template <typename Vector>
+TRUNDLE_INLINE Vector turned_up(Vector lanes) {
+  constexpr int kLanes = kLaneCount<Vector>;
+  return pick(lanes, lanes, counted<kLanes - 1>(std::make_integer_sequence<int, kLanes>{}));
+}
+
+template <typename Vector>
+TRUNDLE_INLINE Vector turned_down(Vector lanes) {
+  return pick(lanes, lanes, counted<1>(std::make_integer_sequence<int, kLaneCount<Vector>>{}));
+}
+
+template <typename Vector>
+TRUNDLE_INLINE Vector least(Vector a, Vector b) {
+  return a < b ? a : b;
+}
+
+// Half of the lanes change places with the other half, a quarter with the next, and so on: what is joined ends in
+// every lane.
+template <int kBy, typename Vector, typename Join>
+TRUNDLE_INLINE Vector joined(Vector lanes, Join join) {
+  if constexpr (kBy == 0) {
+    return lanes;
+  } else {
+    const Vector turned = pick(lanes, lanes, counted<kBy>(std::make_integer_sequence<int, kLaneCount<Vector>>{}));
+    return joined<kBy / 2>(join(lanes, turned), join);
+  }
+}
+
+template <typename Vector>
+TRUNDLE_INLINE Lane<Vector> joined_bits(Vector bits) {
+  return joined<kLaneCount<Vector> / 2>(bits, TRUNDLE_LAMBDA(Vector a, Vector b) { return a | b; })[0];
+}
+
+template <typename Vector>
+TRUNDLE_INLINE Lane<Vector> least_lane(Vector numbers) {
+  return joined<kLaneCount<Vector> / 2>(numbers, TRUNDLE_LAMBDA(Vector a, Vector b) { return least(a, b); })[0];
+}
+
+// The same for each of so many registers, written out: an array that a loop walks through may stay in memory.
+template <typename Body, int... k>
+TRUNDLE_INLINE void each_of(Body body, std::integer_sequence<int, k...>) {
+  (body(std::integral_constant<int, k>{}), ...);
+}
+
+template <int kCount, typename Body>
+TRUNDLE_INLINE void each(Body body) {
+  each_of(body, std::make_integer_sequence<int, kCount>{});
+}
+
+template <typename Word, int kApart, int... lane>
+TRUNDLE_INLINE auto lane_bits(std::integer_sequence<int, lane...>) {
+  return typename Register<Word, sizeof...(lane) * sizeof(Word)>::Vector{(Word{1} << (kApart * lane))...};
+}
+
+// Which cells of a dealt row have a bit set.
+template <typename Number, typename Vector, int kParts>
+TRUNDLE_INLINE std::uint32_t cells_set(const Vector (&bits)[kParts]) {
+  using Word = std::conditional_t<sizeof(Number) == 4, std::uint32_t, std::uint64_t>;
+  using Words = typename Register<Word, sizeof(Vector)>::Vector;
+  const Words own = lane_bits<Word, kParts>(std::make_integer_sequence<int, kLaneCount<Words>>{});
+  Words all = {};
+  each<kParts>(TRUNDLE_LAMBDA(auto k) {
+    all |= reinterpret_cast<Words>(reinterpret_cast<Words>(bits[k]) != 0) & (own << static_cast<int>(k));
+  });
+  return static_cast<std::uint32_t>(joined_bits(all));
+}
+
+template <int kHalf, int... k>
+constexpr auto interleaved(std::integer_sequence<int, k...>) {
+  constexpr int kLanes = sizeof...(k);
+  return std::integer_sequence<int, (kHalf * kLanes / 2 + k / 2 + k % 2 * kLanes)...>{};
+}
+
+template <int kOdd, int... k>
+constexpr auto every_other(std::integer_sequence<int, k...>) {
+  return std::integer_sequence<int, (2 * k + kOdd)...>{};
+}
+
+// Deal a row to registers as cards: the first cell to the first register, the next to the next. A cell's neighbours
+// then stand in its own lane of the registers beside its own, but for the first register's and the last one's.
+template <int kHands = 1, typename Vector, int kParts>
+TRUNDLE_INLINE void deal(Vector (&row)[kParts]) {
+  if constexpr (kHands < kParts) {
+    constexpr auto kInOrder = std::make_integer_sequence<int, kLaneCount<Vector>>{};
+    Vector dealt[kParts];
+    each<kParts / 2>(TRUNDLE_LAMBDA(auto k) {
+      dealt[k] = pick(row[2 * k], row[2 * k + 1], every_other<0>(kInOrder));
+      dealt[k + kParts / 2] = pick(row[2 * k], row[2 * k + 1], every_other<1>(kInOrder));
+    });
+    deal<2 * kHands>(dealt);
+    each<kParts>(TRUNDLE_LAMBDA(auto k) { row[k] = dealt[k]; });
+  }
+}
+
+// The cells of a dealt row in order again: registers are interleaved with those half of them away, as a deck is
+// shuffled.
+template <int kHands = 1, typename Vector, int kParts>
+TRUNDLE_INLINE void gather(Vector (&row)[kParts]) {
+  if constexpr (kHands < kParts) {
+    constexpr auto kInOrder = std::make_integer_sequence<int, kLaneCount<Vector>>{};
+    Vector shuffled[kParts];
+    each<kParts / 2>(TRUNDLE_LAMBDA(auto k) {
+      shuffled[2 * k] = pick(row[k], row[k + kParts / 2], interleaved<0>(kInOrder));
+      shuffled[2 * k + 1] = pick(row[k], row[k + kParts / 2], interleaved<1>(kInOrder));
+    });
+    gather<2 * kHands>(shuffled);
+    each<kParts>(TRUNDLE_LAMBDA(auto k) { row[k] = shuffled[k]; });
+  }
+}
+
+// A square with its rows as columns, both dealt to so many registers; a block of as many rows and columns as a
+// register of 16 bytes has lanes after the other. Gathered, a block has changed its rows for its columns.
+template <int kSize, int kParts, typename Number>
+TRUNDLE_INLINE void transpose(const Number *from, Number *to) {
+  using Vector = typename Register<Number, 16>::Vector;
+  constexpr int kBlock = kLaneCount<Vector>, kLanes = kSize / kParts;
+  for (int row_part = 0; row_part < kParts; ++row_part) {
+    for (int row_lane = 0; row_lane < kLanes; row_lane += kBlock) {
+      const Number *rows = from + (row_part + row_lane * kParts) * kSize;
+      Number *cols = to + row_part * kLanes + row_lane;
+      for (int part = 0; part < kParts; ++part) {
+        for (int lane = 0; lane < kLanes; lane += kBlock) {
+          Vector block[kBlock];
+          each<kBlock>(TRUNDLE_LAMBDA(auto k) {
+            std::memcpy(&block[k], rows + k * kParts * kSize + part * kLanes + lane, sizeof(Vector));
+          });
+          gather(block);
+          each<kBlock>(TRUNDLE_LAMBDA(auto k) {
+            std::memcpy(cols + (part + (lane + k) * kParts) * kSize, &block[k], sizeof(Vector));
+          });
+        }
+      }
+    }
+  }
+}
+
+}  // namespace trundle
