@@ -1,10 +1,14 @@
 """The cost from every cell to one goal: all cells of a map, exact, beside scikit-image and SciPy.
 
-    python -m benchmarks.planning.cost_field MAPS [--times 2] [--rounds 9] [--map Berlin_0_1024] [--no-peers]
+    python -m benchmarks.planning.cost_field MAPS [--times 2] [--rounds 9] [--map NAME ...] [--no-peers]
 
 MAPS is a folder of MovingAI maps; each cell becomes `--times` squared cells. Three kinds of uint8 costs: 1 everywhere;
-`inflated`, Nav2's costs of the map at 0.05 m a cell weighed as NavFn does (50 + 0.8 c); and `noise`, 1 to 200 by chance
-in every cell, where the cheapest ways wind the most. The goal is the free cell in the middle of all.
+`inflated`, Nav2's costs of the map at 0.05 m a cell weighed as NavFn does (50 + 0.8 c), taken as uint16 and as
+float32 too; and `noise`, 1 to 200 by chance in every cell, where the cheapest ways wind the most. The goal is the free
+cell in the middle of all.
+
+Beside two threads on one field stand two fields at once, of one thread each, that share nothing: what they take less
+than one after the other is what the processors have to give, and bounds what two threads on one field can gain.
 
 The processor's time stands beside the wall's: on a busy machine the former says more. The result is compared with
 SciPy's Dijkstra on the same graph. scikit-image solves an easier problem: it cuts corners.
@@ -16,6 +20,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -85,39 +90,71 @@ def once(run: Callable[[], Any], clock: Callable[[], float]) -> tuple[float, Any
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", type=Path)
-    parser.add_argument("--map", default="Berlin_0_1024")
+    parser.add_argument("--map", nargs="+", default=["Berlin_0_1024"])
     parser.add_argument("--times", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--no-peers", action="store_true")
     options = parser.parse_args()
-    blocked = load_map(options.maps / f"{options.map}.map").data != 0
-    blocked = np.kron(blocked, np.ones((options.times, options.times), dtype=bool))
-    print(f"{options.map} times {options.times}: {blocked.shape[0]} x {blocked.shape[1]} cells")
-    print(describe_machine() + "\n")
-    table = []
-    for name, costs in make_costs(blocked).items():
+    print(describe_machine())
+    for name in options.map:
+        blocked = load_map(options.maps / f"{name}.map").data != 0
+        blocked = np.kron(blocked, np.ones((options.times, options.times), dtype=bool))
+        print(f"\n{name} times {options.times}: {blocked.shape[0]} x {blocked.shape[1]} cells")
+        measure_map(blocked, options.rounds, not options.no_peers)
+
+
+def measure_map(blocked: np.ndarray, rounds: int, peers: bool) -> None:
+    table: list[tuple[str, ...]] = []
+    kinds = make_costs(blocked)
+    for name, costs in kinds.items():
         cells = np.argwhere(costs != WALL)
         goal = tuple(cells[len(cells) // 2].tolist())
-        runs = {f"{n} thread{'s' * (n > 1)}": partial(cost_field, costs, goal, threads=n) for n in (1, 2)}
-        reached = int(np.isfinite(runs["1 thread"]()).sum())
-        wall = interleaved_times(runs, options.rounds)
-        busy = interleaved_times(runs, options.rounds, time.process_time)
-        gain = statistics.median(a / b for a, b in zip(wall["1 thread"], wall["2 threads"], strict=True))
-        for run in runs:
-            seconds, least = statistics.median(wall[run]), min(wall[run])
-            table.append((name, f"trundle, {run}", *rates(reached, seconds, least, statistics.median(busy[run]))))
-        print(f"{name}: {reached} cells reached; two threads {gain:.2f} x one (median of turns)")
-        if not options.no_peers:
-            seconds, expected = once(by_scipy(costs, goal), time.process_time)
-            field, way = runs["1 thread"](), np.isfinite(expected) & (expected > 0)
-            off = np.abs(field[way] / expected[way] - 1.0).max()
-            same = bool((np.isfinite(expected) == np.isfinite(field)).all())
-            print(f"    against SciPy: the same cells {same}, costs to {off:.1e} of theirs")
-            table.append((name, "SciPy Dijkstra, once", *rates(reached, seconds, seconds, seconds)))
-            seconds, _ = once(by_skimage(costs, goal), time.process_time)
-            table.append((name, "scikit-image MCP_Geometric, once", *rates(reached, seconds, seconds, seconds)))
+        reached = measure_costs(name, costs, goal, rounds, table)
+        if peers:
+            measure_peers(name, costs, goal, reached, table)
+    for dtype, wall in ((np.uint16, 65535), (np.float32, np.inf)):
+        costs = kinds["inflated"].astype(dtype)
+        costs[kinds["inflated"] == WALL] = wall
+        cells = np.argwhere(costs != wall)
+        measure_costs(f"inflated, {dtype.__name__}", costs, tuple(cells[len(cells) // 2].tolist()), rounds, table)
     print()
     print_table(("costs", "who", "median ms", "least ms", "processor's ms", "M cells/s by the least"), table)
+
+
+def measure_costs(
+    name: str, costs: np.ndarray, goal: tuple[int, int], rounds: int, table: list[tuple[str, ...]]
+) -> int:
+    """The times of our own field; how many cells it reaches."""
+    other = costs.copy()
+    with ThreadPoolExecutor(2) as pool:
+
+        def both() -> None:
+            list(pool.map(lambda array: cost_field(array, goal, threads=1), (costs, other)))
+
+        runs = {f"{n} thread{'s' * (n > 1)}": partial(cost_field, costs, goal, threads=n) for n in (1, 2)}
+        reached = int(np.isfinite(runs["1 thread"]()).sum())
+        wall = interleaved_times({**runs, "both": both}, rounds)
+    busy = interleaved_times(runs, rounds, time.process_time)
+    gain = statistics.median(a / b for a, b in zip(wall["1 thread"], wall["2 threads"], strict=True))
+    bound = statistics.median(2.0 * a / b for a, b in zip(wall["1 thread"], wall["both"], strict=True))
+    for run in runs:
+        seconds, least = statistics.median(wall[run]), min(wall[run])
+        table.append((name, f"trundle, {run}", *rates(reached, seconds, least, statistics.median(busy[run]))))
+    print(f"{name}: {reached} cells reached; two threads {gain:.2f} x one; two fields at once {bound:.2f} x (medians)")
+    return reached
+
+
+def measure_peers(
+    name: str, costs: np.ndarray, goal: tuple[int, int], reached: int, table: list[tuple[str, ...]]
+) -> None:
+    seconds, expected = once(by_scipy(costs, goal), time.process_time)
+    field, way = cost_field(costs, goal, threads=1), np.isfinite(expected) & (expected > 0)
+    off = np.abs(field[way] / expected[way] - 1.0).max()
+    same = bool((np.isfinite(expected) == np.isfinite(field)).all())
+    print(f"    against SciPy: the same cells {same}, costs to {off:.1e} of theirs")
+    table.append((name, "SciPy Dijkstra, once", *rates(reached, seconds, seconds, seconds)))
+    seconds, _ = once(by_skimage(costs, goal), time.process_time)
+    table.append((name, "scikit-image MCP_Geometric, once", *rates(reached, seconds, seconds, seconds)))
 
 
 def rates(cells: int, seconds: float, least: float, busy: float) -> tuple[str, ...]:
