@@ -13,11 +13,11 @@ from trundle.path import Path
 
 
 def densely(path: Path, step: float = 0.01) -> FloatArray:
-    """Poses along the straight lines and turns that a path stands for."""
+    """Poses along the straight lines and turns that a path stands for, so many metres and 0.01 rad apart at most."""
     pieces = [path.poses[:1]]
     for a, b in zip(path.poses[:-1], path.poses[1:], strict=True):
         change = np.array([b[0] - a[0], b[1] - a[1], math.remainder(b[2] - a[2], 2 * math.pi)])
-        count = 1 + int(max(math.hypot(*change[:2]), abs(change[2])) / step)
+        count = 1 + int(max(math.hypot(*change[:2]) / step, abs(change[2]) / 0.01))
         pieces.append(a + np.linspace(0, 1, count + 1)[1:, None] * change)
     return np.concatenate(pieces)
 
@@ -38,7 +38,7 @@ def penalised_length(path: Path, *, reverse: float, change: float, turn: float) 
 
 def swept_area_blocked(costmap: Costmap, path: Path, outline: FloatArray | None = None) -> float:
     """Area [m²] of blocked cells that an outline sweeps over: hulls of neighbouring placements, by shapely."""
-    poses = densely(path)
+    poses = densely(path, math.inf)  # the hull of what only moves is what it sweeps
     cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     corners = costmap.footprint if outline is None else outline
     placed = np.stack(
