@@ -65,7 +65,10 @@ def cost_field(
     status, field = _core.cost_field(array, cells, int(connectivity), count, deadline_s, flag)
     if field is None:
         why = "it was cancelled" if status == _CANCELLED else f"{deadline_s:g} s passed (deadline_s)"
-        raise PlanningStoppedError(f"the cost field of {array.shape[0]} x {array.shape[1]} was not done when {why}")
+        raise PlanningStoppedError(
+            f"the cost field of {array.shape[0]} x {array.shape[1]} was not done when {why}",
+            status="cancelled" if status == _CANCELLED else "timeout",
+        )
     return field
 
 
@@ -87,11 +90,13 @@ def _as_costs(costs: npt.ArrayLike) -> CostArray:
             )
         array = array.astype(np.uint16)
     elif array.dtype.kind == "f":
+        if array.dtype.itemsize < 4:  # whose range does not hold the bounds that it is checked against
+            array = array.astype(np.float32)
         _check_numbers(array)
         array = array.astype(np.float32, copy=False)
     elif array.dtype.name not in _WALLS:
         raise InputError(f"costs of type {array.dtype} cannot be used; give uint8, uint16, float32 or bool")
-    return cast("CostArray", np.ascontiguousarray(array))
+    return cast("CostArray", np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("=")))
 
 
 def _check_numbers(costs: npt.NDArray[np.floating]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
@@ -39,12 +40,17 @@ class PathCheck:
     Args:
         path: The path.
 
+    Raises:
+        InputError: If that is no path; and by the methods, if they get no costmap.
+
     Attributes:
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3), read-only.
         along: Distance driven up to each pose [m], shape (N,), read-only.
     """
 
     def __init__(self, path: Path) -> None:
+        if not isinstance(path, Path):
+            raise InputError(f"a path is needed to check, got {type(path).__name__}")
         first, last = path.poses[:-1], path.poses[1:].copy()
         last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
         self.poses = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)[0] if len(first) else path.poses
@@ -58,7 +64,8 @@ class PathCheck:
 
     def first_hit(self, costmap: Costmap, begin: int = 0) -> PathHit | None:
         """Where the footprint first touches something from pose `begin` on; none where the path is free."""
-        costs = costmap.data.take(self._find_cells(costmap)[begin:])
+        cells = self._find_cells(costmap)[begin:]
+        costs = costmap.data.take(cells)
         near = np.flatnonzero((costs >= _clear_below(costmap)) | self._at_edge[begin:])
         if len(near) == 0:
             return None
@@ -74,7 +81,8 @@ class PathCheck:
 
         Infinite where base_link enters a cell of 253 or more: the same for paths of all planners, to compare them.
         """
-        costs = costmap.data.take(self._find_cells(costmap)[begin:])
+        cells = self._find_cells(costmap)[begin:]
+        costs = costmap.data.take(cells)
         steps = np.diff(self.along[begin:])
         if len(costs) and costs.max() >= INSCRIBED:
             return math.inf
@@ -83,6 +91,8 @@ class PathCheck:
 
     def _find_cells(self, costmap: Costmap) -> npt.NDArray[np.intp]:
         """Flat indices of the poses' cells, kept for costmaps of the same frame; outside the map a cell of its edge."""
+        if not isinstance(costmap, Costmap):
+            raise InputError(f"a path is checked on a Costmap, got {type(costmap).__name__}")
         frame = (costmap.shape, costmap.resolution, costmap.origin, costmap.circumscribed_radius)
         if frame != self._frame:
             rows, cols = costmap.shape
