@@ -209,3 +209,30 @@ def test_masks_turn_the_path_aside_and_are_drawn(trundle: Trundle, room_map: Pat
         assert {KEPT_OUT, slow} <= {color for _, color in picture.getcolors(1 << 24) or ()}
     bad = trundle("plan", room_map, *ends, "--speed-mask", "zones.yaml", "--keepout", "none.yaml")
     assert (bad.code, "none.yaml" in bad.err) == (2, True)
+
+
+def test_part_of_the_way_through_costly_unknown_space(trundle: Trundle, tmp_path: Path) -> None:
+    data = np.zeros((60, 140), np.int8)
+    data[:, 60:70] = -1
+    data[:, 110:112] = 100
+    OccupancyGrid(data, 0.05).save(tmp_path / "hall.yaml")
+    query = ("plan", "hall.yaml", "--start", "1,1.5,0", "--goal", "6.4,1.5", "--robot", "turtlebot3_burger", "--json")
+    assert trundle(*query).code == 1
+    assert trundle(*query, "--unknown", "costly").code == 1
+    done = trundle(*query, "--unknown", "costly", "--unknown-cost", 50, "--partial")
+    assert (done.code, done.json["status"]) == (0, "partial")
+    assert 0.9 < done.json["remaining_m"] < 1.2
+    assert done.json["poses"][-1][0] > 5.0
+    short = trundle(*query, "--partial", "--planner-option", "spacing=0.02")
+    assert short.json["poses"][-1][0] < 3.0
+    late = trundle(*query, "--unknown", "free", "--deadline", "1e-9")
+    assert late.code == 1
+    assert "deadline of 1e-09 s" in late.err
+    for wrong in (
+        ("--deadline", 0),
+        ("--planner-option", "speed=3"),
+        ("--planner-option", "x"),
+        ("--unknown-cost", 300),
+    ):
+        assert trundle(*query, "--unknown", "costly", *wrong).code == 2
+    assert trundle(*query, "--compare", "--partial").code == 2
