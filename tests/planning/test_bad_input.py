@@ -62,7 +62,7 @@ POSES = [
     {},
     Pose2D(1e300, 1e300),
     Pose2D(-50.0, 0.0),
-    object(),
+    2j,
 ]
 
 
