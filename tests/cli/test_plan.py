@@ -8,7 +8,7 @@ from support.command_line import Trundle, room
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.planning import planner_names
-from trundle.record.colors import KEPT_OUT
+from trundle.record.colors import BAD, KEPT_OUT, PLANNED
 from trundle.record.zones import SpeedZones
 from trundle.robots import Robot
 
@@ -236,3 +236,20 @@ def test_part_of_the_way_through_costly_unknown_space(trundle: Trundle, tmp_path
     ):
         assert trundle(*query, "--unknown", "costly", *wrong).code == 2
     assert trundle(*query, "--compare", "--partial").code == 2
+
+
+def test_a_smoothed_plan_is_drawn_with_the_planned_one(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    ends = ["--start", "0,0,0", "--goal", "5,2,1.57", "--planner", "astar", "--json"]
+    planned = trundle("plan", room_map, *ends).json
+    done = trundle("plan", room_map, *ends, "--smoother", "constrained")
+    assert done.code == 0, done.err
+    assert (planned["smoother"], done.json["smoother"]) == (None, "constrained")
+    assert done.json["poses"] != planned["poses"]
+    assert done.json["poses"][-1] == planned["poses"][-1]
+    with Image.open(tmp_path / "overlay.png") as picture:
+        assert {PLANNED, BAD} <= {color for _, color in picture.getcolors(1 << 24) or ()}
+    compared = trundle("plan", room_map, *ends[:4], "--smoother", "constrained", "--compare", "--json")
+    rows = {row["planner"]: row for row in compared.json["planners"]}
+    assert rows["astar"]["length_m"] != pytest.approx(planned["length_m"])
+    unknown = trundle("plan", room_map, *ends, "--smoother", "constraint")
+    assert (unknown.code, "Did you mean 'constrained'?" in unknown.err) == (2, True)

@@ -17,6 +17,7 @@ from fuzz import (
     fuzz_png_filter,
     fuzz_raster,
     fuzz_rays,
+    fuzz_smoothing,
     fuzz_weighted_grid,
     fuzz_zbuffer,
 )
@@ -44,6 +45,7 @@ TARGETS = {
     "weighted_grid": Target(fuzz_weighted_grid.one_round, ("grid_search", "line_costs", "shortcut", "relax"), 600),
     "cost_field": Target(fuzz_cost_field.one_round, ("cost_field",), 400),
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar",), 700),
+    "smoothing": Target(fuzz_smoothing.one_round, ("smooth_path",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
     "footprint": Target(fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance"), 400),

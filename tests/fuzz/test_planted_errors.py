@@ -25,6 +25,7 @@ from trundle.costmap import Costmap
 from trundle.maps import pnm
 from trundle.maps.rasterise import SolidRaster
 from trundle.planning import GridSearch
+from trundle.planning.constrained_smoother import ConstrainedSmoother
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 
 Function = Callable[..., Any]
@@ -57,6 +58,16 @@ def shifted(plan: Function) -> Function:
         return dataclasses.replace(path, poses=poses)
 
     return plan_shifted
+
+
+def off_course(explain: Function) -> Function:
+    def explain_off_course(smoother, path, costmap):
+        done = explain(smoother, path, costmap)
+        poses = done.path.poses.copy()
+        poses[1:-1, 0] += 0.02
+        return dataclasses.replace(done, path=dataclasses.replace(done.path, poses=poses))
+
+    return explain_off_course
 
 
 def scaled(share: float) -> Callable[[Function], Function]:
@@ -129,6 +140,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "relaxation": ("weighted_grid", _core, "relax", part(1, lambda cost: cost * (1.0 - 1e-6))),
     "field": ("cost_field", fuzz_cost_field, "cost_field", scaled(1e-5)),
     "path in walls": ("hybrid_astar", HybridAStarPlanner, "plan", shifted),
+    "smoothed course": ("smoothing", ConstrainedSmoother, "explain", off_course),
     "curve": ("curves", fuzz_curves, "shortest_curves", scaled(1e-5)),
     "inflation": ("inflation", fuzz_inflation, "inflate", last_cell_changed),
     "local update": ("inflation", Costmap, "update", last_cost_changed),

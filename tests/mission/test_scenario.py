@@ -205,7 +205,8 @@ def test_options_reach_planner_controller_backend_and_costmap(room_yaml):
         assert built.navigator.costmap.inflation_radius == 1.5
         assert built.navigator.costmap.cost_scaling_factor == 4.0
         assert built.navigator.dt == 0.1
-    for choice in ("planner", "controller", "backend"):
+    common["smoother"] = "constrained"
+    for choice in ("planner", "controller", "smoother", "backend"):
         bad = {"name": getattr(Scenario.make(**common), choice).name, "options": {"no_such_option": 1}}
         with pytest.raises(InputError, match="no_such_option"):
             Scenario.make(**{**common, choice: bad}).build()

@@ -5,11 +5,12 @@ import pytest
 
 from trundle.control import ProgressChecker
 from trundle.costmap import Costmap
-from trundle.errors import InputError, MapError, NoPathError, UnknownNameError
+from trundle.errors import BlockedPoseError, InputError, MapError, NoPathError, UnknownNameError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.path import Path
+from trundle.planning.constrained_smoother import ConstrainedSmoother
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -211,3 +212,30 @@ def test_it_drives_what_hybrid_astar_plans_out_of_a_dead_end():
     assert not touches(navigator, poses)
     inside = [pose for pose in poses if pose.x > 0.8]
     assert max(abs(pose.yaw) for pose in inside) < 0.3  # it came out backwards
+
+
+def test_a_smoother_takes_the_stops_out_of_a_path():
+    grid = room((-0.2, -5, 0.2, 2.5))
+    times = {}
+    for smoother in (None, "constrained"):
+        navigator = Navigator(grid, "nova_carter", planner="astar", smoother=smoother)
+        navigator.set_goal(3.0, -3.0, -math.pi / 2)
+        times[smoother] = len(drive(navigator, Pose2D(-3, -3, math.pi / 2)))
+        assert navigator.status is NavigationStatus.ARRIVED
+        assert navigator.path is not None
+        assert navigator.planned is not None
+        assert np.array_equal(navigator.path.poses, navigator.planned.poses) == (smoother is None)
+    assert times["constrained"] < times[None]
+
+
+def test_the_smoother_takes_its_options_and_says_why_a_path_cannot_be_smoothed():
+    grid = room((-0.2, -5, 0.2, 2.5))
+    options = {"minimum_turning_radius": 1.0}
+    assert Navigator(grid, "nova_carter", smoother="constrained", smoother_options=options).smoother.settings == (
+        ConstrainedSmoother(**options).settings
+    )
+    navigator = Navigator(grid, "nova_carter", planner="blog", smoother="constrained")
+    navigator.set_goal(0.8, -4.5)
+    navigator.update(Pose2D(-0.8, -4.5))
+    assert navigator.status is NavigationStatus.NO_PATH
+    assert isinstance(navigator.error, BlockedPoseError)

@@ -3,14 +3,12 @@ import threading
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support.swept import densely, penalised_length, swept_area_blocked
+from support.swept import CARTER, costmap_of, densely, penalised_length, room, swept_area_blocked
 from trundle import _core
-from trundle.costmap import Costmap
 from trundle.errors import (
     BlockedPoseError,
     InputError,
@@ -19,13 +17,10 @@ from trundle.errors import (
     PlanningStoppedError,
 )
 from trundle.geometry import Pose2D
-from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Cancellation, Planner, create_planner
 from trundle.planning.hybrid_astar import HybridAStarPlanner
-from trundle.robots import Robot
 from trundle.testing import check_planner
 
-CARTER = Robot.load("nova_carter").outline
 LONG = ((1.0, 0.2), (-0.4, 0.2), (-0.4, -0.2), (1.0, -0.2))
 KINDS = [
     {},
@@ -34,22 +29,6 @@ KINDS = [
     {"motion_model": "dubins", "in_place": True},
     {"in_place": True, "minimum_turning_radius": 0.0},
 ]
-
-
-def room(width, height, *blocks, resolution=0.05):
-    """A room with walls of one cell, its inside from (0, 0), and blocks (x0, y0, x1, y1) [m] in it."""
-    data = np.zeros((round(height / resolution) + 2, round(width / resolution) + 2), np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    for block in blocks:
-        x0, y0, x1, y1 = (round(value / resolution) + 1 for value in block)
-        data[y0:y1, x0:x1] = 100
-    return data
-
-
-def costmap_of(data, footprint: npt.ArrayLike = CARTER, resolution=0.05, origin=None):
-    return Costmap.from_grid(
-        OccupancyGrid(data, resolution, origin or Pose2D(-resolution, -resolution)), np.array(footprint)
-    )
 
 
 def assert_drivable(costmap, path, start, goal, *, radius=0.4, in_place=False, forward_only=False):

@@ -1,25 +1,51 @@
-"""What a footprint sweeps over on its way, by shapely."""
+"""Rooms, costmaps of them, and what a footprint sweeps over on a path, by shapely."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 
 from trundle.costmap import Costmap
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
+from trundle.robots import Robot
+
+CARTER = Robot.load("nova_carter").outline
+
+
+def room(width, height, *blocks, resolution=0.05):
+    """A room with walls of one cell, its inside from (0, 0), and blocks (x0, y0, x1, y1) [m] in it."""
+    data = np.zeros((round(height / resolution) + 2, round(width / resolution) + 2), np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    for block in blocks:
+        x0, y0, x1, y1 = (round(value / resolution) + 1 for value in block)
+        data[y0:y1, x0:x1] = 100
+    return data
+
+
+def costmap_of(data, footprint: npt.ArrayLike = CARTER, resolution=0.05, origin=None):
+    return Costmap.from_grid(
+        OccupancyGrid(data, resolution, origin or Pose2D(-resolution, -resolution)), np.array(footprint)
+    )
 
 
 def densely(path: Path, step: float = 0.01) -> FloatArray:
-    """Poses along the straight lines and turns that a path stands for, so many metres and 0.01 rad apart at most."""
-    pieces = [path.poses[:1]]
-    for a, b in zip(path.poses[:-1], path.poses[1:], strict=True):
-        change = np.array([b[0] - a[0], b[1] - a[1], math.remainder(b[2] - a[2], 2 * math.pi)])
-        count = 1 + int(max(math.hypot(*change[:2]) / step, abs(change[2]) / 0.01))
-        pieces.append(a + np.linspace(0, 1, count + 1)[1:, None] * change)
-    return np.concatenate(pieces)
+    """Poses along the straight lines and turns that a path stands for."""
+    return np.concatenate([path.poses[:1], along_legs(path.poses[:-1], path.poses[1:], step)])
+
+
+def along_legs(first: FloatArray, last: FloatArray, step: float) -> FloatArray:
+    """Poses along lines and turns, each shape (N, 3): `step` and 0.01 rad apart at most, the first of each left out."""
+    change = last - first
+    change[:, 2] = np.remainder(change[:, 2] + math.pi, 2 * math.pi) - math.pi
+    counts = 1 + np.maximum(np.hypot(change[:, 0], change[:, 1]) / step, np.abs(change[:, 2]) / 0.01).astype(int)
+    owner = np.repeat(np.arange(len(first)), counts)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
+    return first[owner] + (number / counts[owner])[:, None] * change[owner]
 
 
 def penalised_length(path: Path, *, reverse: float, change: float, turn: float) -> float:

@@ -28,6 +28,7 @@ from trundle._core._kernels import (
     relax,
     shortcut,
     shortest_curves,
+    smooth_path,
     walk_corners,
 )
 
@@ -59,5 +60,6 @@ __all__ = [
     "relax",
     "shortcut",
     "shortest_curves",
+    "smooth_path",
     "walk_corners",
 ]

@@ -22,6 +22,7 @@ void bind_raster_cylinder(nb::module_ &m);
 void bind_raster_floor(nb::module_ &m);
 void bind_raster_mesh(nb::module_ &m);
 void bind_shortest_curves(nb::module_ &m);
+void bind_smoothing(nb::module_ &m);
 void bind_zbuffer(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
@@ -45,5 +46,6 @@ NB_MODULE(_kernels, m) {
   bind_raster_floor(m);
   bind_raster_mesh(m);
   bind_shortest_curves(m);
+  bind_smoothing(m);
   bind_zbuffer(m);
 }

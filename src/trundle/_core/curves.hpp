@@ -45,8 +45,8 @@ inline double full_turn(double angle) {
 
 // The shortest curves forward: Shkel and Lumelsky, "Classification of the Dubins set" (2001), section 2, in the frame of
 // the start. A turn, a straight line and a turn, or three turns of which the middle one is more than half a circle.
-// Visits every curve of the six words that there is.
-template <typename Visit>
+// Visits every curve of the six words that there is, or of the four without three turns.
+template <bool kThreeTurns = true, typename Visit>
 void for_each_dubins(double x, double y, double phi, Visit &&visit) {
   for (const int side : {1, -1}) {  // right turns first are left turns first seen in a mirror
     const double my = side * y, mphi = side * phi;
@@ -71,7 +71,7 @@ void for_each_dubins(double x, double y, double phi, Visit &&visit) {
       const double t = full_turn(std::atan2(other_y, other_x) + std::atan2(2.0, straight));
       emit(t, straight, full_turn(t - mphi), 0, -1);
     }
-    if (same <= 4.0) {  // LRL
+    if (kThreeTurns && same <= 4.0) {  // LRL
       const double middle = 2.0 * kPi - 2.0 * std::asin(same / 4.0);
       const double along = same > 1e-12 ? std::atan2(same_y, same_x) : 0.0;
       const double t = full_turn(along + middle / 2.0);

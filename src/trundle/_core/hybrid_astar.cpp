@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "patience.hpp"
+#include "stretches.hpp"
 
 #include <nanobind/stl/optional.h>
 
@@ -15,51 +16,19 @@ namespace trundle {
 
 namespace {
 
-// Parts that go on alike become one.
-std::vector<Stretch> merged(const std::vector<Stretch> &parts) {
-  std::vector<Stretch> out;
-  for (const Stretch &part : parts) {
-    if (!out.empty()) {
-      Stretch &last = out.back();
-      const bool same_way = last.length * part.length > 0.0 || (last.length == 0.0 && part.length == 0.0);
-      // Of two turns in place those of one direction; of two arcs those of one curvature.
-      const bool alike = part.length == 0.0 ? last.turn * part.turn > 0.0
-                                            : std::fabs(last.turn * part.length - part.turn * last.length) <
-                                                  1e-9 * std::fabs(part.length * last.length);
-      if (same_way && alike) {
-        last.length += part.length, last.turn += part.turn;
-        continue;
-      }
-    }
-    out.push_back(part);
-  }
-  return out;
-}
-
-// Poses along the parts, at most `spacing` apart and with less than half a turn between two, and for each pose but the
-// first whether it is reached backwards.
+// Poses along the parts, and for each pose but the first whether it is reached backwards.
 void sample(const PlanarPose &start, const PlanarPose &goal, const std::vector<Stretch> &parts, double spacing,
             std::vector<double> &poses, std::vector<std::uint8_t> &backward) {
-  constexpr double kLongestTurn = 2.0;  // [rad]
   const auto add = [&](const PlanarPose &pose, bool back) {
     poses.insert(poses.end(), {pose.x, pose.y, pose.yaw});
     backward.push_back(back ? 1 : 0);
   };
   poses = {start.x, start.y, start.yaw};
-  PlanarPose pose = start;
-  for (const Stretch &part : parts) {
-    const double pieces = std::max(std::fabs(part.length) / spacing, std::fabs(part.turn) / kLongestTurn);
-    const int count = std::max(1, static_cast<int>(std::ceil(std::min(pieces - 1e-9, 1e8))));
-    for (int i = 1; i <= count; ++i) {
-      const double share = static_cast<double>(i) / count;
-      add(Stretch{part.length * share, part.turn * share}.from(pose), part.length < 0.0);
-    }
-    pose = part.from(pose);
-  }
+  const PlanarPose end = for_each_pose(start, parts, spacing, add);
   if (parts.empty()) add(goal, false);
   // What has come together in rounding on the way.
   poses[poses.size() - 3] = goal.x, poses[poses.size() - 2] = goal.y;
-  if (!parts.empty()) poses[poses.size() - 1] = pose.yaw;
+  if (!parts.empty()) poses[poses.size() - 1] = end.yaw;
 }
 
 bool is_number(double value, double least, double most) { return value >= least && value <= most; }

@@ -19,6 +19,9 @@ Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress
 Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
 RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or the path of its YAML.")]
 PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
+SmootherName = Annotated[
+    str | None, Parameter(name="--smoother", help="A smoother of the planned paths by name: constrained.")
+]
 ControllerName = Annotated[str, Parameter(name="--controller", help="A controller by name.")]
 Backend = Annotated[
     str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")

@@ -18,6 +18,7 @@ app = App(
         "  trundle plan map.yaml --start -6,-1,3.14 --goal 5,3 -o overlay.png\n"
         "  trundle plan map.yaml --planner blog --seed 3 --json\n"
         "  trundle plan map.yaml --goal 9,3 --unknown costly --partial --planner-option goal_tolerance=0.5\n"
+        "  trundle plan map.yaml --smoother constrained\n"
         "  trundle plan map.yaml --start -13,0 --goal 13,0 --compare"
     ),
 )
@@ -35,6 +36,7 @@ def plan(
     planner_options: options.PlannerOptions = None,
     partial: Annotated[bool, Parameter(negative="")] = False,
     deadline: float | None = None,
+    smoother: options.SmootherName = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
@@ -49,7 +51,8 @@ def plan(
 ) -> int:
     """Plan a path on a map; print its length, cost and time, and draw it.
 
-    The picture shows the map, its inflation, the zones of the masks, the path, and the robot's footprint at both ends.
+    The picture shows the map, its inflation, the zones of the masks, the path, and the robot's footprint at both ends;
+    of a smoothed path also how it was planned.
 
     Args:
         map_file: The YAML of a ROS map.
@@ -84,6 +87,7 @@ def plan(
         planner_options=chosen,
         unknown=unknown,
         unknown_cost=unknown_cost,
+        smoother=smoother,
         keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
         speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
     )
@@ -96,7 +100,8 @@ def plan(
     except (NoPathError, PlanningStoppedError) as error:
         output.remark(f"trundle: {error}", quiet=False)
         return 1
-    picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask)
+    before = navigator.planned if smoother else None
+    picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask, before=before)
     with atomic_path(target) as temporary:
         picture.save(temporary, format="PNG")
     facts = {
@@ -106,6 +111,7 @@ def plan(
         "cost": path.cost,
         "planning_ms": 1000.0 * navigator.planning_time_s,
         "planner": planner,
+        "smoother": smoother,
         "replans": path.replans,
         "start_snapped_m": path.start_snapped_m,
         "goal_snapped_m": path.goal_snapped_m,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from trundle.mission import Goal
     from trundle.navigation import Navigator
     from trundle.path import Path
-    from trundle.planning import Planner
+    from trundle.planning import Planner, Smoother
 
 _ROUNDS = 5
 
@@ -38,6 +38,8 @@ class Row(TypedDict):
 def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *, target: FilePath, json: bool) -> int:
     """Plan from `begin` to `end` by every planner, print a table and draw all paths, with the zones of the masks.
 
+    Where the navigator smooths, so are these paths.
+
     Returns:
         The exit code: 0 where at least one planner found a way.
     """
@@ -48,7 +50,7 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
     rows: list[Row] = []
     paths: dict[str, Path] = {}
     for name in names:
-        row, path = _try(create_planner(name), name, navigator.costmap, begin, Pose2D.of(end))
+        row, path = _try(create_planner(name), navigator.smoother, name, navigator.costmap, begin, Pose2D.of(end))
         rows.append(row)
         if path is not None:
             paths[name] = path
@@ -59,7 +61,9 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
     return 0 if paths else 1
 
 
-def _try(planner: Planner, name: str, costmap: Costmap, begin: Pose2D, end: Pose2D) -> tuple[Row, Path | None]:
+def _try(
+    planner: Planner, smoother: Smoother | None, name: str, costmap: Costmap, begin: Pose2D, end: Pose2D
+) -> tuple[Row, Path | None]:
     """Plan several times: the first makes what a planner keeps of a map, and the median of the others counts."""
     row = Row(planner=name, length_m=None, turning_rad=None, clearance_m=None, planning_ms=0.0, message="")
     times: list[float] = []
@@ -68,8 +72,10 @@ def _try(planner: Planner, name: str, costmap: Costmap, begin: Pose2D, end: Pose
         began = time.perf_counter()
         try:
             path = planner.plan(costmap, begin, end)
+            if smoother is not None:
+                path = smoother.smooth(path, costmap)
         except PlanningError as error:
-            row["message"] = str(error)
+            row["message"], path = str(error), None
             break
         finally:
             times.append(1000.0 * (time.perf_counter() - began))

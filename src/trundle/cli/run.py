@@ -39,6 +39,7 @@ def run(
     goal: options.Goals = None,
     planner: Annotated[str | None, Parameter(help="A planner by name.")] = None,
     controller: Annotated[str | None, Parameter(help="A controller by name.")] = None,
+    smoother: options.SmootherName = None,
     backend: Annotated[
         str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
     ] = None,
@@ -76,6 +77,7 @@ def run(
         "start": options.parse_pose("--start", start).as_tuple() if start else None,
         "planner": planner,
         "controller": controller,
+        "smoother": smoother,
         "backend": backend,
         "seed": seed,
         "compat": compat,

@@ -111,6 +111,7 @@ class Scenario(Config):
         goals: Several of these, to be reached in order.
         planner: Planner by name.
         controller: Controller by name.
+        smoother: Smoother of the planned paths by name; none drives them as they are planned.
         backend: Simulator by name.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
@@ -135,6 +136,7 @@ class Scenario(Config):
     goals: Annotated[tuple[Numbers, ...], Field(min_length=1)] | None = None
     planner: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="least_cost")
     controller: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="regulated_pure_pursuit")
+    smoother: Annotated[Choice | None, BeforeValidator(_name_alone)] = None
     backend: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="mujoco")
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
@@ -199,7 +201,7 @@ class Scenario(Config):
             together = Path(value).suffix and target.is_relative_to(here) and folder.is_relative_to(here)
             paths[key] = os.path.relpath(target, folder) if together else str(target)
         settings = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
-        for key in ("world", "planner", "controller", "backend"):
+        for key in ("world", "planner", "controller", "smoother", "backend"):
             if key in settings:
                 settings[key] = _shorten(settings[key])
         write_text(path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True))
@@ -219,8 +221,10 @@ class Scenario(Config):
             robot,
             planner=self.planner.name,
             controller=self.controller.name,
+            smoother=None if self.smoother is None else self.smoother.name,
             planner_options=self.planner.options,
             controller_options=self.controller.options,
+            smoother_options=None if self.smoother is None else self.smoother.options,
             inflation_radius=self.inflation_radius,
             cost_scaling_factor=self.cost_scaling_factor,
             control_frequency=self.control_frequency,

@@ -22,7 +22,7 @@ from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.block_watch import BlockWatch
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
-from trundle.planning import PathCheck, Planner, create_planner
+from trundle.planning import PathCheck, Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
@@ -63,8 +63,10 @@ class Navigator:
         robot: A robot, a catalogue name or the path of a YAML file.
         planner: A planner or the name of one.
         controller: A controller or the name of one.
+        smoother: A smoother of every planned path, or the name of one; none drives paths as they are planned.
         planner_options: For a planner by name.
         controller_options: For a controller by name.
+        smoother_options: For a smoother by name.
         goal_checker: When the goal is reached; Nav2's tolerances by default.
         progress_checker: When the robot is stuck; Nav2's by default.
         inflation_radius: Of the costmap [m]; none means the costmap's default for the robot.
@@ -85,6 +87,7 @@ class Navigator:
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         path: The path that it follows, or None.
+        planned: The same before it was smoothed, as the planner gave it.
         status: How it stands.
         error: Why there is no path, where there is none, or none was found when it planned again last.
         planning_time_s: Time spent on planning since the goal was set [s].
@@ -103,8 +106,10 @@ class Navigator:
         *,
         planner: str | Planner = "least_cost",
         controller: str | Controller = "regulated_pure_pursuit",
+        smoother: str | Smoother | None = None,
         planner_options: Mapping[str, Any] | None = None,
         controller_options: Mapping[str, Any] | None = None,
+        smoother_options: Mapping[str, Any] | None = None,
         goal_checker: GoalChecker | None = None,
         progress_checker: ProgressChecker | None = None,
         inflation_radius: float | None = None,
@@ -151,6 +156,7 @@ class Navigator:
         self.planner_name = planner if isinstance(planner, str) else type(planner).__name__
         self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
         self.planner = create_planner(planner, **(planner_options or {}))
+        self.smoother = None if smoother is None else create_smoother(smoother, **(smoother_options or {}))
         self._plans_free_yaw = "goal_yaw_free" in inspect.signature(self.planner.plan).parameters
         self.controller = create_controller(controller, self.robot, **(controller_options or {}))
         self._set_speed_limit = getattr(self.controller, "set_speed_limit", None)
@@ -200,6 +206,7 @@ class Navigator:
 
     def _forget_progress(self) -> None:
         self.path: Path | None = None
+        self.planned: Path | None = None
         self._check: PathCheck | None = None
         self._index = 0
         self._checked = self.costmap
@@ -224,24 +231,26 @@ class Navigator:
             InputError: If there is no goal.
             PlanningError: If there is no path.
         """
-        path = self._call_planner(Pose2D.of(start))
-        self._take(path, PathCheck(path))
+        planned, path = self._call_planner(Pose2D.of(start))
+        self._take(planned, path, PathCheck(path))
         return path
 
-    def _call_planner(self, start: Pose2D) -> Path:
+    def _call_planner(self, start: Pose2D) -> tuple[Path, Path]:
+        """A path as the planner gives it, and as it is driven."""
         if self._goal is None:
             raise InputError("there is no goal to plan to; call set_goal first")
         options = {"goal_yaw_free": True} if self._any_yaw and self._plans_free_yaw else {}
         self._planned_at, self._checked = self._time, self.costmap
         began = clock.perf_counter()
         try:
-            return self.planner.plan(self.costmap, start, self._goal, **options)
+            path = self.planner.plan(self.costmap, start, self._goal, **options)
+            return path, path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         finally:
             self.planning_time_s += clock.perf_counter() - began
 
-    def _take(self, path: Path, check: PathCheck) -> None:
+    def _take(self, planned: Path, path: Path, check: PathCheck) -> None:
         """Follow a path from now on."""
-        self.path, self._check, self._index = path, check, 0
+        self.planned, self.path, self._check, self._index = planned, path, check, 0
         self.controller.set_path(path)
         if self._limiter is not None:
             self._limiter.set_path(check)
@@ -362,14 +371,14 @@ class Navigator:
     def _replan(self, pose: Pose2D, *, only_if_cheaper: bool = False) -> bool:
         self.replans += 1
         try:
-            path = self._call_planner(pose)
+            planned, path = self._call_planner(pose)
         except PlanningError as error:
             self.error = error
             return False
         self.error = None
         check = PathCheck(path)
         if not only_if_cheaper or self._is_cheaper(check, pose):
-            self._take(path, check)
+            self._take(planned, path, check)
         return True
 
     def _back_up(self, pose: Pose2D, twist: Twist2D) -> Twist2D:

@@ -8,6 +8,7 @@ from trundle.planning.many import plan_many
 from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, create_planner, planner_names
 from trundle.planning.point_path import any_angle_path
+from trundle.planning.smoother import Smoother, create_smoother, smoother_names
 
 __all__ = [
     "Cancellation",
@@ -19,9 +20,12 @@ __all__ = [
     "Planner",
     "PointPath",
     "PointPaths",
+    "Smoother",
     "any_angle_path",
     "cost_field",
     "create_planner",
+    "create_smoother",
     "plan_many",
     "planner_names",
+    "smoother_names",
 ]

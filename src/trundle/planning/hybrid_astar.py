@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +13,7 @@ from trundle.errors import BlockedPoseError, InputError, NoPathError, PlanningEr
 from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.constrained_smoother import LEAST_STEP_M, PADDING_SHARE, ConstrainedSmoother, pose_spacing
 from trundle.planning.ends import End, find_end, patience_for
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.options import check_flag, check_question
@@ -23,11 +23,8 @@ MOTION_MODELS = ("dubins", "reeds_shepp")
 
 _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF = 1, 2, 3, 5
 
-_PADDING_SHARE = 0.9
-"""Share of the padding that may pass between two checked poses; the rest is for a path's chords instead of arcs."""
-
-_LEAST_STEP_M = 0.005
-"""Checked poses are no closer than this, however close to something the robot starts."""
+_LONGEST_CURVE = 5
+"""Pieces of the longest Reeds-Shepp curve."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +41,7 @@ class HybridAStarSettings:
         cost_weight: A cell of cost c is 1 + cost_weight · c / 252 times as dear as a free one.
         heuristic_weight: At least 1; with more it finds sooner a way that may be dearer by as much.
         cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map.
+        smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
         padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
             [m]. Poses are checked so closely that nothing can pass between two of them.
         start_tolerance: How far a start where the robot does not fit may be moved [m].
@@ -64,6 +62,7 @@ class HybridAStarSettings:
     cost_weight: float = 2.0
     heuristic_weight: float = 1.2
     cell_size: float = 0.1
+    smooth: bool = True
     padding: float = 0.02
     start_tolerance: float = 0.05
     goal_tolerance: float = 0.25
@@ -75,8 +74,9 @@ class HybridAStarSettings:
     def __post_init__(self) -> None:
         if self.motion_model not in MOTION_MODELS:
             raise InputError(f"motion_model is one of {', '.join(MOTION_MODELS)}; got {self.motion_model!r}")
-        if self.in_place not in (True, False):
-            raise InputError(f"in_place is true or false, got {self.in_place!r}")
+        for name in ("in_place", "smooth"):
+            if getattr(self, name) not in (True, False):
+                raise InputError(f"{name} is true or false, got {getattr(self, name)!r}")
         tightest = 0.0 if self.in_place else 0.01
         self._check("minimum_turning_radius", tightest, 1e4, "; 0 is for in_place alone" if not self.in_place else "")
         if 0.0 < self.minimum_turning_radius < 0.01:
@@ -118,6 +118,7 @@ class HybridAStarPlanner:
 
     def __init__(self, **settings: Any) -> None:
         self.settings = HybridAStarSettings(**settings)
+        self._smoother = self._make_smoother()
         self._search = _core.HybridAStar(
             radius=float(self.settings.minimum_turning_radius),
             reverse=self.settings.motion_model == "reeds_shepp",
@@ -207,14 +208,14 @@ class HybridAStarPlanner:
         """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
         costmap, settings = query.costmap, self.settings
         padding = self._padding_at_ends(query)
-        status, poses, backward, _, cost, effort = self._search.plan(
+        status, poses, backward, parts, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,
             pad_outline(costmap.footprint, padding),
             _on_grid(costmap, query.start.pose),
             _on_grid(costmap, query.goal.pose),
             query.goal_yaw_free,
-            max(2.0 * _PADDING_SHARE * padding, _LEAST_STEP_M),
+            max(2.0 * PADDING_SHARE * padding, LEAST_STEP_M),
             self._spacing(padding),
             settings.max_expansions,
             patience.seconds,
@@ -234,7 +235,24 @@ class HybridAStarPlanner:
             backward=backward.view(np.bool_),
             status="found" if status == 0 else "partial",
         )
+        # One curve from the start to the goal is as short as can be.
+        if status == 0 and self._smoother is not None and len(parts) > _LONGEST_CURVE:
+            path = self._smoother.smooth_free(path, costmap).path
         return status, path, effort[0]
+
+    def _make_smoother(self) -> ConstrainedSmoother | None:
+        settings = self.settings
+        if not settings.smooth or settings.minimum_turning_radius == 0.0:
+            return None
+        return ConstrainedSmoother(
+            minimum_turning_radius=settings.minimum_turning_radius,
+            w_cost=settings.cost_weight,
+            reverse_penalty=settings.reverse_penalty,
+            change_penalty=settings.change_penalty,
+            turn_penalty=settings.turn_penalty,
+            padding=settings.padding,
+            spacing=settings.spacing,
+        )
 
     def _padding_at_ends(self, query: Query) -> float:
         """The padding, or what there is room for where the robot starts and ends."""
@@ -243,15 +261,11 @@ class HybridAStarPlanner:
             return 0.0
         ends = [query.start.pose] if query.goal_yaw_free else [query.start.pose, query.goal.pose]
         room = query.costmap.clearance([end.as_tuple() for end in ends], cap=2.0 * padding).min()
-        return min(padding, _PADDING_SHARE * float(room))
+        return min(padding, PADDING_SHARE * float(room))
 
     def _spacing(self, padding: float) -> float:
-        """Between two poses the arc leaves its chord by s² / 8 r, which the rest of the padding has room for."""
         radius = self.settings.minimum_turning_radius
-        if radius == 0.0:
-            return float(self.settings.spacing)
-        room = max((1.0 - _PADDING_SHARE) * padding, 1e-5)
-        return min(float(self.settings.spacing), math.sqrt(8.0 * radius * room))
+        return float(self.settings.spacing) if radius == 0.0 else pose_spacing(self.settings.spacing, radius, padding)
 
     def _failure(self, query: Query, status: int, expansions: int, patience: Patience) -> PlanningError:
         goal = query.goal

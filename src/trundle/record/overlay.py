@@ -56,6 +56,7 @@ def draw_plan(
     title: str = "",
     lines: Sequence[str] = (),
     speed_mask: SpeedMask | None = None,
+    before: Path | None = None,
 ) -> Image.Image:
     """Draw a planned path on its map, with the robot's footprint at both ends.
 
@@ -66,10 +67,15 @@ def draw_plan(
         title: Headline; none means the robot's and the planner's names.
         lines: Smaller lines below it; none means length and cost.
         speed_mask: Where speed is limited, or none.
+        before: The path as it was before it was smoothed, drawn thin on top of it, or none.
     """
     zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, path.poses[:, :2], zones=zones)
     view.line(path.poses[:, :2], PLANNED, 7)
+    marks = list(_LEGEND)
+    if before is not None:
+        view.line(before.poses[:, :2], BAD, 2.5)
+        marks[0:1] = [Mark("line", PLANNED, "smoothed"), Mark("line", BAD, "planned")]
     _draw_outlines(view, robot, path.poses, _along(path.poses))
     for pose, color in ((path.start, START), (path.goal, GOAL)):
         _draw_robot(view, robot, pose, color)
@@ -82,7 +88,7 @@ def draw_plan(
         title=title or f"{robot.name} · {path.planner}",
         status=None,
         lines=lines or [f"{path.length:.2f} m{cost}"],
-        legend=[*_LEGEND, *zone_marks(costmap, zones)],
+        legend=[*marks, *zone_marks(costmap, zones)],
         pixels_per_metre=view.pixels_per_metre,
     )
 
