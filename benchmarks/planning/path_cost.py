@@ -6,11 +6,12 @@ J = ∫ w ds with w = 50 + 0.8 · cost, constant in a cell, clipped at its borde
 and 253 and more is infinite. Queries are seeded pairs of cell centres at least 20 cells apart with a way between them.
 (a) navfn: written anew after Nav2's NavFn (interpolated potential up to the goal, steps of half a cell down its
 gradient, whole weights). (b) eikonal: first-order fast marching over the whole map, steps of a quarter cell down its
-gradient. Both are in potential_peers.cpp, compiled with the C++ compiler at hand, and so is a full field: this
-package's `cost_field` on one thread. Paths of theirs that enter 253 and more, or end nowhere, are counted apart.
+gradient. Both are in potential_peers.cpp, compiled with the C++ compiler at hand. Beside them are two full fields, with
+no way down: this package's `cost_field` on one thread, and NavFn's potential over the whole map. Paths of the peers
+that enter 253 and more, or end nowhere, are counted apart.
 
-Times are processor time of one query, tracing counted: the search, the shortcut and the relaxation of `least_cost`
-without the check of the footprint, which the others do not have. Contestants take turns, one after the other, and each
+Times are processor time of one query, tracing counted: all of `least_cost` but the check of the footprint, which the
+others do not have. Contestants take turns, one after the other, and each
 query is timed once.
 """
 
@@ -35,7 +36,7 @@ import trundle
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.planning import cost_field
-from trundle.planning.footprint_planner import _turning_points, cell_weights
+from trundle.planning.footprint_planner import cell_weights
 from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST
 
 WEIGHTS = cell_weights(NEUTRAL_COST, COST_WEIGHT)
@@ -53,9 +54,9 @@ def build_peers(folder: str) -> ctypes.CDLL:
     subprocess.run(["c++", "-std=c++17", "-O3", "-shared", "-fPIC", "-o", str(library), str(source)], check=True)
     peers = ctypes.CDLL(str(library))
     size, array = ctypes.c_int64, ctypes.c_void_p
-    peers.navfn.argtypes = [array, size, size, size, size, array, size]
+    peers.navfn.argtypes = peers.navfn_field.argtypes = [array, size, size, size, size, array, size]
     peers.eikonal.argtypes = [array, array, size, size, size, size, ctypes.c_double, array, size]
-    peers.navfn.restype = peers.eikonal.restype = size
+    peers.navfn.restype = peers.navfn_field.restype = peers.eikonal.restype = size
     return peers
 
 
@@ -70,24 +71,20 @@ class PotentialPlanner:
         rows, cols = costs.shape
         ends = (start[0] * cols + start[1], goal[0] * cols + goal[1])
         out = (self._points.ctypes.data, MOST_POINTS)
-        if self._name == "navfn":
-            count = self._peers.navfn(costs.ctypes.data, rows, cols, *ends, *out)
+        if self._name != "eikonal":
+            count = getattr(self._peers, self._name)(costs.ctypes.data, rows, cols, *ends, *out)
         else:
             count = self._peers.eikonal(costs.ctypes.data, WEIGHTS.ctypes.data, rows, cols, *ends, STEP_CELLS, *out)
         return self._points[:count].copy()
 
 
-def shortcut_only(costs: Costs, start: Cell, goal: Cell) -> npt.NDArray[np.float64]:
-    """The search and the shortcut between centres."""
-    cells = _core.grid_search(costs, WHOLE, start, goal)[0]
-    points = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
-    return points[_core.shortcut(costs, WEIGHTS, points)[0]]
+KERNEL = _core.LeastCost(WEIGHTS)
 
 
 def least_cost(costs: Costs, start: Cell, goal: Cell) -> npt.NDArray[np.float64]:
-    """What `LeastCostPlanner` drives, before the check of the footprint: from the lower cell to the higher."""
-    first, last = sorted((start, goal))
-    return _core.relax(costs, WEIGHTS, shortcut_only(costs, first, last))[0]
+    """What `LeastCostPlanner` drives, before the check of the footprint."""
+    ends = np.array([start[::-1], goal[::-1]]) + 0.5
+    return KERNEL.find(costs, start, goal, ends)[1]
 
 
 class FullField:
@@ -145,7 +142,7 @@ def measure(name: str, costs: Costs, contestants: dict[str, Callable], options: 
     results = {who: np.full((len(queries), 2), np.nan) for who in contestants}
     for index, (start, goal) in enumerate(queries):
         for who, plan in contestants.items():
-            if index >= options.eikonal and who in ("eikonal", "full field"):
+            if index >= options.eikonal and who in ("eikonal", "full field", "full navfn"):
                 continue
             began = time.process_time()
             points = plan(costs, start, goal)
@@ -160,7 +157,7 @@ def measure(name: str, costs: Costs, contestants: dict[str, Callable], options: 
             f"{int(np.isinf(result[:, 0]).sum())}",
             f"{int((np.isnan(result[:, 0]) & ~np.isnan(result[:, 1])).sum())}",
         ]
-        if who == "full field":
+        if who in ("full field", "full navfn"):
             figures = ["", "", "", "", ""]
             paths = ["", ""]
         else:
@@ -192,10 +189,10 @@ def main() -> None:
         peers = build_peers(folder)
         contestants: dict[str, Callable] = {
             "least_cost": least_cost,
-            "shortcut only": shortcut_only,
             "navfn": PotentialPlanner(peers, "navfn"),
             "eikonal": PotentialPlanner(peers, "eikonal"),
             "full field": FullField(),
+            "full navfn": PotentialPlanner(peers, "navfn_field"),
         }
         for name, costs in load_maps(options):
             rows = measure(name, costs, contestants, options)

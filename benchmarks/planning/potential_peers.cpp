@@ -97,10 +97,9 @@ std::int64_t descend(const Field &field, std::int64_t from, std::int64_t source,
   return 0;
 }
 
-}  // namespace
-
-extern "C" std::int64_t navfn(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, std::int64_t start,
-                              std::int64_t goal, double *path, std::int64_t room) {
+// With `whole` the potential is spread over the whole map, and no way is taken.
+std::int64_t run_navfn(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, std::int64_t start,
+                       std::int64_t goal, bool whole, double *path, std::int64_t room) {
   const std::int64_t cells = rows * cols;
   std::vector<std::uint8_t> weight(static_cast<std::size_t>(cells), 254), waiting(static_cast<std::size_t>(cells), 0);
   for (std::int64_t row = 1; row + 1 < rows; ++row) {
@@ -152,9 +151,22 @@ extern "C" std::int64_t navfn(const std::uint8_t *costs, std::int64_t rows, std:
       threshold += 100.0f;
       std::swap(now, over);
     }
-    if (pot[goal] < kUnset) break;
+    if (!whole && pot[goal] < kUnset) break;
   }
+  if (whole) return 0;
   return pot[goal] < kUnset ? descend(field, goal, start, 50.0f, 0.5f, path, room) : 0;
+}
+
+}  // namespace
+
+extern "C" std::int64_t navfn(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, std::int64_t start,
+                              std::int64_t goal, double *path, std::int64_t room) {
+  return run_navfn(costs, rows, cols, start, goal, false, path, room);
+}
+
+extern "C" std::int64_t navfn_field(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols,
+                                    std::int64_t start, std::int64_t goal, double *path, std::int64_t room) {
+  return run_navfn(costs, rows, cols, start, goal, true, path, room);
 }
 
 extern "C" std::int64_t eikonal(const std::uint8_t *costs, const double *weights, std::int64_t rows, std::int64_t cols,

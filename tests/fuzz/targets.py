@@ -13,6 +13,7 @@ from fuzz import (
     fuzz_grid_search,
     fuzz_hybrid_astar,
     fuzz_inflation,
+    fuzz_least_cost,
     fuzz_map_reader,
     fuzz_png_filter,
     fuzz_raster,
@@ -42,7 +43,8 @@ class Target:
 TARGETS = {
     "grid_search": Target(fuzz_grid_search.one_round, ("BinaryGrid", "walk_corners"), 300),
     "any_angle": Target(fuzz_any_angle.one_round, ("BinaryGrid",), 100),
-    "weighted_grid": Target(fuzz_weighted_grid.one_round, ("grid_search", "line_costs", "shortcut", "relax"), 600),
+    "weighted_grid": Target(fuzz_weighted_grid.one_round, ("grid_search", "line_costs", "shortcut"), 600),
+    "least_cost": Target(fuzz_least_cost.one_round, ("LeastCost", "line_costs"), 400),
     "cost_field": Target(fuzz_cost_field.one_round, ("cost_field",), 400),
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar",), 700),
     "smoothing": Target(fuzz_smoothing.one_round, ("smooth_path",), 250),

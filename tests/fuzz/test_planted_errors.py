@@ -137,7 +137,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "weighted cost": ("weighted_grid", _core, "grid_search", part(1, lambda cost: cost + 1e-6)),
     "line cost": ("weighted_grid", _core, "line_costs", scaled(1e-6)),
     "shortcut": ("weighted_grid", _core, "shortcut", part(1, lambda cost: cost * (1.0 + 1e-6))),
-    "relaxation": ("weighted_grid", _core, "relax", part(1, lambda cost: cost * (1.0 - 1e-6))),
+    "least cost": ("least_cost", _core, "line_costs", scaled(1e-6)),
     "field": ("cost_field", fuzz_cost_field, "cost_field", scaled(1e-5)),
     "path in walls": ("hybrid_astar", HybridAStarPlanner, "plan", shifted),
     "smoothed course": ("smoothing", ConstrainedSmoother, "explain", off_course),

@@ -3,6 +3,7 @@
 from trundle._core._kernels import (
     BinaryGrid,
     HybridAStar,
+    LeastCost,
     cast_grid_rays,
     cast_outline_rays,
     cost_field,
@@ -25,7 +26,6 @@ from trundle._core._kernels import (
     raster_mesh_over_floor,
     raster_thin_faces,
     raster_thin_faces_over_floor,
-    relax,
     shortcut,
     shortest_curves,
     smooth_path,
@@ -35,6 +35,7 @@ from trundle._core._kernels import (
 __all__ = [
     "BinaryGrid",
     "HybridAStar",
+    "LeastCost",
     "cast_grid_rays",
     "cast_outline_rays",
     "cost_field",
@@ -57,7 +58,6 @@ __all__ = [
     "raster_mesh_over_floor",
     "raster_thin_faces",
     "raster_thin_faces_over_floor",
-    "relax",
     "shortcut",
     "shortest_curves",
     "smooth_path",

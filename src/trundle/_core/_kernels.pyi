@@ -50,6 +50,20 @@ class BinaryGrid:
     @property
     def bytes(self) -> int: ...
 
+class LeastCost:
+    def __init__(self, weights: npt.NDArray[np.float64]) -> None: ...
+    def find(
+        self,
+        costs: npt.NDArray[np.uint8],
+        start: tuple[int, int],
+        goal: tuple[int, int],
+        ends: npt.NDArray[np.float64],
+        seconds: float | None = None,
+        cancel: npt.NDArray[np.uint8] | None = None,
+    ) -> tuple[int, npt.NDArray[np.float64], float]: ...
+    @property
+    def bytes(self) -> int: ...
+
 class HybridAStar:
     def __init__(
         self,
@@ -180,11 +194,6 @@ def shortcut(
     weights: npt.NDArray[np.float64],
     points: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.int64], float]: ...
-def relax(
-    costs: npt.NDArray[np.uint8],
-    weights: npt.NDArray[np.float64],
-    points: npt.NDArray[np.float64],
-) -> tuple[npt.NDArray[np.float64], float]: ...
 def png_unfilter(lines: npt.NDArray[np.uint8], step: int) -> npt.NDArray[np.uint8]: ...
 def flood_free(cells: npt.NDArray[np.int8], seeds: npt.NDArray[np.int64]) -> int: ...
 def flood_largest(cells: npt.NDArray[np.int8]) -> int: ...

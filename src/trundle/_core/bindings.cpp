@@ -14,7 +14,7 @@ void bind_inflation(nb::module_ &m);
 void bind_flood(nb::module_ &m);
 void bind_floor_planes(nb::module_ &m);
 void bind_line_of_sight(nb::module_ &m);
-void bind_relaxation(nb::module_ &m);
+void bind_least_cost(nb::module_ &m);
 void bind_outline_rays(nb::module_ &m);
 void bind_png_filter(nb::module_ &m);
 void bind_raster(nb::module_ &m);
@@ -38,7 +38,7 @@ NB_MODULE(_kernels, m) {
   bind_flood(m);
   bind_floor_planes(m);
   bind_line_of_sight(m);
-  bind_relaxation(m);
+  bind_least_cost(m);
   bind_outline_rays(m);
   bind_png_filter(m);
   bind_raster(m);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, TypedDict
 
@@ -21,9 +22,6 @@ from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.options import check_flag, check_number, check_question
 from trundle.planning.query import Query, no_path, still_hits
-
-_SHORTCUT_STEP_CELLS = 8
-"""The shortcut may turn where the grid path turns, and at every so many cells of it."""
 
 
 def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
@@ -64,11 +62,11 @@ class _Failure:
     replans: int
 
 
-class FootprintPlanner:
-    """A* on the grid, the cheapest line-of-sight shortcut of it, and a check of every pose with the footprint.
+class FootprintPlanner(ABC):
+    """A way for a point, and a check of every pose with the footprint.
 
     A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The way
-    is then checked with the oriented footprint every 0.025 m and 2°, with the turns at its vertices and both ends,
+    is checked with the oriented footprint every 0.025 m and 2°, with the turns at its vertices and both ends,
     where the long way round is tried too. On a hit the cells of the colliding poses become lethal for this query, and
     it is planned again. Where that finds nothing and the robot cannot turn round at the start or the goal, it first
     drives straight on to where it can, and into the goal from such a place behind it.
@@ -240,47 +238,14 @@ class FootprintPlanner:
     ) -> tuple[int, int]:
         return GridSearch(costs >= INSCRIBED, method="astar").nearest_reachable(start, goal)
 
+    @abstractmethod
     def _find_way(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        """Vertices (x, y) [m] of the cheapest way, and its cost; none where there is none.
+        """Vertices (x, y) [m] of the best way, and its cost; none where there is none.
 
         `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
         """
-        # Searched from the lower cell to the higher, so that both directions give the same way.
-        turned = (goal.cell, goal.pose.as_tuple()) < (start.cell, start.pose.as_tuple())
-        first, last = (goal, start) if turned else (start, goal)
-        cells = self._find_cells(costmap, costs, first.cell, last.cell, patience)
-        if len(cells) == 0:
-            return None
-        centres = cells[_turning_points(cells)][:, ::-1].astype(np.float64) + 0.5
-        ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (first, last)]))
-        points = np.concatenate([ends[:1], centres, ends[1:]])
-        patience.check()
-        straightened, cost = self._straighten(costs, points)
-        vertices = to_map(costmap, straightened)
-        vertices[0], vertices[-1] = (first.pose.x, first.pose.y), (last.pose.x, last.pose.y)
-        return vertices[::-1] if turned else vertices, cost * costmap.resolution
-
-    def _find_cells(
-        self,
-        costmap: Costmap,
-        costs: npt.NDArray[np.uint8],
-        start: tuple[int, int],
-        goal: tuple[int, int],
-        patience: Patience,
-    ) -> npt.NDArray[np.int32]:
-        """Cells (row, col) of the best way from cell to cell over `costs`, shape (N, 2), N = 0 where there is none."""
-        weights = np.floor(self._line_weights).astype(np.uint16)
-        cells, cost = _core.grid_search(costs, weights, start, goal, 8, patience.seconds, patience.flag)
-        if math.isnan(cost):
-            patience.check()
-        return cells
-
-    def _straighten(self, costs: npt.NDArray[np.uint8], points: FloatArray) -> tuple[FloatArray, float]:
-        """A cheaper line than the one through `points` (x, y) in grid units, with the same ends, and its cost."""
-        chosen, cost = _core.shortcut(costs, self._line_weights, points)
-        return points[chosen], cost
 
     def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
         first = np.array(query.start.pose.as_tuple())
@@ -318,16 +283,6 @@ class FootprintPlanner:
             status="partial",
             remaining_m=math.dist(last[:2], (goal.x, goal.y)),
         )
-
-
-def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
-    """Which cells of a grid path may become vertices."""
-    keep = np.zeros(len(cells), dtype=np.bool_)
-    keep[::_SHORTCUT_STEP_CELLS] = True
-    keep[-1] = True
-    steps = np.diff(cells, axis=0)
-    keep[1:-1] |= (steps[1:] != steps[:-1]).any(axis=1)
-    return keep
 
 
 def to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:

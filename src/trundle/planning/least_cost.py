@@ -8,8 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
+from trundle.costmap import Costmap
 from trundle.geometry import FloatArray
-from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner, cell_weights
+from trundle.planning.cancellation import Patience
+from trundle.planning.ends import End
+from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner, cell_weights, to_grid, to_map
+from trundle.planning.grid_paths import STATUSES
 
 NEUTRAL_COST = 50.0
 """Weight of a free cell: `COST_NEUTRAL` of Nav2's NavFn planner."""
@@ -21,8 +25,11 @@ COST_WEIGHT = 0.8
 class LeastCostPlanner(FootprintPlanner):
     """Weighs length against the costs of the cells, as Nav2's NavFn does: 50 + 0.8 · cost per length.
 
-    The vertices of the shortcut are then moved off the cells' centres to where the way is cheapest. `Path.cost` is the
-    integral of the weight along the path [m], constant in a cell.
+    `Path.cost` is the integral of the weight along the path [m], constant in a cell. A front spreads from the start
+    over the cells (fast marching: Tsitsiklis, 1995; Sethian, 1996), in triangles between their centres as in Field D*
+    (Ferguson and Stentz, 2006), and the way leads down its costs, to any place in a cell. It is not the exact optimum,
+    but mostly within 0.3 % of it. Cells are searched only where the cheapest way may be, by the means of blocks of
+    4 × 4: a way that these take for dearer than another by more than 0.5 % and a block is not found.
 
     Args:
         neutral_cost: Weight of a free cell.
@@ -44,7 +51,18 @@ class LeastCostPlanner(FootprintPlanner):
     ) -> None:
         super().__init__(**options)
         self._line_weights = cell_weights(neutral_cost, cost_weight)
+        self._kernel = _core.LeastCost(self._line_weights)
 
-    def _straighten(self, costs: npt.NDArray[np.uint8], points: FloatArray) -> tuple[FloatArray, float]:
-        straight, _ = super()._straighten(costs, points)
-        return _core.relax(costs, self._line_weights, straight)
+    def _find_way(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
+    ) -> tuple[FloatArray, float] | None:
+        ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (start, goal)]))
+        status, points, cost = self._kernel.find(costs, start.cell, goal.cell, ends, patience.seconds, patience.flag)
+        match STATUSES[status]:
+            case "timeout" | "cancelled" as why:
+                raise patience.stopped(why)
+            case "unreachable":
+                return None
+        vertices = to_map(costmap, points)
+        vertices[0], vertices[-1] = (start.pose.x, start.pose.y), (goal.pose.x, goal.pose.y)
+        return vertices, cost * costmap.resolution

@@ -5,27 +5,26 @@
 // piece. That is repeated while it helps, then with shorter pieces and smaller steps. Staying is always a choice, so the
 // cost never rises, and a piece that is blocked costs infinity, so the line stays free. It ends where no such step
 // helps: the best line near the one that it began with, not the best of the map.
-#include "line_cost.hpp"
+#pragma once
 
 #include <array>
+#include <vector>
 
-namespace trundle {
+#include "line_cost.hpp"
 
-using namespace lines;
-
-namespace {
+namespace trundle::lines {
 
 // Pieces of `spacing` cells, steps of `offset` cells, at most `passes` times.
 struct Level {
   double spacing, offset;
   int passes;
 };
-constexpr Level kLevels[] = {{8.0, 1.0, 10}, {4.0, 0.5, 10}, {2.0, 0.25, 10}, {2.0, 0.1, 5}};
+inline constexpr Level kLevels[] = {{4.0, 0.4, 2}, {2.0, 0.2, 2}};
 
 // A pass that gains less than this share is the last of its level; a vertex that gains less is left out at the end.
-constexpr double kWorthwhile = 1e-5;
+inline constexpr double kWorthwhile = 1e-5;
 
-std::vector<Point> divide(const std::vector<Point> &line, double spacing) {
+inline std::vector<Point> divide(const std::vector<Point> &line, double spacing) {
   std::vector<Point> finer{line[0]};
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Point a = line[i - 1], b = line[i];
@@ -40,7 +39,7 @@ std::vector<Point> divide(const std::vector<Point> &line, double spacing) {
 }
 
 // Where vertex b may go: it stays, or moves across the line from a by b to c.
-std::array<Point, 3> choices(const Point &a, const Point &b, const Point &c, double offset) {
+inline std::array<Point, 3> choices(const Point &a, const Point &b, const Point &c, double offset) {
   const double before = std::max(distance(a, b), kOnBorder), after = std::max(distance(b, c), kOnBorder);
   const double along_x = (b.x - a.x) / before + (c.x - b.x) / after;
   const double along_y = (b.y - a.y) / before + (c.y - b.y) / after;
@@ -50,7 +49,7 @@ std::array<Point, 3> choices(const Point &a, const Point &b, const Point &c, dou
 }
 
 // Moves the vertices of a line of two pieces or more where that makes it cheaper, and returns what it costs then.
-double move_vertices(const WeightedGrid &grid, std::vector<Point> &line, double offset, double cheapest) {
+inline double move_vertices(const WeightedGrid &grid, std::vector<Point> &line, double offset, double cheapest) {
   constexpr std::size_t kChoices = 3;
   const std::size_t count = line.size();
   std::vector<std::array<Point, kChoices>> places(count);
@@ -85,14 +84,14 @@ double move_vertices(const WeightedGrid &grid, std::vector<Point> &line, double 
   return best[0];
 }
 
-double cost_of(const WeightedGrid &grid, const std::vector<Point> &line) {
+inline double cost_of(const WeightedGrid &grid, const std::vector<Point> &line) {
   double cost = 0.0;
   for (std::size_t i = 1; i < line.size(); ++i) cost += line_cost(grid, line[i - 1], line[i], kInfinity, 0.0);
   return cost;
 }
 
 // The line without the vertices that it hardly needs.
-std::vector<Point> thin(const WeightedGrid &grid, const std::vector<Point> &line, double cheapest) {
+inline std::vector<Point> thin(const WeightedGrid &grid, const std::vector<Point> &line, double cheapest) {
   std::vector<Point> kept{line[0]};
   double with = 0.0;  // what the pieces since the last kept vertex cost
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
@@ -106,7 +105,7 @@ std::vector<Point> thin(const WeightedGrid &grid, const std::vector<Point> &line
   return kept;
 }
 
-double relax_line(const WeightedGrid &grid, std::vector<Point> &line) {
+inline double relax_line(const WeightedGrid &grid, std::vector<Point> &line) {
   const double cheapest = cheapest_weight(grid.weights), cost = cost_of(grid, line);
   if (cost == kInfinity) return cost;
   std::vector<Point> moved = line;
@@ -127,31 +126,4 @@ double relax_line(const WeightedGrid &grid, std::vector<Point> &line) {
   return now;
 }
 
-}  // namespace
-
-static nb::tuple relax(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> points) {
-  const WeightedGrid grid = make_grid(costs, weights);
-  std::vector<Point> line = read_points(points);
-  if (line.empty()) throw nb::value_error("a path needs a point");
-  double cost = 0.0;
-  {
-    nb::gil_scoped_release release;
-    cost = relax_line(grid, line);
-  }
-  const std::size_t count = line.size();
-  std::vector<double> flat;
-  flat.reserve(2 * count);
-  for (const Point &point : line) {
-    flat.push_back(point.x);
-    flat.push_back(point.y);
-  }
-  return nb::make_tuple(to_numpy(std::move(flat), {count, 2}), cost);
-}
-
-}  // namespace trundle
-
-void bind_relaxation(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("relax", &trundle::relax, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
-        nb::arg("points").noconvert());
-}
+}  // namespace trundle::lines
