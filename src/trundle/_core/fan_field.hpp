@@ -3,7 +3,7 @@
 // A front spreads over the cells' centres (Tsitsiklis, 1995; Sethian, 1996). A cell is reached from its eight neighbours,
 // straight or diagonally, and through each of the eight triangles that it makes with two of them: between these the cost
 // is taken as linear, so that the way may come from anywhere between (as in Field D*: Ferguson and Stentz, 2006). Eight
-// triangles err by some 0.2 % in the worst direction, where the usual four neighbours err by some per cent. A triangle
+// triangles err less than the four between straight neighbours that are usual. A triangle
 // needs its three cells open, so no corner is cut, but one may be touched.
 //
 // The queue is Dial's (1969). Whatever a way through a triangle gains, it costs 1/√2 of the least weight more than both of
