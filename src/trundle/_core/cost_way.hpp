@@ -1,8 +1,8 @@
 // The cheapest way between two points of a grid whose cells have a weight each: ∫ weight ds along straight lines.
 //
 // A corridor found on a coarse grid; a front over its cells from the start to the goal; the way down its costs; and the
-// vertices moved to where the exact integral is less. It is not the exact optimum: where
-// the coarse grid takes the cheapest way for dearer than the one that is found, by its margin, it is missed.
+// vertices moved to where the exact integral is less. It is not the exact optimum: the front's costs are those of its
+// triangles, and where the coarse grid takes the cheapest way for dearer than one that is found, it is missed.
 #pragma once
 
 #include <tuple>
