@@ -33,7 +33,9 @@ struct WeightedGrid {
   }
 };
 
-inline double distance(const Point &a, const Point &b) { return std::hypot(b.x - a.x, b.y - a.y); }
+inline double distance(const Point &a, const Point &b) {
+  return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+}
 
 // A line parallel to an axis on the border of two rows (or columns) of cells.
 inline bool runs_on_border(double a, double b) {
@@ -60,7 +62,7 @@ inline double along_border(const WeightedGrid &grid, const Point &a, const Point
 inline double line_cost(const WeightedGrid &grid, const Point &a, const Point &b, double limit, double cheapest) {
   if (runs_on_border(a.y, b.y)) return along_border(grid, a, b, true);
   if (runs_on_border(a.x, b.x)) return along_border(grid, a, b, false);
-  const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
+  const double dx = b.x - a.x, dy = b.y - a.y, length = std::sqrt(dx * dx + dy * dy);
   const std::int64_t step_col = dx > 0 ? 1 : -1, step_row = dy > 0 ? 1 : -1;
   // A point on a border belongs to the cell that the line goes into.
   auto first_cell = [](double value, std::int64_t step) {
