@@ -99,6 +99,7 @@ def contestants(radius: float) -> list[Contestant]:
         "Reeds-Shepp, `in_place`": {"in_place": True},
         "Dubins": {"motion_model": "dubins"},
         "Dubins, `in_place`": {"motion_model": "dubins", "in_place": True},
+        "Reeds-Shepp, not smoothed": {"smooth": False},
     }
     return [
         Contestant(name, HybridAStarPlanner(minimum_turning_radius=radius, max_expansions=300_000, **options))
