@@ -1,4 +1,5 @@
 import math
+import random
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from fuzz.fuzz_least_cost import one_round
 from support.grid_graph import cheapest_ways
 from trundle import _core
 
@@ -264,3 +266,7 @@ def test_bad_arguments_are_refused():
         find(costs, (0, 0), (0, 1), ends=np.full((2, 2), math.nan))
     with pytest.raises(ValueError, match=r"\(2, 2\)"):
         find(costs, (0, 0), (0, 1), ends=np.zeros((3, 2)))
+
+
+def test_the_way_down_comes_to_the_start_where_triangles_point_in_a_ring():
+    one_round(random.Random(10605))

@@ -103,6 +103,10 @@ def assert_contract(
     was, now = (price(costmap, each, settings.w_cost) for each in (before, path))
     assert now <= (1 + settings.cost_tolerance) * was * 1.01 + 0.01
     dearest = (int(np.minimum(costmap.cost_at(*densely(each)[:, :2].T), 252).max()) for each in (path, before))
-    assert next(dearest) <= 1 + math.exp(1.5 * costmap.resolution * costmap.cost_scaling_factor) * next(dearest)
+    beside = math.exp(
+        1.5 * costmap.resolution * costmap.cost_scaling_factor
+    )  # how much dearer than a cell its neighbours
+    rim = 252 * math.exp(-costmap.cost_scaling_factor * (costmap.inflation_radius - costmap.inscribed_radius))
+    assert next(dearest) <= 1 + beside * max(next(dearest), rim)
     # No stop is added.
     assert all(after <= earlier for after, earlier in zip(stops(path), stops(before), strict=True))

@@ -39,8 +39,9 @@ class Descent {
     }
     line.assign(1, centre(from.row, from.col));
     for (GridCell cell = from; !(cell == source);) {
-      const GridCell next = by_centres(cell, line);
+      const GridCell next = cheaper_neighbour(cell);
       if (next == cell) return {};
+      add_centre(cell, next, line);
       cell = next;
     }
     return line;
@@ -129,18 +130,48 @@ class Descent {
     return next;
   }
 
-  // Add the next centre that a cell's cost came by, and return its cell: one that costs less, or the same if there is none.
+  // Add the next centre that a cell's cost came by, and return its cell, or the same if there is none.
   GridCell by_centres(GridCell cell, std::vector<Point> &line) {
     Direction direction{0, 0};
     if (!downhill(cell.row, cell.col, direction)) return cell;
     const GridCell next{cell.row + static_cast<std::int32_t>(std::lround(direction.y)),
                         cell.col + static_cast<std::int32_t>(std::lround(direction.x))};
-    if (next.row != cell.row && next.col != cell.col) {  // past a corner: by the open one of the cells beside it
+    add_centre(cell, next, line);
+    return next;
+  }
+
+  // Of the neighbours that cost less than a cell the one to go on by, or the same cell if there is none. Both cells that a
+  // cost came by cost less than it, so that this gets to the source.
+  GridCell cheaper_neighbour(GridCell cell) {
+    constexpr Real kFar = FanField<Real>::kFar;
+    const std::int64_t at = field_.at(cell.row, cell.col), s = field_.stride();
+    const Real own = field_.cost(at);
+    Real best = kFar;
+    GridCell next = cell;
+    for (std::int32_t up = -1; up <= 1; ++up) {
+      for (std::int32_t right = -1; right <= 1; ++right) {
+        const Real cost = field_.cost_or_far(cell.row + up, cell.col + right);
+        if (!(cost < own)) continue;
+        const bool diagonal = up != 0 && right != 0;
+        if (diagonal) {
+          const bool beside = field_.weight(at + right) < kFar, above = field_.weight(at + up * s) < kFar;
+          if (!(field_.between() ? beside || above : beside && above)) continue;
+        }
+        const Real mean = (field_.weight(at) + field_.weight(at + up * s + right)) / 2;
+        const Real whole = cost + (diagonal ? Real(1.41421356237309505) : Real(1)) * mean;
+        if (whole < best) best = whole, next = {cell.row + up, cell.col + right};
+      }
+    }
+    return next;
+  }
+
+  // The centre of a cell beside the last one; past a corner by the open one of the cells beside both.
+  void add_centre(GridCell cell, GridCell next, std::vector<Point> &line) const {
+    if (next.row != cell.row && next.col != cell.col) {
       if (grid_.weight(cell.row, next.col) == 0.0) line.push_back(centre(next.row, cell.col));
       if (grid_.weight(next.row, cell.col) == 0.0) line.push_back(centre(cell.row, next.col));
     }
     line.push_back(centre(next.row, next.col));
-    return next;
   }
 
   FanField<Real> &field_;
