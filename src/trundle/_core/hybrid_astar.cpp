@@ -2,6 +2,7 @@
 #include "hybrid_search.hpp"
 
 #include "arrays.hpp"
+#include "memory_pool.hpp"
 #include "patience.hpp"
 #include "stretches.hpp"
 
@@ -9,7 +10,6 @@
 
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 namespace trundle {
@@ -74,9 +74,9 @@ class HybridAStar {
     std::vector<std::uint8_t> backward;
     {
       nb::gil_scoped_release release;
-      std::unique_ptr<HybridMemory> memory = borrow();
+      std::unique_ptr<HybridMemory> memory = pool_.borrow();
       way = HybridSearch(settings_, query, patience, *memory).find();
-      give_back(std::move(memory));
+      pool_.give_back(std::move(memory));
       if ((way.status == SearchStatus::kFound && !way.spent) || way.partial) {
         const std::vector<Stretch> joined = merged(way.parts);
         PlanarPose end = query.goal;
@@ -97,12 +97,7 @@ class HybridAStar {
   }
 
   // Memory that is kept for the next query.
-  std::size_t bytes() const {
-    std::lock_guard lock(pool_lock_);
-    std::size_t sum = 0;
-    for (const auto &memory : pool_) sum += memory->bytes();
-    return sum;
-  }
+  std::size_t bytes() const { return pool_.bytes(); }
 
  private:
   static PlanarPose pose_of(const In<double, 1> &values) {
@@ -116,21 +111,8 @@ class HybridAStar {
            std::fabs(pose.yaw) < 1e6;
   }
 
-  std::unique_ptr<HybridMemory> borrow() const {
-    std::lock_guard lock(pool_lock_);
-    if (pool_.empty()) return std::make_unique<HybridMemory>();
-    auto memory = std::move(pool_.back());
-    pool_.pop_back();
-    return memory;
-  }
-  void give_back(std::unique_ptr<HybridMemory> memory) const {
-    std::lock_guard lock(pool_lock_);
-    pool_.push_back(std::move(memory));
-  }
-
   const HybridSearch::Settings settings_;
-  mutable std::mutex pool_lock_;
-  mutable std::vector<std::unique_ptr<HybridMemory>> pool_;
+  mutable MemoryPool<HybridMemory> pool_;
 };
 
 }  // namespace trundle

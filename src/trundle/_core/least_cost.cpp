@@ -1,10 +1,10 @@
 // The cheapest way over a grid whose cells have a weight each, for one table of weights.
 #include "cost_way.hpp"
+#include "memory_pool.hpp"
 #include "patience.hpp"
 
 #include <nanobind/stl/pair.h>
 
-#include <mutex>
 #include <utility>
 
 namespace trundle {
@@ -35,11 +35,11 @@ class LeastCost {
     {
       nb::gil_scoped_release release;
       if (grid.weight(first.cell.row, first.cell.col) > 0.0 && grid.weight(last.cell.row, last.cell.col) > 0.0) {
-        std::unique_ptr<CostWayMemory> memory = borrow();
+        std::unique_ptr<CostWayMemory> memory = pool_.borrow();
         const bool turned = last.order() < first.order();
         way = CostWaySearch(grid, patience, *memory).find(turned ? last : first, turned ? first : last);
         if (turned) std::reverse(way.line.begin(), way.line.end());
-        give_back(std::move(memory));
+        pool_.give_back(std::move(memory));
       }
     }
     std::vector<double> flat;
@@ -48,12 +48,7 @@ class LeastCost {
   }
 
   // Memory that is kept for the next query.
-  std::size_t bytes() const {
-    std::lock_guard lock(pool_lock_);
-    std::size_t sum = 0;
-    for (const auto &memory : pool_) sum += memory->bytes();
-    return sum;
-  }
+  std::size_t bytes() const { return pool_.bytes(); }
 
  private:
   using End = CostWaySearch::End;
@@ -68,21 +63,8 @@ class LeastCost {
     return {{row, col}, {std::clamp(point.x, double(col), col + kInside), std::clamp(point.y, double(row), row + kInside)}};
   }
 
-  std::unique_ptr<CostWayMemory> borrow() const {
-    std::lock_guard lock(pool_lock_);
-    if (pool_.empty()) return std::make_unique<CostWayMemory>();
-    auto memory = std::move(pool_.back());
-    pool_.pop_back();
-    return memory;
-  }
-  void give_back(std::unique_ptr<CostWayMemory> memory) const {
-    std::lock_guard lock(pool_lock_);
-    pool_.push_back(std::move(memory));
-  }
-
   double weights_[256];
-  mutable std::mutex pool_lock_;
-  mutable std::vector<std::unique_ptr<CostWayMemory>> pool_;
+  mutable MemoryPool<CostWayMemory> pool_;
 };
 
 }  // namespace trundle

@@ -1,0 +1,42 @@
+// Memory that searches borrow and give back, so that several threads may search at once and none begins with fresh memory.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace trundle {
+
+template <typename Memory>
+class MemoryPool {
+ public:
+  // What was given back last, or new.
+  std::unique_ptr<Memory> borrow() {
+    std::lock_guard lock(lock_);
+    if (kept_.empty()) return std::make_unique<Memory>();
+    auto memory = std::move(kept_.back());
+    kept_.pop_back();
+    return memory;
+  }
+
+  void give_back(std::unique_ptr<Memory> memory) {
+    std::lock_guard lock(lock_);
+    kept_.push_back(std::move(memory));
+  }
+
+  // Of what is kept; what is borrowed does not count.
+  std::size_t bytes() const {
+    std::lock_guard lock(lock_);
+    std::size_t sum = 0;
+    for (const auto &memory : kept_) sum += memory->bytes();
+    return sum;
+  }
+
+ private:
+  mutable std::mutex lock_;
+  std::vector<std::unique_ptr<Memory>> kept_;
+};
+
+}  // namespace trundle
