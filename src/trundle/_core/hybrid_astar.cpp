@@ -111,7 +111,7 @@ class HybridAStar {
            std::fabs(pose.yaw) < 1e6;
   }
 
-  const HybridSearch::Settings settings_;
+  const HybridSettings settings_;
   mutable MemoryPool<HybridMemory> pool_;
 };
 

@@ -12,55 +12,27 @@
 #include <cstdint>
 #include <vector>
 
-#include "grid_steps.hpp"
+#include "hybrid_guide.hpp"
 #include "hybrid_memory.hpp"
+#include "hybrid_motions.hpp"
+#include "hybrid_query.hpp"
 #include "hybrid_shots.hpp"
 
 namespace trundle {
 
-struct HybridQuery {
-  const std::uint8_t *costs;
-  std::int64_t rows, cols;
-  double resolution;
-  const double *outline;
-  std::size_t corners;
-  PlanarPose start, goal;  // inside the grid; [m, m, rad] from its corner
-  bool any_yaw;
-  double step;             // how far a point of the outline may move between two checked poses [m]
-  std::uint64_t max_expansions;
-  bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
-};
-
-struct HybridWay {
-  SearchStatus status = SearchStatus::kUnreachable;
-  bool spent = false;       // whether it stopped at the most expansions
-  bool closed_off = false;  // whether not even the inscribed circle gets there
-  double cost = 0.0;
-  std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
-  std::vector<Stretch> parts;
-  bool partial = false;  // whether the parts only lead near to the goal
-};
-
 class HybridSearch {
  public:
-  static constexpr int kHeadings = 72;
-
-  struct Settings {
-    MotionModel model;
-    double cost_weight;       // how much dearer than a free cell one of cost 252 is, less 1
-    double heuristic_weight;  // at least 1
-    double cell_size;         // of states and of the field [m]; at least a cell of the map
-  };
-
-  HybridSearch(const Settings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory)
+  HybridSearch(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory)
       : settings_(settings),
         model_(settings.model),
         query_(query),
         patience_(patience),
         memory_(memory),
-        shots_(settings.model) {
-    factor_ = std::max(1, static_cast<int>(std::lround(std::min(settings.cell_size / query.resolution, 1e6))));
-    cell_ = query.resolution * factor_;
+        guide_(settings, query_, weights_, patience, memory),
+        shots_(settings.model),
+        factor_(settings.factor(query.resolution)),
+        cell_(query.resolution * factor_),
+        motions_(hybrid_motions(settings.model, cell_)) {
     for (int cost = 0; cost < 256; ++cost) {
       const double weight = cost >= PoseChecker::kInscribed ? 0.0 : 1.0 + settings.cost_weight * cost / 252.0;
       weights_[cost] = static_cast<float>(weight);
@@ -70,7 +42,6 @@ class HybridSearch {
     memory.closed.begin();
     memory.checker.begin(query.costs, query.rows, query.cols, query.resolution, query.outline, query.corners,
                          query.step);
-    make_motions();
   }
 
   HybridWay find() {
@@ -92,7 +63,7 @@ class HybridSearch {
         way.spent = true;
         break;
       }
-      if (expansions_ == kDoubtful && best_node_ == kNoNode && is_closed_off()) {
+      if (expansions_ == kDoubtful && best_node_ == kNoNode && guide_.is_closed_off(status_)) {
         way.closed_off = true;
         break;
       }
@@ -101,64 +72,27 @@ class HybridSearch {
       expand(entry.node);
     }
     if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off) {
-      way.closed_off = is_closed_off();
+      way.closed_off = guide_.is_closed_off(status_);
     }
     finish(way);
     return way;
   }
 
  private:
-  struct Motion {
-    Stretch stretch;
-    double cost;  // where cells cost 1
-    int direction, bins;
-  };
-
   static constexpr std::uint64_t kDoubtful = 10'000;  // expansions
-  static constexpr int kFieldCells = 2;  // cells of states along a cell of the field
-  static constexpr double kHeadingStep = 2.0 * kPi / kHeadings;
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
-
-  // Every motion leads to another cell or another heading; arcs turn by whole headings.
-  void make_motions() {
-    const double least = 1.41422 * cell_;
-    double straight = least;
-    int bins = 0;
-    if (model_.radius > 0.0) {
-      bins = std::clamp(static_cast<int>(std::ceil(std::min(least / (model_.radius * kHeadingStep), 100.0))), 1, 18);
-      straight = std::max(least, std::min(model_.radius * bins * kHeadingStep, 4.0 * cell_));
-    }
-    for (const int direction : {1, -1}) {
-      if (direction < 0 && !model_.reverse) break;
-      add_motion({direction * straight, 0.0}, direction, 0);
-      for (int side = -1; side <= 1 && bins > 0; side += 2) {
-        const double turn = bins * kHeadingStep;
-        add_motion({direction * model_.radius * turn, direction * side * turn}, direction, direction * side * bins);
-      }
-    }
-    constexpr int kTurnBins = 3;
-    for (int side = -1; side <= 1 && model_.in_place; side += 2) {
-      add_motion({0.0, side * kTurnBins * kHeadingStep}, 0, side * kTurnBins);
-    }
-  }
-
-  void add_motion(const Stretch &stretch, int direction, int bins) {
-    const double cost =
-        direction == 0 ? model_.turn_cost * std::fabs(stretch.turn) : model_.length_cost(stretch.length);
-    motions_.push_back({stretch, cost, direction, bins});
-  }
 
   void begin() {
     for (int k = 0; k < kHeadings; ++k) {
       yaws_[k] = query_.start.yaw + k * kHeadingStep;
       cos_[k] = std::cos(yaws_[k]), sin_[k] = std::sin(yaws_[k]);
     }
-    memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, least_cost(query_.start), kNoNode, 0, 0, true});
+    memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, guide_.least_cost(query_.start), kNoNode, 0, 0, true});
     // Where the way is open nothing else is needed, and no field is begun.
     shoot(0);
     HybridNode &start = memory_.nodes[0];
     if (best_cost_ > settings_.heuristic_weight * start.to_go) {
-      start.to_go = std::max(start.to_go, field_at(start.x, start.y));
+      start.to_go = std::max(start.to_go, guide_.field_at(start.x, start.y, status_));
     }
     push(0);
   }
@@ -175,39 +109,8 @@ class HybridSearch {
     return node.parent == kNoNode ? 0 : motions_[node.motion].direction;
   }
 
-  double least_cost(const PlanarPose &pose) const {
-    const double dx = query_.goal.x - pose.x, dy = query_.goal.y - pose.y;
-    if (query_.any_yaw) return std::hypot(dx, dy);
-    const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
-    return model_.least_cost(cos * dx + sin * dy, cos * dy - sin * dx,
-                             wrap(std::remainder(query_.goal.yaw - pose.yaw, 2.0 * kPi)));
-  }
-
-  // What the field says; where it was not begun yet, it is now.
-  double field_at(double x, double y) {
-    if (!field_begun_) {
-      memory_.field.begin(query_.costs, query_.rows, query_.cols, kFieldCells * factor_, weights_);
-      const PlanarPose &start = query_.start, &goal = query_.goal;
-      memory_.field.set_goal(field_cell(goal.y), field_cell(goal.x), field_cell(start.y), field_cell(start.x));
-      field_begun_ = true;
-    }
-    const float cells = memory_.field.at(field_cell(y), field_cell(x), patience_, status_);
-    return static_cast<double>(cells) * kFieldCells * cell_;
-  }
-
-  // The field's cells may reach across thin walls. Those of the map do not; this is for searches that take long or fail.
-  bool is_closed_off() {
-    const auto of = [&](double metres) { return static_cast<std::int64_t>(metres / query_.resolution); };
-    const PlanarPose &start = query_.start, &goal = query_.goal;
-    memory_.fine_field.begin(query_.costs, query_.rows, query_.cols, 1, weights_);
-    memory_.fine_field.set_goal(of(goal.y), of(goal.x), of(start.y), of(start.x));
-    return std::isinf(memory_.fine_field.at(of(start.y), of(start.x), patience_, status_));
-  }
-
   // By the map's cells, so that what lies on the map lies in one of these.
   std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres / query_.resolution) / factor_; }
-
-  std::int64_t field_cell(double metres) const { return cell(metres) / kFieldCells; }
 
   std::uint64_t key_of(const HybridNode &node) const {
     const auto cols = static_cast<std::uint64_t>((query_.cols + factor_ - 1) / factor_);
@@ -233,25 +136,25 @@ class HybridSearch {
     return true;
   }
 
-  bool check(const HybridNode &parent, const Motion &motion, HybridNode &node) {
+  bool check(const HybridNode &parent, const HybridMotion &motion, HybridNode &node) {
     double sum = 0.0;
     if (!memory_.checker.fits(pose_of(parent), motion.stretch, weights_, model_.turn_cost, kInfinite, sum)) {
       return false;
     }
     const double dearer = motion.direction < 0 ? model_.reverse_penalty : 1.0;
     node.cost = parent.cost + dearer * sum + change(parent, motion);
-    node.to_go = std::max(node.to_go, least_cost(pose_of(node)));
+    node.to_go = std::max(node.to_go, guide_.least_cost(pose_of(node)));
     node.checked = true;
     return true;
   }
 
-  double change(const HybridNode &from, const Motion &motion) const {
+  double change(const HybridNode &from, const HybridMotion &motion) const {
     return direction_of(from) * motion.direction < 0 ? model_.change_cost : 0.0;
   }
 
   void expand(std::uint32_t index) {
     for (std::size_t m = 0; m < motions_.size(); ++m) {
-      const Motion &motion = motions_[m];
+      const HybridMotion &motion = motions_[m];
       const HybridNode from = memory_.nodes[index];
       const PlanarPose to = motion.stretch.from(pose_of(from), cos_[from.heading], sin_[from.heading]);
       const std::uint8_t cost = memory_.checker.cost_at(to.x, to.y);
@@ -259,7 +162,7 @@ class HybridSearch {
       HybridNode node{to.x, to.y, 0.0, 0.0, index, 0, static_cast<std::uint8_t>(m), false};
       node.heading = static_cast<std::uint8_t>((from.heading + motion.bins + kHeadings) % kHeadings);
       if (memory_.closed.contains(key_of(node))) continue;
-      node.to_go = field_at(to.x, to.y);
+      node.to_go = guide_.field_at(to.x, to.y, status_);
       if (std::isinf(node.to_go)) continue;
       const float least = std::min(weights_[memory_.checker.cost_at(from.x, from.y)], weights_[cost]);
       node.cost = from.cost + motion.cost * static_cast<double>(least) + change(from, motion);
@@ -324,7 +227,7 @@ class HybridSearch {
 
   void finish(HybridWay &way) {
     way.expansions = expansions_;
-    way.field_cells = field_begun_ ? memory_.field.expanded() : 0;
+    way.field_cells = guide_.field_cells();
     way.exact_checks = memory_.checker.exact_checks();
     way.status = status_;
     if (best_node_ == kNoNode) {
@@ -343,19 +246,20 @@ class HybridSearch {
 
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-  const Settings settings_;
+  const HybridSettings settings_;
   const MotionModel model_;
   const HybridQuery query_;
   const Patience &patience_;
   HybridMemory &memory_;
+  HybridGuide guide_;
   Shots shots_;
-  int factor_ = 1, until_shot_ = 0;
-  double cell_ = 0.0;
+  const int factor_;
+  const double cell_;
+  const std::vector<HybridMotion> motions_;
+  int until_shot_ = 0;
   float weights_[256];
   double yaws_[kHeadings], cos_[kHeadings], sin_[kHeadings];
-  std::vector<Motion> motions_;
   SearchStatus status_ = SearchStatus::kFound;
-  bool field_begun_ = false;
   std::uint64_t expansions_ = 0, first_found_ = 0;
   double best_cost_ = kInfinite;
   std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;

@@ -1,0 +1,47 @@
+// The short motions that a hybrid A* search is made of: straight on, arcs to both sides, turns in place.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hybrid_query.hpp"
+
+namespace trundle {
+
+struct HybridMotion {
+  Stretch stretch;
+  double cost;  // where cells cost 1
+  int direction, bins;
+};
+
+// Every motion leads to another cell of the size `cell` [m] or another heading; arcs turn by whole headings.
+inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double cell) {
+  std::vector<HybridMotion> motions;
+  const auto add = [&](const Stretch &stretch, int direction, int bins) {
+    const double cost = direction == 0 ? model.turn_cost * std::fabs(stretch.turn) : model.length_cost(stretch.length);
+    motions.push_back({stretch, cost, direction, bins});
+  };
+  const double least = 1.41422 * cell;
+  double straight = least;
+  int bins = 0;
+  if (model.radius > 0.0) {
+    bins = std::clamp(static_cast<int>(std::ceil(std::min(least / (model.radius * kHeadingStep), 100.0))), 1, 18);
+    straight = std::max(least, std::min(model.radius * bins * kHeadingStep, 4.0 * cell));
+  }
+  for (const int direction : {1, -1}) {
+    if (direction < 0 && !model.reverse) break;
+    add({direction * straight, 0.0}, direction, 0);
+    for (int side = -1; side <= 1 && bins > 0; side += 2) {
+      const double turn = bins * kHeadingStep;
+      add({direction * model.radius * turn, direction * side * turn}, direction, direction * side * bins);
+    }
+  }
+  constexpr int kTurnBins = 3;
+  for (int side = -1; side <= 1 && model.in_place; side += 2) {
+    add({0.0, side * kTurnBins * kHeadingStep}, 0, side * kTurnBins);
+  }
+  return motions;
+}
+
+}  // namespace trundle
