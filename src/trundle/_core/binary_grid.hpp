@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <shared_mutex>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "jump_search.hpp"
 #include "jump_table.hpp"
 #include "landmarks.hpp"
+#include "memory_pool.hpp"
 #include "theta_star.hpp"
 
 namespace trundle {
@@ -76,12 +76,7 @@ class BinaryGrid {
     std::size_t sum = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
     if (table_) sum += table_->bytes();
     if (landmarks_) sum += landmarks_->bytes();
-    std::lock_guard pool(pool_);
-    for (const auto &memory : jump_pool_) sum += memory->bytes();
-    for (const auto &memory : bucket_pool_) sum += memory->bytes();
-    for (const auto &memory : any_angle_pool_) sum += memory->bytes();
-    for (const auto &memory : theta_pool_) sum += memory->bytes();
-    return sum;
+    return sum + jump_pool_.bytes() + bucket_pool_.bytes() + any_angle_pool_.bytes() + theta_pool_.bytes();
   }
 
   // The free cell nearest to one inside, at most `reach` away, of those that `from` can reach if that is given.
@@ -115,14 +110,14 @@ class BinaryGrid {
     const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
     if (turn) std::swap(from, to);
     if (method_ == Method::kBucket) {
-      auto memory = borrow(bucket_pool_, masks_->size());
+      auto memory = bucket_pool_.borrow();
       way = bucket_search(*masks_, connectivity_, from, to, patience, *memory);
-      give_back(bucket_pool_, std::move(memory));
+      bucket_pool_.give_back(std::move(memory));
     } else {
-      auto memory = borrow(jump_pool_);
+      auto memory = jump_pool_.borrow();
       way = guided(to) ? jump_way(LandmarkEstimate(*landmarks_, from, to), from, to, patience, *memory)
                        : jump_way(OctileEstimate{to}, from, to, patience, *memory);
-      give_back(jump_pool_, std::move(memory));
+      jump_pool_.give_back(std::move(memory));
     }
     if (turn) std::reverse(way.corners.begin(), way.corners.end());
     for (GridCell &cell : way.corners) --cell.row, --cell.col;
@@ -139,13 +134,13 @@ class BinaryGrid {
     const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
     if (turn) std::swap(from, to);
     if (theta) {
-      auto memory = borrow(theta_pool_);
+      auto memory = theta_pool_.borrow();
       way = theta_star(lines_, from, to, patience, *memory);
-      give_back(theta_pool_, std::move(memory));
+      theta_pool_.give_back(std::move(memory));
     } else {
-      auto memory = borrow(any_angle_pool_);
+      auto memory = any_angle_pool_.borrow();
       way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
-      give_back(any_angle_pool_, std::move(memory));
+      any_angle_pool_.give_back(std::move(memory));
     }
     if (turn) std::reverse(way.points.begin(), way.points.end());
     for (HalfCell &at : way.points) at.x -= 2, at.y -= 2;  // without the border
@@ -270,20 +265,6 @@ class BinaryGrid {
     if (method_ == Method::kJumpTable) table_ = std::make_unique<JumpTable>(lines_, turned_);
   }
 
-  template <typename Memory, typename... Arguments>
-  std::unique_ptr<Memory> borrow(std::vector<std::unique_ptr<Memory>> &pool, Arguments... arguments) const {
-    std::lock_guard lock(pool_);
-    if (pool.empty()) return std::make_unique<Memory>(arguments...);
-    auto memory = std::move(pool.back());
-    pool.pop_back();
-    return memory;
-  }
-  template <typename Memory>
-  void give_back(std::vector<std::unique_ptr<Memory>> &pool, std::unique_ptr<Memory> memory) const {
-    std::lock_guard lock(pool_);
-    pool.push_back(std::move(memory));
-  }
-
   const int connectivity_;
   const Method asked_;
   Method method_ = Method::kJump;
@@ -294,11 +275,10 @@ class BinaryGrid {
   std::unique_ptr<JumpTable> table_;
   std::unique_ptr<Landmarks> landmarks_;
   mutable std::shared_mutex change_;
-  mutable std::mutex pool_;
-  mutable std::vector<std::unique_ptr<JumpNodes>> jump_pool_;
-  mutable std::vector<std::unique_ptr<BucketMemory>> bucket_pool_;
-  mutable std::vector<std::unique_ptr<AnyAngleMemory>> any_angle_pool_;
-  mutable std::vector<std::unique_ptr<ThetaStarMemory>> theta_pool_;
+  mutable MemoryPool<JumpNodes> jump_pool_;
+  mutable MemoryPool<BucketMemory> bucket_pool_;
+  mutable MemoryPool<AnyAngleMemory> any_angle_pool_;
+  mutable MemoryPool<ThetaStarMemory> theta_pool_;
 };
 
 }  // namespace trundle

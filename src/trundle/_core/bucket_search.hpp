@@ -106,14 +106,20 @@ inline std::array<std::array<std::uint8_t, 256>, 9> onward_steps(int connectivit
 // cost from the start leaves of 2⁴⁸ - 1. So more is newer or cheaper, and memory that was never written is neither.
 class CellCosts {
  public:
-  explicit CellCosts(std::size_t cells) : data_(static_cast<std::uint64_t *>(std::calloc(cells, 8))), cells_(cells) {
-    if (data_ == nullptr) throw std::bad_alloc();
-  }
+  CellCosts() = default;
   ~CellCosts() { std::free(data_); }
   CellCosts(const CellCosts &) = delete;
   CellCosts &operator=(const CellCosts &) = delete;
 
-  void clear() {
+  // Begin a search on a map of so many cells.
+  void begin(std::size_t cells) {
+    if (cells != cells_) {
+      std::free(std::exchange(data_, nullptr));
+      cells_ = 0, search_ = 0;
+      data_ = static_cast<std::uint64_t *>(std::calloc(cells, sizeof(std::uint64_t)));
+      if (data_ == nullptr) throw std::bad_alloc();
+      cells_ = cells;
+    }
     if (++search_ == 1 << 16) {
       std::fill(data_, data_ + cells_, 0);
       search_ = 1;
@@ -125,8 +131,8 @@ class CellCosts {
 
  private:
   static constexpr std::uint64_t kMost = (std::uint64_t{1} << 48) - 1;
-  std::uint64_t *data_;
-  std::size_t cells_;
+  std::uint64_t *data_ = nullptr;
+  std::size_t cells_ = 0;
   std::uint64_t search_ = 0;
 };
 
@@ -138,7 +144,6 @@ struct BucketEntry {
 
 // Memory of one bucket search, kept for the next.
 struct BucketMemory {
-  explicit BucketMemory(std::size_t cells) : costs(cells) {}
   std::size_t bytes() const {
     std::size_t sum = costs.bytes();
     for (const auto &bucket : buckets) sum += bucket.capacity() * sizeof(BucketEntry);
@@ -164,7 +169,7 @@ inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell 
   };
   GridWay way;
   CellCosts &costs = memory.costs;
-  costs.clear();
+  costs.begin(masks.size());
   for (auto &bucket : memory.buckets) bucket.clear();
   const std::uint64_t first = costs.known_as(0);
   costs[index(start)] = first;

@@ -26,6 +26,12 @@ class MemoryPool {
     kept_.push_back(std::move(memory));
   }
 
+  // Free what is kept.
+  void clear() {
+    std::lock_guard lock(lock_);
+    kept_.clear();
+  }
+
   // Of what is kept; what is borrowed does not count.
   std::size_t bytes() const {
     std::lock_guard lock(lock_);
