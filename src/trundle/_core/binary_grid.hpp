@@ -219,7 +219,7 @@ class BinaryGrid {
 
   template <typename Estimate>
   GridWay jump_way(const Estimate &estimate, GridCell from, GridCell to, const Patience &patience,
-                   JumpNodes &memory) const {
+                   JumpMemory &memory) const {
     return table_ ? jump_search(lines_, *table_, estimate, from, to, patience, memory)
                   : jump_search(lines_, BitJumps(lines_, turned_), estimate, from, to, patience, memory);
   }
@@ -275,7 +275,7 @@ class BinaryGrid {
   std::unique_ptr<JumpTable> table_;
   std::unique_ptr<Landmarks> landmarks_;
   mutable std::shared_mutex change_;
-  mutable MemoryPool<JumpNodes> jump_pool_;
+  mutable MemoryPool<JumpMemory> jump_pool_;
   mutable MemoryPool<BucketMemory> bucket_pool_;
   mutable MemoryPool<AnyAngleMemory> any_angle_pool_;
   mutable MemoryPool<ThetaStarMemory> theta_pool_;

@@ -13,6 +13,9 @@ namespace trundle {
 struct GridCell {
   std::int32_t row, col;
   bool operator==(const GridCell &other) const { return row == other.row && col == other.col; }
+  std::uint64_t key() const {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(row)) << 32 | static_cast<std::uint32_t>(col);
+  }
 };
 
 // 8119 / 5741 = √2 to 1e-8. Costs have 48 bits or more: no way on a map of 2³² cells is that dear.

@@ -12,83 +12,36 @@
 
 #include "bit_grid.hpp"
 #include "grid_steps.hpp"
+#include "open_list.hpp"
+#include "place_table.hpp"
 
 namespace trundle {
 
-// The nodes of one search, found by their cells. Emptied without being gone through.
-class JumpNodes {
- public:
+// Memory of one jump point search, kept for the next.
+struct JumpMemory {
   struct Node {
     std::uint64_t reached;  // cost from the start
-    GridCell cell;
+    GridCell at;
     std::uint32_t parent;
     std::int32_t arrival;  // direction of the last step
   };
   struct Open {
     std::uint64_t total, reached;
     std::uint32_t node;
-    // The heap's top is the smallest total, and the one that has come farthest of those.
+    // The top is the smallest total, and the one that has come farthest of those.
     bool operator<(const Open &other) const {
       return total != other.total ? total > other.total : reached < other.reached;
     }
   };
 
-  std::vector<Node> nodes;
-  std::vector<Open> open;
-
   void clear() {
     nodes.clear();
     open.clear();
-    if (++generation_ == 0) {
-      std::fill(slots_.begin(), slots_.end(), Slot{0, 0});
-      generation_ = 1;
-    }
   }
+  std::size_t bytes() const { return nodes.bytes() + open.bytes(); }
 
-  std::size_t bytes() const {
-    return slots_.capacity() * sizeof(Slot) + nodes.capacity() * sizeof(Node) + open.capacity() * sizeof(Open);
-  }
-
-  // The node of a cell, and whether it is new.
-  std::pair<std::uint32_t, bool> at(GridCell cell) {
-    if (nodes.size() * 2 >= slots_.size()) grow();
-    for (std::size_t slot = hash(cell);; slot = (slot + 1) & (slots_.size() - 1)) {
-      if (slots_[slot].generation != generation_) {
-        const auto index = static_cast<std::uint32_t>(nodes.size());
-        slots_[slot] = {generation_, index};
-        nodes.push_back({0, cell, index, kFromNowhere});
-        return {index, true};
-      }
-      if (nodes[slots_[slot].node].cell == cell) return {slots_[slot].node, false};
-    }
-  }
-
- private:
-  struct Slot {
-    std::uint32_t generation, node;
-  };
-
-  std::size_t hash(GridCell cell) const {
-    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.row)) << 32 |
-                              static_cast<std::uint32_t>(cell.col);
-    return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15ULL >> shift_);
-  }
-
-  void grow() {
-    slots_.assign(std::max<std::size_t>(512, slots_.size() * 2), Slot{0, 0});
-    generation_ = 1;
-    shift_ = 64;
-    for (std::size_t size = slots_.size(); size > 1; size /= 2) --shift_;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      std::size_t slot = hash(nodes[i].cell);
-      while (slots_[slot].generation == generation_) slot = (slot + 1) & (slots_.size() - 1);
-      slots_[slot] = {generation_, static_cast<std::uint32_t>(i)};
-    }
-  }
-
-  std::vector<Slot> slots_;
-  std::uint32_t generation_ = 0;
-  int shift_ = 64;
+  PlaceTable<Node> nodes;
+  OpenList<Open> open;
 };
 
 // Jumps by scanning the bits of a grid and of its transpose.
@@ -193,11 +146,11 @@ inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arriva
 // it need not be consistent, as cells that are reached more cheaply later are gone on from again.
 template <typename Jumps, typename Estimate>
 GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &estimate, GridCell start, GridCell goal,
-                    const Patience &patience, JumpNodes &memory) {
+                    const Patience &patience, JumpMemory &memory) {
   constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
   memory.clear();
-  memory.at(start);
-  memory.open.push_back({estimate(start), 0, 0});
+  memory.nodes[memory.nodes.insert(start).first].arrival = kFromNowhere;
+  memory.open.push({estimate(start), 0, 0});
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t best = start == goal ? 0 : kNone;  // cost of the cheapest way to the goal so far
   GridWay way;
@@ -206,33 +159,30 @@ GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &est
       way.status = patience.left();
       if (way.status != SearchStatus::kFound) return way;
     }
-    std::pop_heap(memory.open.begin(), memory.open.end());
-    const JumpNodes::Open entry = memory.open.back();
-    memory.open.pop_back();
-    const JumpNodes::Node node = memory.nodes[entry.node];
+    const JumpMemory::Open entry = memory.open.pop();
+    const JumpMemory::Node node = memory.nodes[entry.node];
     if (entry.total >= best) break;
     if (node.reached != entry.reached) continue;  // reached more cheaply since
     const auto reach = [&](GridCell cell, std::uint64_t straight, std::uint64_t diagonal, int arrival) {
       const std::uint64_t reached = node.reached + straight * kStraightCost + diagonal * kDiagonalCost;
       const std::uint64_t total = reached + estimate(cell);
       if (total >= best) return;
-      const auto [index, fresh] = memory.at(cell);
-      JumpNodes::Node &known = memory.nodes[index];
+      const auto [index, fresh] = memory.nodes.insert(cell);
+      JumpMemory::Node &known = memory.nodes[index];
       if (!fresh && known.reached <= reached) return;
       known = {reached, cell, entry.node, arrival};
-      memory.open.push_back({total, reached, index});
-      std::push_heap(memory.open.begin(), memory.open.end());
+      memory.open.push({total, reached, index});
       jumps.prefetch(cell);
       if (cell == goal) best = total;
     };
-    for (unsigned left = onward_directions(rows, node.cell, node.arrival); left != 0; left &= left - 1) {
-      jumps.jump(__builtin_ctz(left), node.cell, goal, entry.total - entry.reached, estimate, reach);
+    for (unsigned left = onward_directions(rows, node.at, node.arrival); left != 0; left &= left - 1) {
+      jumps.jump(__builtin_ctz(left), node.at, goal, entry.total - entry.reached, estimate, reach);
     }
   }
   way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
   if (way.status != SearchStatus::kFound) return way;
-  for (std::uint32_t index = memory.at(goal).first;; index = memory.nodes[index].parent) {
-    const GridCell cell = memory.nodes[index].cell;
+  for (std::uint32_t index = memory.nodes.insert(goal).first;; index = memory.nodes[index].parent) {
+    const GridCell cell = memory.nodes[index].at;
     if (!way.corners.empty()) {  // a jump goes diagonally first, so backwards it ends so
       const GridCell last = way.corners.back();
       const std::int32_t rows_left = last.row - cell.row, cols_left = last.col - cell.col;

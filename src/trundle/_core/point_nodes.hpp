@@ -1,4 +1,4 @@
-// Points that searches in any direction have reached, found by a hash of the place, and the ways they lead to.
+// Points that searches in any direction have reached, and the ways they lead to.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "grid_steps.hpp"
+#include "place_table.hpp"
 
 namespace trundle {
 
@@ -15,6 +16,9 @@ namespace trundle {
 struct HalfCell {
   std::int32_t x, y;
   bool operator==(const HalfCell &other) const { return x == other.x && y == other.y; }
+  std::uint64_t key() const {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32 | static_cast<std::uint32_t>(x);
+  }
 };
 
 // The points that a way turns at, with its ends.
@@ -35,6 +39,13 @@ struct PointWay {
   }
 };
 
+// A point that waits in an `OpenList`; the smallest total is its top.
+struct OpenPoint {
+  double total;
+  std::uint32_t node;
+  bool operator<(const OpenPoint &other) const { return total > other.total; }
+};
+
 class PointNodes {
  public:
   static constexpr std::uint32_t kOutdone = ~std::uint32_t{0};
@@ -50,32 +61,18 @@ class PointNodes {
 
   // A new node for a place, unless it was reached by as short a way before.
   std::uint32_t reach(HalfCell at, double reached, std::uint32_t parent) {
-    if (least_.size() * 2 >= slots_.size()) grow();
-    std::size_t slot = hash(at);
-    for (;; slot = (slot + 1) & (slots_.size() - 1)) {
-      if (slots_[slot].generation != generation_) {
-        slots_[slot] = {generation_, static_cast<std::uint32_t>(least_.size())};
-        least_.push_back({at, reached});
-        break;
-      }
-      Least &known = least_[slots_[slot].place];
-      if (!(known.at == at)) continue;
-      if (known.reached <= reached) return kOutdone;
-      known.reached = reached;
-      break;
-    }
-    nodes_.push_back({at, parent, slots_[slot].place, reached});
+    const auto [place, fresh] = least_.insert(at);
+    Least &known = least_[place];
+    if (!fresh && known.reached <= reached) return kOutdone;
+    known.reached = reached;
+    nodes_.push_back({at, parent, place, reached});
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
 
   // Whether a place was reached by a way of at most this length.
   bool reached_within(HalfCell at, double length) const {
-    if (slots_.empty()) return false;
-    for (std::size_t slot = hash(at);; slot = (slot + 1) & (slots_.size() - 1)) {
-      if (slots_[slot].generation != generation_) return false;
-      const Least &known = least_[slots_[slot].place];
-      if (known.at == at) return known.reached <= length;
-    }
+    const Least *known = least_.find(at);
+    return known != nullptr && known->reached <= length;
   }
 
   // Whether its place was reached by a shorter way since.
@@ -105,48 +102,18 @@ class PointNodes {
   void clear() {
     nodes_.clear();
     least_.clear();
-    if (++generation_ == 0) {
-      std::fill(slots_.begin(), slots_.end(), Slot{0, 0});
-      generation_ = 1;
-    }
   }
 
-  std::size_t bytes() const {
-    return slots_.capacity() * sizeof(Slot) + nodes_.capacity() * sizeof(Node) + least_.capacity() * sizeof(Least);
-  }
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + least_.bytes(); }
 
  private:
-  struct Slot {
-    std::uint32_t generation, place;
-  };
   struct Least {
     HalfCell at;
     double reached;
   };
 
-  std::size_t hash(HalfCell at) const {
-    const std::uint64_t key =
-        static_cast<std::uint64_t>(static_cast<std::uint32_t>(at.y)) << 32 | static_cast<std::uint32_t>(at.x);
-    return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15ULL >> shift_);
-  }
-
-  void grow() {
-    slots_.assign(std::max<std::size_t>(512, slots_.size() * 2), Slot{0, 0});
-    generation_ = 1;
-    shift_ = 64;
-    for (std::size_t size = slots_.size(); size > 1; size /= 2) --shift_;
-    for (std::size_t i = 0; i < least_.size(); ++i) {
-      std::size_t slot = hash(least_[i].at);
-      while (slots_[slot].generation == generation_) slot = (slot + 1) & (slots_.size() - 1);
-      slots_[slot] = {generation_, static_cast<std::uint32_t>(i)};
-    }
-  }
-
-  std::vector<Slot> slots_;
-  std::uint32_t generation_ = 0;
-  int shift_ = 64;
   std::vector<Node> nodes_;
-  std::vector<Least> least_;
+  PlaceTable<Least> least_;
 };
 
 }  // namespace trundle

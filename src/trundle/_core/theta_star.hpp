@@ -10,6 +10,7 @@
 
 #include "bit_grid.hpp"
 #include "grid_steps.hpp"
+#include "open_list.hpp"
 #include "point_nodes.hpp"
 #include "row_scans.hpp"
 
@@ -37,16 +38,16 @@ inline bool sees(const BitGrid &grid, HalfCell a, HalfCell b) {
   return true;
 }
 
-class ThetaStarMemory {
- public:
-  struct Open {
-    double total;
-    std::uint32_t node;
-    bool operator<(const Open &other) const { return total > other.total; }
-  };
+// Memory of one Theta* search, kept for the next.
+struct ThetaStarMemory {
+  void clear() {
+    nodes.clear();
+    open.clear();
+  }
+  std::size_t bytes() const { return nodes.bytes() + open.bytes(); }
+
   PointNodes nodes;
-  std::vector<Open> open;
-  std::size_t bytes() const { return nodes.bytes() + open.capacity() * sizeof(Open); }
+  OpenList<OpenPoint> open;
 };
 
 // Cells of the grid with its border; both are free and joined.
@@ -55,8 +56,7 @@ inline PointWay theta_star(const BitGrid &grid, GridCell start, GridCell goal, c
   constexpr std::uint32_t kPoll = 64;  // expansions between two looks at the clock
   auto &nodes = memory.nodes;
   auto &open = memory.open;
-  nodes.clear();
-  open.clear();
+  memory.clear();
   const HalfCell target{2 * goal.col + 1, 2 * goal.row + 1};
   const auto distance = [](HalfCell a, HalfCell b) {
     const double x = b.x - a.x, y = b.y - a.y;
@@ -65,8 +65,7 @@ inline PointWay theta_star(const BitGrid &grid, GridCell start, GridCell goal, c
   const auto push = [&](HalfCell at, double reached, std::uint32_t parent) {
     const std::uint32_t node = nodes.reach(at, reached, parent);
     if (node == PointNodes::kOutdone) return;
-    open.push_back({reached + distance(at, target), node});
-    std::push_heap(open.begin(), open.end());
+    open.push({reached + distance(at, target), node});
   };
   push({2 * start.col + 1, 2 * start.row + 1}, 0.0, 0);
   PointWay way;
@@ -75,9 +74,7 @@ inline PointWay theta_star(const BitGrid &grid, GridCell start, GridCell goal, c
       way.status = patience.left();
       if (way.status != SearchStatus::kFound) return way;
     }
-    const std::uint32_t index = open.front().node;
-    std::pop_heap(open.begin(), open.end());
-    open.pop_back();
+    const std::uint32_t index = open.pop().node;
     if (nodes.outdone(index)) continue;
     const PointNodes::Node node = nodes[index], before = nodes[node.parent];
     if (node.at == target) {
