@@ -1,16 +1,18 @@
 // A map of blocked and free cells, ready for searches from several threads at once.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <shared_mutex>
+#include <utility>
 #include <vector>
 
 #include "any_angle.hpp"
 #include "bit_grid.hpp"
 #include "bucket_search.hpp"
+#include "byte_view.hpp"
 #include "free_runs.hpp"
 #include "jump_search.hpp"
 #include "jump_table.hpp"
@@ -21,14 +23,6 @@
 namespace trundle {
 
 enum class Method { kAuto, kJump, kJumpTable, kBucket };
-
-// A rectangle of bytes, not 0 where a cell is blocked, with any strides.
-struct ByteView {
-  const std::uint8_t *data;
-  std::int64_t rows, cols, row_stride, col_stride;
-  std::uint8_t at(std::int64_t row, std::int64_t col) const { return data[row * row_stride + col * col_stride]; }
-  ByteView transposed() const { return {data, cols, rows, col_stride, row_stride}; }
-};
 
 class BinaryGrid {
  public:
@@ -89,26 +83,23 @@ class BinaryGrid {
     }
     std::optional<GridCell> cell =
         runs_.nearest(lines_, {to.row + 1, to.col + 1}, from == nullptr ? nullptr : &label, reach);
-    if (cell) --cell->row, --cell->col;
+    if (cell) leave_border(*cell);
     return cell;
   }
 
-  // Whether two free cells can reach each other.
+  // Whether two cells can reach each other: both are free, then.
   bool joined(GridCell a, GridCell b) const {
     std::shared_lock lock(change_);
-    if (lines_.blocked(a.row + 1, a.col + 1) || lines_.blocked(b.row + 1, b.col + 1)) return false;
-    return runs_.at(a.row + 1, a.col + 1) == runs_.at(b.row + 1, b.col + 1);
+    return span_of(a, b).has_value();
   }
 
   // Cells inside the map; unreachable where one is blocked. The way from a to b is that from b to a, backwards.
   GridWay find(GridCell start, GridCell goal, const Patience &patience) const {
     std::shared_lock lock(change_);
-    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
     GridWay way;
-    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return way;
-    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return way;
-    const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
-    if (turn) std::swap(from, to);
+    const std::optional<Span> span = span_of(start, goal);
+    if (!span) return way;
+    const auto [from, to, turned] = *span;
     if (method_ == Method::kBucket) {
       auto memory = bucket_pool_.borrow();
       way = bucket_search(*masks_, connectivity_, from, to, patience, *memory);
@@ -119,20 +110,17 @@ class BinaryGrid {
                        : jump_way(OctileEstimate{to}, from, to, patience, *memory);
       jump_pool_.give_back(std::move(memory));
     }
-    if (turn) std::reverse(way.corners.begin(), way.corners.end());
-    for (GridCell &cell : way.corners) --cell.row, --cell.col;
+    as_asked(way.corners, turned);
     return way;
   }
 
   // The way of a point, in half cells; with Theta* not the shortest. The same in both directions.
   PointWay find_point(GridCell start, GridCell goal, bool theta, const Patience &patience) const {
     std::shared_lock lock(change_);
-    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
     PointWay way;
-    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return way;
-    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return way;
-    const bool turn = to.row != from.row ? to.row < from.row : to.col < from.col;
-    if (turn) std::swap(from, to);
+    const std::optional<Span> span = span_of(start, goal);
+    if (!span) return way;
+    const auto [from, to, turned] = *span;
     if (theta) {
       auto memory = theta_pool_.borrow();
       way = theta_star(lines_, from, to, patience, *memory);
@@ -142,8 +130,7 @@ class BinaryGrid {
       way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
       any_angle_pool_.give_back(std::move(memory));
     }
-    if (turn) std::reverse(way.points.begin(), way.points.end());
-    for (HalfCell &at : way.points) at.x -= 2, at.y -= 2;  // without the border
+    as_asked(way.points, turned);
     return way;
   }
 
@@ -158,7 +145,7 @@ class BinaryGrid {
     std::unique_lock lock(change_);
     std::vector<GridCell> cells = landmark_cells(lines_, runs_, count);
     landmarks_ = cells.empty() ? nullptr : std::make_unique<Landmarks>(lines_, cells.size());
-    for (GridCell &cell : cells) --cell.row, --cell.col;
+    for (GridCell &cell : cells) leave_border(cell);
     return cells;
   }
 
@@ -200,6 +187,30 @@ class BinaryGrid {
  private:
   static constexpr std::size_t kLocal = 1 << 16;  // cells up to which the labels are mended around a change
 
+  // What is searched between: cells of the grid with its border, the lower one first.
+  struct Span {
+    GridCell from, to;
+    bool turned;
+  };
+
+  // None where no way joins two cells inside the map.
+  std::optional<Span> span_of(GridCell start, GridCell goal) const {
+    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
+    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return {};
+    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return {};
+    const bool turned = to.row != from.row ? to.row < from.row : to.col < from.col;
+    return turned ? Span{to, from, true} : Span{from, to, false};
+  }
+
+  // From the start to the goal, and without the border.
+  template <typename Place>
+  static void as_asked(std::vector<Place> &places, bool turned) {
+    if (turned) std::reverse(places.begin(), places.end());
+    for (Place &place : places) leave_border(place);
+  }
+  static void leave_border(GridCell &cell) { --cell.row, --cell.col; }
+  static void leave_border(HalfCell &at) { at.x -= 2, at.y -= 2; }
+
   // Takes the squares of 2 x 2 cells with changed ones out of the count, or adds them.
   void recount(const Window &changed, std::int64_t sign) {
     std::int64_t free = 0, euler = 0;
@@ -222,29 +233,6 @@ class BinaryGrid {
                    JumpMemory &memory) const {
     return table_ ? jump_search(lines_, *table_, estimate, from, to, patience, memory)
                   : jump_search(lines_, BitJumps(lines_, turned_), estimate, from, to, patience, memory);
-  }
-
-  static void pack(const ByteView &blocked, BitGrid &grid) {
-    std::vector<std::uint8_t> line(grid.words() * 64, 1);
-    for (std::int64_t row = 0; row < blocked.rows; ++row) {
-      const std::uint8_t *source = blocked.data + row * blocked.row_stride;
-      if (blocked.col_stride == 1) {
-        std::memcpy(line.data() + 1, source, static_cast<std::size_t>(blocked.cols));
-      } else {
-        for (std::int64_t col = 0; col < blocked.cols; ++col) line[col + 1] = source[col * blocked.col_stride];
-      }
-      for (std::size_t w = 0; w < grid.words(); ++w) {
-        std::uint64_t bits = 0;
-        for (std::size_t group = 0; group < 8; ++group) {
-          constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fULL;
-          std::uint64_t eight = 0;
-          for (std::size_t i = 0; i < 8; ++i) eight |= std::uint64_t{line[w * 64 + group * 8 + i]} << (8 * i);
-          const std::uint64_t set = (((eight & kLow) + kLow) | eight) & ~kLow;  // the top bit of bytes that are not 0
-          bits |= ((set >> 7) * 0x0102040810204080ULL >> 56) << (8 * group);
-        }
-        grid.word(row + 1, w) = bits;
-      }
-    }
   }
 
   double clutter_now() const {
