@@ -112,6 +112,16 @@ def test_another_kind_of_mask_is_no_keepout_mask(tmp_path, extra, message):
         KeepoutMask.load(save_mask(tmp_path, [[0, 100]], extra))
 
 
+@pytest.mark.parametrize("grid", [None, 3, "mask.yaml", np.zeros((4, 4), np.int8)], ids=repr)
+@pytest.mark.parametrize("kind", [KeepoutMask, SpeedMask])
+def test_a_mask_needs_a_grid_and_is_loaded_from_a_path(kind, grid):
+    with pytest.raises(MapError, match="needs an OccupancyGrid"):
+        kind(grid)
+    if not isinstance(grid, str):
+        with pytest.raises(MapError, match=r"KeepoutMask\(grid\)"):
+            kind.load(grid)
+
+
 def test_a_missing_mask_is_named():
     for kind in (KeepoutMask, SpeedMask):
         with pytest.raises(MapError, match=r"nowhere\.yaml"):

@@ -191,8 +191,13 @@ def test_unknown_names_and_options_are_refused():
         Navigator(room(), CARTER, controller="pursuit")
     with pytest.raises(InputError, match="lookahead"):
         Navigator(room(), CARTER, controller_options={"lookahead": 1})
-    with pytest.raises(InputError, match="control_frequency"):
-        Navigator(room(), CARTER, control_frequency=0)
+    for option in ("control_frequency", "replan_interval_s", "replan_margin"):
+        for value in (-1, math.nan, "1"):
+            with pytest.raises(InputError, match=option):
+                Navigator(room(), CARTER, **{option: value})
+    for option in ("keepout", "speed_mask"):
+        with pytest.raises(InputError, match="mask is loaded from the path"):
+            Navigator(room(), CARTER, **{option: room()})
 
 
 def test_the_blog_follower_drives_the_same_path_but_turns_to_no_yaw():

@@ -11,7 +11,15 @@ from trundle.errors import BlockedPoseError, InputError, PlanningError, TrundleE
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
-from trundle.planning import GridSearch, PathCheck, any_angle_path, cost_field, create_planner, planner_names
+from trundle.planning import (
+    GridSearch,
+    PathCheck,
+    any_angle_path,
+    cost_field,
+    create_planner,
+    create_smoother,
+    planner_names,
+)
 
 SMALL = ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1))
 FREE = np.zeros((6, 8), np.uint8)
@@ -27,6 +35,7 @@ CELLS = [
     ("1", "2"),
     {},
     [[1, 2], [3, 4]],
+    [[1, 2], [3]],
     (-1, 0),
     (6, 0),
     (2**70, 0),
@@ -153,16 +162,33 @@ def test_a_footprint_larger_than_the_map(name, shape):
         assert caught.value.cell == (0, 0)
 
 
+@pytest.mark.parametrize("name", [name for name in planner_names() if name not in ("blog", "hybrid_astar")])
+@pytest.mark.parametrize("replans", [1.5, -1, True, "2", None])
+def test_counts_of_replans(name, replans):
+    assert "max_replans" in str(refused(lambda: create_planner(name, max_replans=replans)))
+
+
 @pytest.mark.parametrize("path", [None, "path", np.zeros((3, 3)), 3])
-def test_what_is_no_path_cannot_be_checked(path):
+def test_what_is_no_path_can_be_neither_checked_nor_smoothed(path):
     refused(lambda: PathCheck(path))
+    refused(lambda: create_smoother("constrained").smooth(path, costmap_of(np.zeros((40, 40)))))
 
 
 @pytest.mark.parametrize("costmap", [None, np.zeros((3, 3), np.uint8)])
 def test_what_is_no_costmap_cannot_be_checked_on(costmap):
-    check = PathCheck(Path(np.array([[0.5, 0.5, 0.0], [1.0, 0.5, 0.0]])))
+    path = Path(np.array([[0.5, 0.5, 0.0], [1.0, 0.5, 0.0]]))
+    check = PathCheck(path)
     refused(lambda: check.first_hit(costmap))
     refused(lambda: check.cost_from(costmap))
+    refused(lambda: create_smoother("constrained").smooth(path, costmap))
+
+
+@pytest.mark.parametrize("begin", [-1, 22, 1.5, "1", None])
+def test_what_is_no_pose_to_check_from(begin):
+    check, costmap = PathCheck(Path(np.array([[0.5, 0.5, 0.0], [1.0, 0.5, 0.0]]))), costmap_of(np.zeros((40, 40)))
+    assert len(check.poses) == 21
+    refused(lambda: check.first_hit(costmap, begin))
+    refused(lambda: check.cost_from(costmap, begin))
 
 
 @pytest.mark.parametrize(
@@ -180,6 +206,13 @@ def test_what_is_no_costmap_cannot_be_checked_on(costmap):
 )
 def test_costs_that_are_none(costs):
     refused(lambda: cost_field(costs, (0, 1)))
+
+
+@pytest.mark.parametrize("cost", [-1, 70000, -1.5, math.nan])
+def test_the_cell_of_a_cost_that_is_none_is_told(cost):
+    costs = np.ones((3, 4), type(cost))
+    costs[1, 2] = cost
+    assert "(1, 2)" in str(refused(lambda: cost_field(costs, (0, 1))))
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])

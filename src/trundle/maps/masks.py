@@ -43,10 +43,16 @@ class KeepoutMask:
     Attributes:
         grid: The mask, in the map's frame.
         name: For messages: where it came from.
+
+    Raises:
+        MapError: If it is no `OccupancyGrid`.
     """
 
     grid: OccupancyGrid
     name: str = "the keep-out mask"
+
+    def __post_init__(self) -> None:
+        _check_grid(self.grid, self.name)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, compat: Compat | None = None) -> KeepoutMask:
@@ -100,7 +106,7 @@ class SpeedMask:
         name: For messages: where it came from.
 
     Raises:
-        MapError: If a cell has no limit that can be kept, or the unit is unknown.
+        MapError: If a cell has no limit that can be kept, the unit is unknown, or it is no `OccupancyGrid`.
     """
 
     grid: OccupancyGrid
@@ -110,6 +116,7 @@ class SpeedMask:
     name: str = "the speed mask"
 
     def __post_init__(self) -> None:
+        _check_grid(self.grid, self.name)
         if self.unit not in get_args(SpeedUnit):
             raise MapError(f'{self.name}: unit is {self.unit!r}, it must be "percent" or "absolute" (m/s)')
         if not (math.isfinite(self.base) and math.isfinite(self.multiplier)):
@@ -193,6 +200,11 @@ def check_overlap(grid: OccupancyGrid, frame: GridFrame, name: str) -> None:
             )
 
 
+def _check_grid(grid: object, name: str) -> None:
+    if not isinstance(grid, OccupancyGrid):
+        raise MapError(f"{name} needs an OccupancyGrid, got {type(grid).__name__}")
+
+
 def _corners(frame: GridFrame) -> FloatArray:
     rows, cols = frame.shape
     return frame.origin.transform_points(np.array([[0, 0], [cols, 0], [cols, rows], [0, rows]]) * frame.resolution)
@@ -207,6 +219,11 @@ def _read_info(path: str | os.PathLike[str]) -> tuple[int | None, dict[str, floa
     """What a mask's YAML says in Nav2's words: its `type`, and `base` and `multiplier` as far as they are there."""
     from trundle.maps.ros_yaml import read_fields
 
+    if not isinstance(path, str | os.PathLike):
+        raise MapError(
+            f"a mask is loaded from the path of its YAML, got {type(path).__name__}; "
+            "KeepoutMask(grid) and SpeedMask(grid) make one of an OccupancyGrid"
+        )
     try:
         fields = read_fields(path)
     except MapError:

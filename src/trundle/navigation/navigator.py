@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import numbers
 import os
 import time as clock
 from collections.abc import Mapping, Sequence
@@ -122,12 +123,12 @@ class Navigator:
         replan_interval_s: float | None = None,
         replan_margin: float = 0.1,
     ) -> None:
-        if not (math.isfinite(control_frequency) and control_frequency > 0.0):
-            raise InputError(f"control_frequency must be a positive number of hertz, got {control_frequency}")
-        if replan_interval_s is not None and not (math.isfinite(replan_interval_s) and replan_interval_s > 0.0):
-            raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s}")
-        if not 0.0 <= replan_margin < 1.0:
-            raise InputError(f"replan_margin must be a share from 0 to below 1, got {replan_margin}")
+        if not (_is_number(control_frequency) and control_frequency > 0.0):
+            raise InputError(f"control_frequency must be a positive number of hertz, got {control_frequency!r}")
+        if replan_interval_s is not None and not (_is_number(replan_interval_s) and replan_interval_s > 0.0):
+            raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s!r}")
+        if not (_is_number(replan_margin) and 0.0 <= replan_margin < 1.0):
+            raise InputError(f"replan_margin must be a share from 0 to below 1, got {replan_margin!r}")
         self.robot = Robot.load(robot)
         if isinstance(grid, Costmap):
             if keepout is not None:
@@ -394,6 +395,10 @@ class Navigator:
 
 
 _FINAL = frozenset({NavigationStatus.ARRIVED, NavigationStatus.STUCK, NavigationStatus.NO_PATH})
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
 def _load_grid(grid: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:

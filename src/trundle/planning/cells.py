@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, OutsideMapError
+from trundle.planning.options import check_count
 
 CellLike = Sequence[int] | npt.NDArray[np.integer]
 Cells = npt.NDArray[np.int64]
@@ -40,9 +41,7 @@ def check_threads(threads: int | None) -> int:
     """
     if threads is None:
         return min(8, os.cpu_count() or 1)
-    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
-        raise InputError(f"threads must be a whole number from 1 to 1024, got {threads!r}")
-    return int(threads)
+    return check_count("threads", threads, 1, 1024)
 
 
 def as_pair(cell: CellLike, what: str) -> tuple[int, int]:

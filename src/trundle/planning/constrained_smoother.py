@@ -117,11 +117,15 @@ class ConstrainedSmoother:
         Raises:
             OutsideMapError: If a pose of the path lies outside the map; `error.pose` and `error.cell` say which.
             BlockedPoseError: If the footprint touches something on the path, deeper than planners look.
+            InputError: If these are no path and no costmap.
         """
         return self.explain(path, costmap).path
 
     def explain(self, path: Path, costmap: Costmap) -> Smoothing:
         """Smooth a path, and say what stayed and what it costs; see `smooth` for the errors."""
+        if not (isinstance(path, Path) and isinstance(costmap, Costmap)):
+            got = f"{type(path).__name__} and {type(costmap).__name__}"
+            raise InputError(f"a smoother needs a Path and a Costmap, got {got}")
         driven = as_driven(path)
         _check(driven, costmap)
         return self.smooth_free(driven, costmap)

@@ -84,8 +84,9 @@ def _as_costs(costs: npt.ArrayLike) -> CostArray:
         array = np.where(array, np.uint8(255), np.uint8(1))
     elif array.dtype.kind in "iu" and array.dtype.name not in _WALLS:
         if array.min() < 0 or array.max() > 65535:
+            row, col = (int(index) for index in np.argwhere((array < 0) | (array > 65535))[0])
             raise InputError(
-                f"whole costs must be from 0 to 65535 (65535 is a wall), got {array.min()} to {array.max()}; "
+                f"whole costs must be from 0 to 65535 (65535 is a wall); ({row}, {col}) is {array[row, col]}; "
                 "use float32 for larger ones"
             )
         array = array.astype(np.uint16)
@@ -112,7 +113,10 @@ def _check_numbers(costs: npt.NDArray[np.floating]) -> None:
 
 
 def _as_cells(goals: npt.ArrayLike, costs: CostArray) -> npt.NDArray[np.int64]:
-    cells = np.asarray(goals)
+    try:
+        cells = np.asarray(goals)
+    except ValueError as error:
+        raise InputError(f"goals need whole numbers (row, col), or shape (N, 2): {error}") from None
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != 2 or cells.size == 0:
         raise InputError(f"goals need whole numbers (row, col), or shape (N, 2), got {cells.dtype} {cells.shape}")
     cells = np.ascontiguousarray(cells.reshape(-1, 2), dtype=np.int64)

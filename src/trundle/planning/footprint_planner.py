@@ -20,7 +20,7 @@ from trundle.planning.detours import block, places_to_avoid
 from trundle.planning.ends import End, find_end, patience_for, place_to_turn
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
-from trundle.planning.options import check_flag, check_number, check_question
+from trundle.planning.options import check_count, check_flag, check_number, check_question
 from trundle.planning.query import Query, no_path, still_hits
 
 
@@ -105,7 +105,7 @@ class FootprintPlanner(ABC):
     ) -> None:
         self._start_tolerance = check_number("start_tolerance", start_tolerance, 0.0, 1e6, "metres")
         self._goal_tolerance = check_number("goal_tolerance", goal_tolerance, 0.0, 1e6, "metres")
-        self._max_replans = int(check_number("max_replans", max_replans, 0, 1e6))
+        self._max_replans = check_count("max_replans", max_replans, 0, 10**6)
         self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
         self._allow_partial = check_flag("allow_partial", allow_partial)
         check_limits(deadline_s, None)

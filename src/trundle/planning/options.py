@@ -26,6 +26,17 @@ def check_number(name: str, value: object, least: float, most: float, unit: str 
     raise InputError(f"{name} must be a number {bounds}{unit and f' {unit}'}, got {value!r}")
 
 
+def check_count(name: str, value: object, least: int, most: int) -> int:
+    """A whole number from `least` to `most`.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and least <= value <= most:
+        return int(value)
+    raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}")
+
+
 def check_flag(name: str, value: object) -> bool:
     """A bool.
 

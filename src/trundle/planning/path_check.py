@@ -13,6 +13,7 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
+from trundle.planning.options import check_count
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class PathCheck:
         path: The path.
 
     Raises:
-        InputError: If that is no path; and by the methods, if they get no costmap.
+        InputError: If that is no path; and by the methods, if they get no costmap, or `begin` is no index of a pose.
 
     Attributes:
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3), read-only.
@@ -64,6 +65,7 @@ class PathCheck:
 
     def first_hit(self, costmap: Costmap, begin: int = 0) -> PathHit | None:
         """Where the footprint first touches something from pose `begin` on; none where the path is free."""
+        begin = check_count("begin", begin, 0, len(self.poses))
         cells = self._find_cells(costmap)[begin:]
         costs = costmap.data.take(cells)
         near = np.flatnonzero((costs >= _clear_below(costmap)) | self._at_edge[begin:])
@@ -81,6 +83,7 @@ class PathCheck:
 
         Infinite where base_link enters a cell of 253 or more: the same for paths of all planners, to compare them.
         """
+        begin = check_count("begin", begin, 0, len(self.poses))
         cells = self._find_cells(costmap)[begin:]
         costs = costmap.data.take(cells)
         steps = np.diff(self.along[begin:])
