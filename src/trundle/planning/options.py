@@ -32,7 +32,7 @@ def check_count(name: str, value: object, least: int, most: int) -> int:
     Raises:
         InputError: If it is none.
     """
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and least <= value <= most:
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and least <= value <= most:
         return int(value)
     raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}")
 
