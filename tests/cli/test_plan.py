@@ -150,6 +150,32 @@ def test_where_there_is_no_way_the_exit_code_is_not_bad_input(trundle: Trundle, 
     assert not (tmp_path / "plan.png").exists()
 
 
+def test_a_footprint_that_still_hits_something_is_no_bad_input(trundle: Trundle, tmp_path: Path) -> None:
+    cells = np.zeros((160, 240), np.int8)
+    cells[80, :200] = 100
+    OccupancyGrid(cells, 0.05).save(tmp_path / "wall.yaml")
+    ends = ("--start", "1.5,1.5,0", "--goal", "2,6,0", "--planner", "any_angle")
+    assert trundle("plan", "wall.yaml", *ends).code == 0
+    done = trundle("plan", "wall.yaml", *ends, "--planner-option", "max_replans=0")
+    assert (done.code, "the footprint still hits something" in done.err) == (1, True)
+
+
+@pytest.mark.parametrize(("goal", "code"), [("-9,0", 2), ("3.02,0.5,1.57", 2), ("5,2,1.57", 1)])
+def test_a_comparison_tells_bad_input_from_no_way(trundle: Trundle, tmp_path: Path, goal: str, code: int) -> None:
+    room(door_m=0.0).save(tmp_path / "halves.yaml")
+    query = ("plan", "halves.yaml", "--start", "0,0,0", "--goal", goal)
+    assert trundle(*query).code == code
+    assert trundle(*query, "--compare").code == code
+
+
+def test_a_goal_that_was_moved_is_told(trundle: Trundle, room_map: Path) -> None:
+    ends = ("--start", "0.5,0.5", "--robot", "turtlebot3_burger")
+    done = trundle("plan", room_map, *ends, "--goal", "6.97,0.5,0", "--planner-option", "goal_tolerance=0.5")
+    lines = dict(line.split(maxsplit=1) for line in done.out.splitlines())
+    assert lines["moved"].startswith("the goal by 0.")
+    assert "moved" not in trundle("plan", room_map, *ends, "--goal", "1.5,0.5").out
+
+
 def test_a_folder_that_cannot_be_written_to(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     done = trundle("plan", room_map, "--out", "file/below")

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from support.swept import CARTER, costmap_of, densely, penalised_length, room, swept_area_blocked
 from trundle import _core
+from trundle.costmap import Costmap
 from trundle.errors import (
     BlockedPoseError,
     InputError,
@@ -17,6 +18,7 @@ from trundle.errors import (
     PlanningStoppedError,
 )
 from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
 from trundle.planning import Cancellation, Planner, create_planner
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 from trundle.testing import check_planner
@@ -206,6 +208,19 @@ def test_where_no_cell_costs_the_cost_is_the_length_with_its_penalties(kind):
         assert path.cost == pytest.approx(expected, rel=1e-5, abs=1e-5)
         reversed_paths += bool(path.backward.any())
     assert reversed_paths > 10 or kind.get("motion_model") == "dubins"
+
+
+def test_the_cost_of_a_smoothed_path_is_that_of_its_own_course():
+    unseen = np.zeros((120, 200), np.int8)
+    unseen[40:, 60:140] = -1
+    costmap = Costmap.from_grid(OccupancyGrid(unseen, 0.05), CARTER, unknown="costly", unknown_cost=200)
+    for weight in (2.0, 10.0):
+        path = HybridAStarPlanner(cost_weight=weight).plan(costmap, Pose2D(1.2, 4.5), Pose2D(8.8, 4.5))
+        ends, middles = path.poses, 0.5 * (path.poses[1:] + path.poses[:-1])
+        weights = 1.0 + weight / 252.0 * costmap.cost_at(middles[:, 0], middles[:, 1])
+        priced = float((np.hypot(*np.diff(ends[:, :2], axis=0).T) * weights).sum())
+        assert not path.backward.any()
+        assert path.cost == pytest.approx(priced, rel=2e-3)
 
 
 def test_with_a_free_yaw_it_ends_as_it_arrives():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, plan_compare, sources
-from trundle.errors import InputError, NoPathError, PlanningStoppedError, UnknownNameError
+from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError, UnknownNameError
+
+if TYPE_CHECKING:
+    from trundle.path import Path
 
 app = App(
     name="plan",
@@ -97,7 +100,9 @@ def plan(
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
-    except (NoPathError, PlanningStoppedError) as error:
+    except (OutsideMapError, BlockedPoseError):
+        raise  # bad input
+    except PlanningError as error:
         output.remark(f"trundle: {error}", quiet=False)
         return 1
     before = navigator.planned if smoother else None
@@ -125,6 +130,7 @@ def plan(
             "from": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.start.as_tuple()),
             "to": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.goal.as_tuple()),
             **({} if path.status == "found" else {"remaining": f"{path.remaining_m:.3f} m to the goal"}),
+            **_moved(path),
             "length": f"{path.length:.3f} m",
             "cost": path.cost,
             "time": f"{facts['planning_ms']:.1f} ms",
@@ -133,3 +139,12 @@ def plan(
         }
     )
     return 0
+
+
+def _moved(path: Path) -> dict[str, str]:
+    """Which ends were moved to where the robot fits."""
+    ends = {"start": path.start_snapped_m, "goal": path.goal_snapped_m}
+    moved = [
+        f"the {end} by {distance:.3f} m to where the robot fits" for end, distance in ends.items() if distance > 0.0
+    ]
+    return {"moved": ", ".join(moved)} if moved else {}

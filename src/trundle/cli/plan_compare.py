@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, TypedDict
 
 from trundle.cli import output
-from trundle.errors import PlanningError
+from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError
 from trundle.geometry import Pose2D, wrap_angle
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
     Where the navigator smooths, so are these paths.
 
     Returns:
-        The exit code: 0 where at least one planner found a way.
+        The exit code: 0 where at least one planner found a way, 2 where all say that the start or the goal is at fault.
     """
     from trundle.planning import create_planner
     from trundle.record.overlay import draw_paths
@@ -49,42 +49,50 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
 
     rows: list[Row] = []
     paths: dict[str, Path] = {}
+    errors: list[PlanningError] = []
     for name in names:
-        row, path = _try(create_planner(name), navigator.smoother, name, navigator.costmap, begin, Pose2D.of(end))
+        row, found = _try(create_planner(name), navigator.smoother, name, navigator.costmap, begin, Pose2D.of(end))
         rows.append(row)
-        if path is not None:
-            paths[name] = path
+        if isinstance(found, PlanningError):
+            errors.append(found)
+        else:
+            paths[name] = found
     if paths:
         picture = draw_paths(navigator.costmap, navigator.robot, paths, speed_mask=navigator.speed_mask)
         save_png(picture, target)
     _print(rows, target if paths else None, json=json)
-    return 0 if paths else 1
+    if paths:
+        return 0
+    return 2 if all(isinstance(error, OutsideMapError | BlockedPoseError) for error in errors) else 1
 
 
 def _try(
     planner: Planner, smoother: Smoother | None, name: str, costmap: Costmap, begin: Pose2D, end: Pose2D
-) -> tuple[Row, Path | None]:
+) -> tuple[Row, Path | PlanningError]:
     """Plan several times: the first makes what a planner keeps of a map, and the median of the others counts."""
     row = Row(planner=name, length_m=None, turning_rad=None, clearance_m=None, planning_ms=0.0, message="")
     times: list[float] = []
-    path: Path | None = None
-    for _ in range(_ROUNDS):
+    outcome: Path | PlanningError
+    while True:
         began = time.perf_counter()
         try:
-            path = planner.plan(costmap, begin, end)
+            outcome = planner.plan(costmap, begin, end)
             if smoother is not None:
-                path = smoother.smooth(path, costmap)
+                outcome = smoother.smooth(outcome, costmap)
         except PlanningError as error:
-            row["message"], path = str(error), None
+            outcome = error
+        times.append(1000.0 * (time.perf_counter() - began))
+        if isinstance(outcome, PlanningError) or len(times) == _ROUNDS:
             break
-        finally:
-            times.append(1000.0 * (time.perf_counter() - began))
     row["planning_ms"] = statistics.median(times[1:] or times)
-    if path is not None:
-        row["length_m"] = path.length
-        row["turning_rad"] = sum(abs(wrap_angle(turn)) for turn in (path.poses[1:, 2] - path.poses[:-1, 2]).tolist())
-        row["clearance_m"] = float(costmap.clearance(path.poses).min())
-    return row, path
+    if isinstance(outcome, PlanningError):
+        row["message"] = str(outcome)
+    else:
+        turns = (outcome.poses[1:, 2] - outcome.poses[:-1, 2]).tolist()
+        row["length_m"] = outcome.length
+        row["turning_rad"] = sum(abs(wrap_angle(turn)) for turn in turns)
+        row["clearance_m"] = float(costmap.clearance(outcome.poses).min())
+    return row, outcome
 
 
 def _print(rows: list[Row], target: FilePath | None, *, json: bool) -> None:

@@ -237,7 +237,8 @@ class HybridAStarPlanner:
         )
         # One curve from the start to the goal is as short as can be.
         if status == 0 and self._smoother is not None and len(parts) > _LONGEST_CURVE:
-            path = self._smoother.smooth_free(path, costmap).path
+            smoothing = self._smoother.smooth_free(path, costmap)
+            path = replace(smoothing.path, cost=smoothing.price_after or path.cost)
         return status, path, effort[0]
 
     def _make_smoother(self) -> ConstrainedSmoother | None:
