@@ -17,6 +17,7 @@ from trundle.planning import Smoother, create_planner, create_smoother, smoother
 from trundle.planning.constrained_smoother import ConstrainedSmoother, SmoothingSettings
 
 SMALL = ((0.2, 0.12), (-0.3, 0.12), (-0.3, -0.12), (0.2, -0.12))
+LONG = ((0.49, 0.49), (-0.14, 0.49), (-0.14, -0.49), (0.49, -0.49))
 PLANNERS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("hybrid_astar", {"smooth": False, "max_expansions": 2000}),
     ("hybrid_astar", {"smooth": False, "max_expansions": 2000, "in_place": True}),
@@ -154,6 +155,36 @@ def test_new_curves_keep_the_padding():
     new = along_legs(done.path.poses[:-1][~done.kept], done.path.poses[1:][~done.kept], 0.01)
     assert costmap.clearance(new).min() >= 0.08 * (1 - 0.9) - 1e-9
     assert costmap.clearance(done.path.poses[1:][~done.kept]).min() > 0.05
+
+
+@pytest.mark.parametrize(("wall", "y"), [((0, 0, 8, 0.3), 0.75), ((0, 1.7, 8, 2), 1.25)], ids=["below", "above"])
+def test_on_the_border_of_two_cells_the_dearer_counts(wall, y):
+    costmap = costmap_of(room(8, 2, wall), SMALL)
+    line = polyline((1, y), (7, y))
+    low, high = (float(costmap.cost_at(4.01, y + side)) for side in (-0.01, 0.01))
+    assert abs(high - low) > 10
+    done = ConstrainedSmoother().explain(line, costmap)
+    assert done.cost_before == pytest.approx(6 * (1 + 4 * max(low, high) / 252))
+
+
+def test_corners_of_dear_cells_that_a_curve_cuts_count():
+    # Cells of 0.7 m, up to a hundred times dearer than others: a corner of a few centimetres costs more than metres.
+    smoother = ConstrainedSmoother(w_cost=100.0, w_smooth=10.0, padding=0.0)
+    changed = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        data = room(35, 35, resolution=0.7)
+        data[rng.random(data.shape) < 0.05] = 100
+        costmap = costmap_of(data, LONG, resolution=0.7)
+        ends = [Pose2D(*rng.uniform((1, 1, -3), (34, 34, 3))) for _ in range(2)]
+        try:
+            path = create_planner("least_cost").plan(costmap, *ends)
+        except PlanningError:
+            continue
+        done = smoother.explain(path, costmap)
+        assert_contract(costmap, path, done, smoother.settings, depth=0.005)
+        changed += not done.kept.all()
+    assert changed > 15
 
 
 # Random paths ------------------------------------------------------------------------------------------------------

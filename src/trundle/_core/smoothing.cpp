@@ -35,34 +35,36 @@ struct Smoothed {
   Price before, after;               // the whole in the planners' unit
 };
 
-std::vector<Piece> read(const Request &request) {
+// The legs of poses, turns in place among them.
+std::vector<Piece> read(const double *poses, const std::uint8_t *backward, std::size_t count) {
   std::vector<Piece> pieces;
-  for (std::size_t i = 0; i + 1 < request.count; ++i) {
-    const double *a = request.poses + 3 * i, *b = a + 3;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const double *a = poses + 3 * i, *b = a + 3;
     const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
     const double turn = std::remainder(b[2] - a[2], 2.0 * kPi);
     const bool stays = length <= kSamePlace;
     if (stays && std::fabs(turn) <= kSamePlace) continue;
-    const double way = request.backward[i] != 0 ? -1.0 : 1.0;
+    const double way = backward[i] != 0 ? -1.0 : 1.0;
     pieces.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {stays ? 0.0 : way * length, turn},
                       static_cast<std::int32_t>(i)});
   }
   return pieces;
 }
 
-Price total(const std::vector<Piece> &pieces, const Prices &prices) {
+Price total(const std::vector<Piece> &legs, const Prices &prices) {
   Price sum;
   int last = 0;
-  for (const Piece &piece : pieces) {
-    sum.line += prices.line(piece);
-    sum.whole += prices.plain(piece);
-    if (last * piece.direction() < 0) sum.whole += prices.settings().model.change_cost;
-    last = piece.direction();
+  for (const Piece &leg : legs) {
+    const Price price = prices.plain(leg);
+    sum.line += price.line, sum.whole += price.whole;
+    if (last * leg.direction() < 0) sum.whole += prices.settings().model.change_cost;
+    last = leg.direction();
   }
   return sum;
 }
 
-void write(const Request &request, const std::vector<Piece> &pieces, Smoothed &out) {
+Smoothed write(const Request &request, const std::vector<Piece> &pieces) {
+  Smoothed out;
   const auto add = [&](const PlanarPose &pose, bool back, bool kept, std::int32_t source) {
     out.poses.insert(out.poses.end(), {pose.x, pose.y, pose.yaw});
     out.source.push_back(source);
@@ -93,41 +95,42 @@ void write(const Request &request, const std::vector<Piece> &pieces, Smoothed &o
     i = end;
   }
   out.source.back() = static_cast<std::int32_t>(request.count - 1);
+  return out;
 }
 
 Smoothed smooth(const Request &request, const Settings &settings) {
-  Smoothed out;
-  std::vector<Piece> pieces = read(request);
-  if (pieces.empty()) return out;
+  std::vector<Piece> pieces = read(request.poses, request.backward, request.count);
+  if (pieces.empty()) return {};
   PoseChecker checker;
   checker.begin(request.costs.data, request.costs.rows, request.costs.cols, request.resolution, request.outline,
                 request.corners, request.step);
-  Prices prices(settings, checker, request.resolution);
+  Prices prices(settings, request.costs, checker, request.resolution, request.spacing);
   int highest = 0;
   for (const Piece &piece : pieces) highest = std::max(highest, prices.highest(piece));
   prices.set_ceiling(highest);
-  out.before = total(pieces, prices);
+  const Price before = total(pieces, prices);
   double length = 0.0;
   for (const Piece &piece : pieces) length += std::fabs(piece.stretch.length);
   // A few hundred metres of path have stations as far apart as their number would be too large otherwise.
   const double apart = std::max(std::clamp(settings.model.radius, 0.25, 1.0), length / 4000.0);
   // Each round may use its share of the tolerance.
   const double tolerance = std::pow(1.0 + settings.cost_tolerance, 1.0 / (1 + kBands)) - 1.0;
-  const Slope slope(checker, settings.cost_weight, request.resolution);
-  out.after = out.before;
+  const Slope slope(request.costs, checker, settings.cost_weight, request.resolution);
+  std::vector<std::vector<Piece>> rounds{std::move(pieces)};
   for (int round = 0; round <= kBands; ++round) {
-    std::vector<Piece> cut = pieces;
+    std::vector<Piece> cut = rounds.back();
     const std::vector<Station> stations = lay_stations(cut, prices, apart);
     std::vector<std::optional<PlanarPose>> beside(stations.size());
-    if (round > 0) beside = lay_beside(cut, stations, 0.3 * apart, settings.curve_weight, slope, checker);
-    std::vector<Piece> next = Chain(cut, stations, beside, prices, tolerance).cheapest(checker);
-    // Other pieces are looked at in other places, which on a course as dear as the tolerance allows may tell.
-    const Price after = total(next, prices);
-    if (after.line > (1.0 + settings.cost_tolerance) * out.before.line) break;
-    pieces = std::move(next), out.after = after;
+    if (round > 0) beside = lay_beside(cut, stations, 0.4 * apart, settings.curve_weight, slope, checker);
+    rounds.push_back(Chain(cut, stations, beside, prices, tolerance).cheapest(checker));
   }
-  write(request, pieces, out);
-  return out;
+  // The chords that are given back are others than those that were priced, which where cells differ much may tell.
+  for (;; rounds.pop_back()) {
+    Smoothed out = write(request, rounds.back());
+    out.before = before;
+    out.after = total(read(out.poses.data(), out.backward.data(), out.source.size()), prices);
+    if (rounds.size() == 1 || out.after.line <= (1.0 + settings.cost_tolerance) * before.line) return out;
+  }
 }
 
 bool is_number(double value, double least, double most) { return value >= least && value <= most; }

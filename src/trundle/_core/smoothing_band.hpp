@@ -20,44 +20,65 @@ struct BandPoint {
   double x, y;
 };
 
-// The cells' weights as a smooth field.
+// The cells' weights as a smooth field: even between the centres of four cells, with its slope from a cell to each side.
 class Slope {
  public:
-  Slope(const PoseChecker &checker, double cost_weight, double resolution)
-      : checker_(checker), scale_(cost_weight / 252.0), resolution_(resolution) {}
+  Slope(const footprint::Costs &costs, const PoseChecker &checker, double cost_weight, double resolution)
+      : costs_(costs),
+        checker_(checker),
+        scale_(cost_weight / 252.0),
+        resolution_(resolution),
+        per_metre_(1.0 / resolution) {}
 
   struct Value {
     double weight, dx, dy;
   };
 
   Value at(double x, double y) const {
-    const double left = cost(x - resolution_, y), right = cost(x + resolution_, y);
-    const double below = cost(x, y - resolution_), above = cost(x, y + resolution_);
-    const double half = 0.5 * scale_ / resolution_;
-    return {1.0 + 0.25 * scale_ * (left + right + below + above), half * (right - left), half * (above - below)};
+    const double across = x * per_metre_ - 0.5, up = y * per_metre_ - 0.5;
+    const double left = std::floor(across), bottom = std::floor(up), u = across - left, v = up - bottom;
+    const bool inside = left >= 1.0 && bottom >= 1.0 && left < static_cast<double>(costs_.cols - 2) &&
+                        bottom < static_cast<double>(costs_.rows - 2);
+    if (!inside) {
+      return mix(u, v, [&](int row, int col) {
+        return checker_.cost_at((left + 0.5 + col) * resolution_, (bottom + 0.5 + row) * resolution_);
+      });
+    }
+    const std::uint8_t *cell =
+        costs_.data + static_cast<std::ptrdiff_t>(bottom) * costs_.cols + static_cast<std::ptrdiff_t>(left);
+    return mix(u, v, [&](int row, int col) { return cell[row * costs_.cols + col]; });
   }
 
  private:
-  // Between the centres of four cells.
-  double cost(double x, double y) const {
-    const double col = x / resolution_ - 0.5, row = y / resolution_ - 0.5;
-    const double left = std::floor(col), bottom = std::floor(row), u = col - left, v = row - bottom;
-    const auto of = [&](int right, int up) {
-      return static_cast<double>(
-          std::min<int>(checker_.cost_at((left + 0.5 + right) * resolution_, (bottom + 0.5 + up) * resolution_), 254));
-    };
-    return (1.0 - v) * ((1.0 - u) * of(0, 0) + u * of(1, 0)) + v * ((1.0 - u) * of(0, 1) + u * of(1, 1));
+  // `cost(row, col)` counts from the cell whose centre lies shares u and v of a cell to the left and below.
+  template <typename Cost>
+  Value mix(double u, double v, Cost &&cost) const {
+    const auto of = [&](int row, int col) { return static_cast<double>(std::min<int>(cost(row, col), 254)); };
+    const auto between = [](double a, double b, double share) { return a + share * (b - a); };
+    const double a = of(0, 0), b = of(0, 1), c = of(1, 0), d = of(1, 1);
+    const double left = between(between(of(0, -1), of(1, -1), v), between(a, c, v), u);
+    const double right = between(between(b, d, v), between(of(0, 2), of(1, 2), v), u);
+    const double below = between(between(of(-1, 0), of(-1, 1), u), between(a, b, u), v);
+    const double above = between(between(c, d, u), between(of(2, 0), of(2, 1), u), v);
+    const double half = 0.5 * scale_ * per_metre_;
+    return {1.0 + 0.25 * scale_ * (left + right + below + above), half * (right - left), half * (above - below)};
   }
 
+  const footprint::Costs costs_;
   const PoseChecker &checker_;
-  double scale_, resolution_;
+  double scale_, resolution_, per_metre_;
 };
 
 class Band {
  public:
   // Takes points a distance `h` apart; the first two and the last two stay.
   Band(std::vector<BandPoint> points, double h, double curve_weight, const Slope &slope, const PoseChecker &checker)
-      : points_(std::move(points)), h_(h), stiffness_(2.0 * curve_weight / (h * h * h * h)), slope_(slope), checker_(checker) {}
+      : points_(std::move(points)),
+        rows_(points_.size() - 4),
+        tension_(1.0 / (h * h)),
+        stiffness_(2.0 * curve_weight * tension_ * tension_),
+        slope_(slope),
+        checker_(checker) {}
 
   const std::vector<BandPoint> &relax(int steps) {
     for (int i = 0; i < steps && step() > kStill; ++i) {
@@ -69,91 +90,67 @@ class Band {
   static constexpr double kStill = 1e-3, kFarthest = 0.1;  // a step [m]
   static constexpr double kHeld = 0.3, kHeldBySlope = 4.0;  // what holds a point where it is, alone and by the slope
 
-  // Gives how far a point moved at most.
+  // Of the factors L D Lᵀ, by what the next row and the one after take of this one, and of the moves.
+  struct Row {
+    double once, twice, x, y;
+  };
+
+  // Solves (held + tension + bending) move = pull for the inner points. Gives how far a point moved at most.
   double step() {
-    const std::size_t count = points_.size(), inner = count - 4;
-    diagonal_.assign(inner, 0.0), first_.assign(inner, 0.0), second_.assign(inner, 0.0);
-    force_.assign(inner, {0.0, 0.0});
-    values_.resize(count);
-    for (std::size_t k = 0; k < count; ++k) values_[k] = slope_.at(points_[k].x, points_[k].y);
-    for (std::size_t k = 1; k + 2 < count; ++k) add_tension(k, 0.5 * (values_[k].weight + values_[k + 1].weight) / (h_ * h_));
-    for (std::size_t k = 1; k + 1 < count; ++k) add_bending(k);
-    for (std::size_t i = 0; i < inner; ++i) add_slope(i);
-    solve();
-    double most = 0.0;
-    for (const BandPoint &move : force_) most = std::max(most, std::hypot(move.x, move.y));
+    Row last{}, second_last{};  // with the right side in place of the moves
+    double under_last = 0.0;    // of the diagonal, what the last row's factor was before it was divided
+    Slope::Value here = slope_.at(points_[2].x, points_[2].y);
+    double behind = 0.5 * tension_ * (slope_.at(points_[1].x, points_[1].y).weight + here.weight);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Slope::Value next = slope_.at(points_[i + 3].x, points_[i + 3].y);
+      const double ahead = 0.5 * tension_ * (here.weight + next.weight);
+      const double held = kHeld + kHeldBySlope * std::sqrt(here.dx * here.dx + here.dy * here.dy);
+      const double diagonal = behind + ahead + 6.0 * stiffness_ + held - under_last * last.once - stiffness_ * second_last.twice;
+      const double under = -ahead - 4.0 * stiffness_ - stiffness_ * last.once;
+      const BandPoint pull = pull_at(i + 2, behind, ahead, here);
+      const Row row{under / diagonal, stiffness_ / diagonal, pull.x - last.once * last.x - second_last.twice * second_last.x,
+                    pull.y - last.once * last.y - second_last.twice * second_last.y};
+      rows_[i] = {row.once, row.twice, row.x / diagonal, row.y / diagonal};
+      second_last = last, last = row, under_last = under, behind = ahead, here = next;
+    }
+    return move();
+  }
+
+  BandPoint pull_at(std::size_t k, double behind, double ahead, const Slope::Value &slope) const {
+    const BandPoint *p = &points_[k];
+    const double along_x = p[1].x - p[-1].x, along_y = p[1].y - p[-1].y;
+    const double across = (along_x * slope.dy - along_y * slope.dx) / std::max(along_x * along_x + along_y * along_y, 1e-24);
+    const auto of = [&](double BandPoint::*c) {
+      return ahead * (p[1].*c - p[0].*c) - behind * (p[0].*c - p[-1].*c) -
+             stiffness_ * (p[-2].*c + p[2].*c - 4.0 * (p[-1].*c + p[1].*c) + 6.0 * p[0].*c);
+    };
+    return {of(&BandPoint::x) + across * along_y, of(&BandPoint::y) - across * along_x};
+  }
+
+  double move() {
+    double x[2] = {}, y[2] = {}, most = 0.0;  // of the next row and the one after
+    for (std::size_t i = rows_.size(); i-- > 0;) {
+      Row &row = rows_[i];
+      row.x -= row.once * x[0] + row.twice * x[1], row.y -= row.once * y[0] + row.twice * y[1];
+      x[1] = x[0], x[0] = row.x, y[1] = y[0], y[0] = row.y;
+      most = std::max(most, row.x * row.x + row.y * row.y);
+    }
+    most = std::sqrt(most);
     const double share = most > kFarthest ? kFarthest / most : 1.0;
-    for (std::size_t i = 0; i < inner; ++i) {
-      const BandPoint next{points_[i + 2].x + share * force_[i].x, points_[i + 2].y + share * force_[i].y};
-      if (checker_.cost_at(next.x, next.y) < PoseChecker::kInscribed) points_[i + 2] = next;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      BandPoint &point = points_[i + 2];
+      const BandPoint next{point.x + share * rows_[i].x, point.y + share * rows_[i].y};
+      if (checker_.cost_at(next.x, next.y) < PoseChecker::kInscribed) point = next;
     }
     return share * most;
   }
 
-  // The system is for the moves of the inner points: (held + tension + bending) move = -(what pulls now).
-  void add(std::size_t row, std::size_t col, double value) {
-    if (row < 2 || col < 2 || row + 2 >= points_.size() || col + 2 >= points_.size() || col < row) return;
-    (col == row ? diagonal_ : col == row + 1 ? first_ : second_)[row - 2] += value;
-  }
-  void pull(std::size_t k, double x, double y) {
-    if (k < 2 || k + 2 >= points_.size()) return;
-    force_[k - 2].x += x, force_[k - 2].y += y;
-  }
-
-  void add_tension(std::size_t k, double tension) {
-    const double x = tension * (points_[k + 1].x - points_[k].x), y = tension * (points_[k + 1].y - points_[k].y);
-    pull(k, x, y), pull(k + 1, -x, -y);
-    add(k, k, tension), add(k + 1, k + 1, tension), add(k, k + 1, -tension);
-  }
-
-  void add_bending(std::size_t k) {
-    const BandPoint &a = points_[k - 1], &b = points_[k], &c = points_[k + 1];
-    const double x = stiffness_ * (a.x - 2.0 * b.x + c.x), y = stiffness_ * (a.y - 2.0 * b.y + c.y);
-    pull(k - 1, -x, -y), pull(k, 2.0 * x, 2.0 * y), pull(k + 1, -x, -y);
-    add(k - 1, k - 1, stiffness_), add(k, k, 4.0 * stiffness_), add(k + 1, k + 1, stiffness_);
-    add(k - 1, k, -2.0 * stiffness_), add(k, k + 1, -2.0 * stiffness_), add(k - 1, k + 1, stiffness_);
-  }
-
-  void add_slope(std::size_t i) {
-    const Slope::Value &value = values_[i + 2];
-    const BandPoint &before = points_[i + 1], &after = points_[i + 3];
-    const double along_x = after.x - before.x, along_y = after.y - before.y;
-    const double length = std::max(std::hypot(along_x, along_y), 1e-12);
-    const double across = (along_x * value.dy - along_y * value.dx) / (length * length);
-    pull(i + 2, across * along_y, -across * along_x);
-    diagonal_[i] += kHeld + kHeldBySlope * std::hypot(value.dx, value.dy);
-  }
-
-  // L D Lᵀ of the five diagonals; the moves replace the forces.
-  void solve() {
-    const std::size_t n = force_.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const double once = first_[i] / diagonal_[i], twice = second_[i] / diagonal_[i];
-      if (i + 1 < n) {
-        diagonal_[i + 1] -= once * first_[i];
-        first_[i + 1] -= once * second_[i];
-        force_[i + 1].x -= once * force_[i].x, force_[i + 1].y -= once * force_[i].y;
-      }
-      if (i + 2 < n) {
-        diagonal_[i + 2] -= twice * second_[i];
-        force_[i + 2].x -= twice * force_[i].x, force_[i + 2].y -= twice * force_[i].y;
-      }
-    }
-    for (std::size_t i = n; i-- > 0;) {
-      double x = force_[i].x, y = force_[i].y;
-      if (i + 1 < n) x -= first_[i] * force_[i + 1].x, y -= first_[i] * force_[i + 1].y;
-      if (i + 2 < n) x -= second_[i] * force_[i + 2].x, y -= second_[i] * force_[i + 2].y;
-      force_[i] = {x / diagonal_[i], y / diagonal_[i]};
-    }
-  }
-
   std::vector<BandPoint> points_;
-  const double h_, stiffness_;
+  std::vector<Row> rows_;
+  const double tension_;  // over the weight
+  const double stiffness_;
   const Slope &slope_;
   const PoseChecker &checker_;
-  std::vector<double> diagonal_, first_, second_;
-  std::vector<BandPoint> force_;
-  std::vector<Slope::Value> values_;
 };
 
 // Where the bands of a path lead past those of its stations that they may move; the others have none.
@@ -162,7 +159,7 @@ inline std::vector<std::optional<PlanarPose>> lay_beside(const std::vector<Piece
                                                          double curve_weight, const Slope &slope,
                                                          const PoseChecker &checker) {
   constexpr double kMoved = 1e-3;  // [m, rad]; less is not worth another course
-  constexpr int kSteps = 40;
+  constexpr int kSteps = 12;
   std::vector<std::optional<PlanarPose>> beside(stations.size());
   for (std::size_t first = 0, last = 1; last < stations.size(); first = last++) {
     while (!stations[last].fixed) ++last;

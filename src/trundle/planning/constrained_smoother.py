@@ -75,7 +75,8 @@ class Smoothing:
     Attributes:
         path: The new path.
         kept: For each of its legs whether the old path drives there, shape (N − 1,).
-        cost_before: Integral of the cells' price along the old path [m].
+        cost_before: Integral of the cells' price along the old path [m], clipped at the cells' borders; on a border the
+            dearer cell counts.
         cost_after: The same along the new one; at most `cost_tolerance` above.
         price_before: The same with the prices of driving back, changing direction and turning in place [m].
         price_after: Of the new path.
