@@ -1,9 +1,11 @@
 import pytest
 
-from trundle.errors import UnknownNameError
+from trundle.errors import InputError, UnknownNameError
 from trundle.registry import Registry
 
-REGISTRY = Registry("shape", "trundle.nothing", {"sphere": "trundle.solids:Sphere", "box": "trundle.solids:Box"})
+REGISTRY: Registry[object] = Registry(
+    "shape", "trundle.nothing", {"sphere": "trundle.solids:Sphere", "box": "trundle.solids:Box"}
+)
 
 
 def test_a_name_gives_the_class_behind_it():
@@ -18,3 +20,11 @@ def test_an_unknown_name_offers_the_nearest_and_lists_all():
         UnknownNameError, match=r"unknown shape 'spere'. Did you mean 'sphere'\? There are: box, sphere"
     ):
         REGISTRY.load("spere")
+
+
+def test_what_is_made_gets_its_arguments_and_options():
+    from trundle.solids import Sphere
+
+    assert REGISTRY.make("sphere", 0.5) == REGISTRY.make("sphere", radius=0.5) == Sphere(0.5)
+    with pytest.raises(InputError, match=r"shape 'sphere': .*unexpected keyword argument 'size'"):
+        REGISTRY.make("sphere", size=2.0)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, TypeVar, cast
 
 from trundle.errors import InputError, UnknownNameError
 
+_Made = TypeVar("_Made")
 
-class Registry:
-    """The named choices of one seam.
+
+class Registry(Generic[_Made]):
+    """The named choices of one seam, each a class or function that makes what stands behind it.
 
     Args:
         kind: What a name stands for, in messages ("planner").
@@ -43,3 +46,16 @@ class Registry:
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{self._kind} {name!r} ({point.value}) cannot be imported: {error}") from error
         raise UnknownNameError(self._kind, name, self.names())
+
+    def make(self, name: str, /, *arguments: object, **options: Any) -> _Made:
+        """Make what a name stands for.
+
+        Raises:
+            UnknownNameError: If there is no such name.
+            InputError: If it does not take these options.
+        """
+        maker = cast("Callable[..., _Made]", self.load(name))
+        try:
+            return maker(*arguments, **options)
+        except TypeError as error:
+            raise InputError(f"{self._kind} {name!r}: {error}") from error

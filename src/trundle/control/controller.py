@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.path import Path
 from trundle.registry import Registry
 from trundle.robots import Robot
 
-CONTROLLERS = Registry(
+CONTROLLERS: Registry[Controller] = Registry(
     "controller",
     "trundle.controllers",
     {
@@ -60,10 +59,4 @@ def create_controller(controller: str | Controller, robot: Robot, **options: Any
         UnknownNameError: If there is no controller of that name.
         InputError: If it does not take these options.
     """
-    if not isinstance(controller, str):
-        return controller
-    make = cast("Any", CONTROLLERS.load(controller))
-    try:
-        return cast("Controller", make(robot, **options))
-    except TypeError as error:
-        raise InputError(f"controller {controller!r}: {error}") from error
+    return CONTROLLERS.make(controller, robot, **options) if isinstance(controller, str) else controller

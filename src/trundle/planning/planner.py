@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.registry import Registry
 
-PLANNERS = Registry(
+PLANNERS: Registry[Planner] = Registry(
     "planner",
     "trundle.planners",
     {
@@ -55,10 +54,4 @@ def create_planner(planner: str | Planner, **options: Any) -> Planner:
         UnknownNameError: If there is no planner of that name.
         InputError: If it does not take these options.
     """
-    if not isinstance(planner, str):
-        return planner
-    make = cast("type[Planner]", PLANNERS.load(planner))
-    try:
-        return make(**options)
-    except TypeError as error:
-        raise InputError(f"planner {planner!r}: {error}") from error
+    return PLANNERS.make(planner, **options) if isinstance(planner, str) else planner

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError
 from trundle.path import Path
 from trundle.registry import Registry
 
-SMOOTHERS = Registry(
+SMOOTHERS: Registry[Smoother] = Registry(
     "smoother",
     "trundle.smoothers",
     {"constrained": "trundle.planning.constrained_smoother:ConstrainedSmoother"},
@@ -41,10 +40,4 @@ def create_smoother(smoother: str | Smoother, **options: Any) -> Smoother:
         UnknownNameError: If there is no smoother of that name.
         InputError: If it does not take these options.
     """
-    if not isinstance(smoother, str):
-        return smoother
-    make = cast("type[Smoother]", SMOOTHERS.load(smoother))
-    try:
-        return make(**options)
-    except TypeError as error:
-        raise InputError(f"smoother {smoother!r}: {error}") from error
+    return SMOOTHERS.make(smoother, **options) if isinstance(smoother, str) else smoother

@@ -26,7 +26,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 MODEL_SUFFIXES = (".urdf", ".xml", ".mjcf")
 """Of files that `Robot.from_model` reads."""
 
-_PLUGINS = Registry("robot", "trundle.robots", {})
+_PLUGINS: Registry[Robot] = Registry("robot", "trundle.robots", {})
 
 
 class Body(Config):

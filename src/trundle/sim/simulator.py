@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, cast, runtime_checkable
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
 from trundle.worlds import World
 
-SIMULATORS = Registry(
+SIMULATORS: Registry[Simulator] = Registry(
     "backend",
     "trundle.simulators",
     {
@@ -140,8 +139,4 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
         UnknownNameError: If there is no such backend or robot.
         InputError: If the backend does not take these options.
     """
-    make = cast("Any", SIMULATORS.load(backend))
-    try:
-        return cast("Simulator", make(world, Robot.load(robot), **options))
-    except TypeError as error:
-        raise InputError(f"backend {backend!r}: {error}") from error
+    return SIMULATORS.make(backend, world, Robot.load(robot), **options)

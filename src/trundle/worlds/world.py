@@ -18,7 +18,7 @@ from trundle.solids import Solid, solids_bounds
 
 Unknown: TypeAlias = Literal["solid", "free"]
 
-WORLDS = Registry(
+WORLDS: Registry[World] = Registry(
     "world",
     "trundle.worlds",
     {
