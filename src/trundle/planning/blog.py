@@ -12,10 +12,10 @@ from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.ends import patience_for
+from trundle.planning.ends import begin_plan
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
-from trundle.planning.options import check_flag, check_question
+from trundle.planning.options import check_flag
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0
@@ -50,23 +50,11 @@ class BlogPlanner:
     ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
 
-        Args:
-            costmap: Where.
-            start: Where the robot stands.
-            goal: Where it shall stand.
-            deadline_s: Give up after this time [s], in place of the planner's own.
-            cancel: Give up when this says so.
-
-        Raises:
-            OutsideMapError: If the start or the goal lies outside the map.
-            BlockedPoseError: If one of them lies in an occupied or unknown cell.
-            NoPathError: If no way joins them.
-            PlanningStoppedError: If it gave up: out of time, or cancelled.
-            InputError: If an argument is none of these.
+        For the arguments and errors see `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a
+        `BlockedPoseError`.
         """
-        start, goal = check_question(costmap, start, goal)
-        patience = patience_for(costmap, start, goal, self._deadline_s if deadline_s is None else deadline_s, cancel)
-        patience.check()
+        own = self._deadline_s if deadline_s is None else deadline_s
+        start, goal, patience = begin_plan(costmap, start, goal, own, cancel)
         first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, goal, "goal")
         _check_free(costmap, start, first, "start")
         if not self._allow_partial:

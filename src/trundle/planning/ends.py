@@ -12,6 +12,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import CellArray
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.motions import CHECK_STEP_RAD
+from trundle.planning.options import check_question
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1
@@ -32,17 +33,21 @@ class End:
     snapped_m: float = 0.0
 
 
-def patience_for(
+def begin_plan(
     costmap: Costmap, start: Pose2D, goal: Pose2D, deadline_s: float | None, cancel: Cancellation | None
-) -> Patience:
-    """The patience of one plan.
+) -> tuple[Pose2D, Pose2D, Patience]:
+    """The start, the goal and the patience of one plan, by what its caller gave.
 
     Raises:
-        InputError: If the deadline is no positive number of seconds, or `cancel` is no `Cancellation`.
+        InputError: If that is no costmap, pose, positive number of seconds or `Cancellation`.
+        PlanningStoppedError: If it is cancelled already.
     """
+    start, goal = check_question(costmap, start, goal)
     row, col = costmap.world_to_cell(goal.x, goal.y)
     what = f"no path from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f}) found yet"
-    return Patience(deadline_s, cancel, what, pose=goal.as_tuple(), cell=(int(row), int(col)))
+    patience = Patience(deadline_s, cancel, what, pose=goal.as_tuple(), cell=(int(row), int(col)))
+    patience.check()
+    return start, goal, patience
 
 
 def find_end(

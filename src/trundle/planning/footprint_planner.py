@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, TypedDict
 
@@ -12,15 +12,16 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.errors import BlockedPoseError, InputError, PlanningError
+from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, Patience, check_limits
+from trundle.planning.cancellation import Patience
 from trundle.planning.detours import block, places_to_avoid
-from trundle.planning.ends import End, find_end, patience_for, place_to_turn
+from trundle.planning.ends import End, place_to_turn
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
-from trundle.planning.options import check_count, check_flag, check_number, check_question
+from trundle.planning.options import check_count, check_number
+from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query, no_path, still_hits
 
 
@@ -62,7 +63,7 @@ class _Failure:
     replans: int
 
 
-class FootprintPlanner(ABC):
+class FootprintPlanner(PosePlanner):
     """A way for a point, and a check of every pose with the footprint.
 
     A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The way
@@ -103,73 +104,34 @@ class FootprintPlanner(ABC):
         allow_partial: bool = False,
         deadline_s: float | None = None,
     ) -> None:
-        self._start_tolerance = check_number("start_tolerance", start_tolerance, 0.0, 1e6, "metres")
-        self._goal_tolerance = check_number("goal_tolerance", goal_tolerance, 0.0, 1e6, "metres")
+        super().__init__(
+            start_tolerance=start_tolerance,
+            goal_tolerance=goal_tolerance,
+            allow_partial=allow_partial,
+            deadline_s=deadline_s,
+        )
         self._max_replans = check_count("max_replans", max_replans, 0, 10**6)
         self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
-        self._allow_partial = check_flag("allow_partial", allow_partial)
-        check_limits(deadline_s, None)
-        self._deadline_s = deadline_s
 
-    def plan(
-        self,
-        costmap: Costmap,
-        start: Pose2D,
-        goal: Pose2D,
-        *,
-        goal_yaw_free: bool = False,
-        deadline_s: float | None = None,
-        cancel: Cancellation | None = None,
-    ) -> Path:
-        """Plan from `start` to `goal`, poses in the map frame.
-
-        Args:
-            costmap: What to stay clear of.
-            start: Where the robot stands.
-            goal: Where it shall stand.
-            goal_yaw_free: End with the yaw that the robot arrives with, not with the goal's.
-            deadline_s: Give up after this time [s], in place of the planner's own.
-            cancel: Give up when this says so.
-
-        Raises:
-            OutsideMapError: If the start or the goal lies outside the map.
-            BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
-            NoPathError: If no way joins them.
-            PlanningError: If the footprint still hits something after the last replan; it names the pose.
-            PlanningStoppedError: If it gave up: out of time, or cancelled.
-            InputError: If an argument is none of these.
-        """
-        start, goal = check_question(costmap, start, goal)
-        patience = patience_for(costmap, start, goal, self._deadline_s if deadline_s is None else deadline_s, cancel)
-        patience.check()
-        first = find_end(costmap, start, "start", self._start_tolerance, patience=patience)
-        replans = 0
-        try:
-            last = find_end(costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
-        except BlockedPoseError:
-            if not self._allow_partial:
-                raise
-        else:
-            outcome = self._plan_to(Query(costmap, first, last, first, last, goal_yaw_free), patience)
-            if isinstance(outcome, Path):
-                return outcome
-            if not self._allow_partial:
-                raise outcome.error
-            replans = outcome.replans + 1
-        near = self._approach(costmap, first, first, goal, replans, patience)
-        ahead = place_to_turn(costmap, first, 1.0)
-        if ahead != first:
-            other = self._approach(costmap, first, ahead, goal, near.replans + 1, patience)
-            near = min(near, other, key=lambda path: path.remaining_m)
-        return near
-
-    def _plan_to(self, query: Query, patience: Patience) -> Path | _Failure:
+    def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
         outcome = self._attempt(query, 0, patience)
         if isinstance(outcome, _Failure):
             straight = query.with_straight_ends()
             if straight != query:
                 outcome = self._attempt(straight, outcome.replans + 1, patience)
-        return outcome
+        if isinstance(outcome, Path):
+            return outcome
+        if not self._allow_partial:
+            raise outcome.error
+        return self._plan_near(query.costmap, query.start, goal, patience, outcome.replans + 1)
+
+    def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience, replans: int = 0) -> Path:
+        near = self._approach(costmap, start, start, goal, replans, patience)
+        ahead = place_to_turn(costmap, start, 1.0)
+        if ahead != start:
+            other = self._approach(costmap, start, ahead, goal, near.replans + 1, patience)
+            near = min(near, other, key=lambda path: path.remaining_m)
+        return near
 
     def _attempt(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
         """Plan, check, and plan again around what the footprint hits; `replans` is what came before."""

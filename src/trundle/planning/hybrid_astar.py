@@ -9,14 +9,15 @@ import numpy as np
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.errors import BlockedPoseError, InputError, NoPathError, PlanningError, PlanningStoppedError
+from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.cancellation import Patience
 from trundle.planning.constrained_smoother import LEAST_STEP_M, PADDING_SHARE, ConstrainedSmoother, pose_spacing
-from trundle.planning.ends import End, find_end, patience_for
+from trundle.planning.ends import End
 from trundle.planning.grid_search import GridSearch
-from trundle.planning.options import check_flag, check_question
+from trundle.planning.options import check_flag
+from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
@@ -101,7 +102,7 @@ class HybridAStarSettings:
             raise InputError(f"{name} must be a number from {least:g} to {most:g}{hint}, got {value!r}")
 
 
-class HybridAStarPlanner:
+class HybridAStarPlanner(PosePlanner):
     """Searches poses, not cells: every path is made of arcs and lines that the robot can drive as it is.
 
     Hybrid A* with 72 headings (Dolgov et al. 2008), Dubins or Reeds-Shepp curves to the goal, and the oriented
@@ -118,6 +119,12 @@ class HybridAStarPlanner:
 
     def __init__(self, **settings: Any) -> None:
         self.settings = HybridAStarSettings(**settings)
+        super().__init__(
+            start_tolerance=self.settings.start_tolerance,
+            goal_tolerance=self.settings.goal_tolerance,
+            allow_partial=self.settings.allow_partial,
+            deadline_s=self.settings.deadline_s,
+        )
         self._smoother = self._make_smoother()
         self._search = _core.HybridAStar(
             radius=float(self.settings.minimum_turning_radius),
@@ -136,54 +143,16 @@ class HybridAStarPlanner:
         """Memory that is kept for the next plan."""
         return self._search.bytes
 
-    def plan(
-        self,
-        costmap: Costmap,
-        start: Pose2D,
-        goal: Pose2D,
-        *,
-        goal_yaw_free: bool = False,
-        deadline_s: float | None = None,
-        cancel: Cancellation | None = None,
-    ) -> Path:
-        """Plan from `start` to `goal`, poses in the map frame.
-
-        Args:
-            costmap: What to stay clear of.
-            start: Where the robot stands.
-            goal: Where it shall stand.
-            goal_yaw_free: End with the yaw that the robot arrives with, one of 16, not with the goal's.
-            deadline_s: Give up after this time [s], in place of the planner's own.
-            cancel: Give up when this says so.
-
-        Raises:
-            OutsideMapError: If the start or the goal lies outside the map.
-            BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
-            NoPathError: If no way of such arcs and lines joins them.
-            PlanningStoppedError: If it gave up: out of time, out of expansions, or cancelled.
-            InputError: If an argument is none of these.
-        """
-        settings = self.settings
-        start, goal = check_question(costmap, start, goal)
-        patience = patience_for(costmap, start, goal, settings.deadline_s if deadline_s is None else deadline_s, cancel)
-        patience.check()
-        first = find_end(costmap, start, "start", settings.start_tolerance, patience=patience)
-        try:
-            last = find_end(costmap, goal, "goal", settings.goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
-        except BlockedPoseError:
-            if not settings.allow_partial:
-                raise
-            return self._approach(costmap, first, goal, patience)
-        query = Query(costmap, first, last, first, last, goal_yaw_free)
+    def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
         status, path, expansions = self._find(query, patience)
         if path is not None and status != _CLOSED_OFF:
             return path if status == 0 else replace(path, remaining_m=path.goal.distance_to(goal))
-        if settings.allow_partial:
-            return self._approach(costmap, first, goal, patience)
+        if self._allow_partial:
+            return self._plan_near(query.costmap, query.start, goal, patience)
         raise self._failure(query, status, expansions, patience)
 
-    def _approach(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
-        """A way to near a goal to which there is none: towards the nearest place that the inscribed circle gets to."""
+    def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
+        # Towards the nearest place that the inscribed circle gets to.
         row, col = (int(index) for index in costmap.world_to_cell(goal.x, goal.y))
         search = GridSearch(costmap.data >= INSCRIBED, method="astar")
         cell = search.nearest_reachable(start.cell, (row, col))
