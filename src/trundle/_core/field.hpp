@@ -1,12 +1,12 @@
-// A cost field tile by tile: which one is settled next, and by which thread.
+// A cost field tile by tile, by one thread or several.
 //
-// Each neighbour that could gain by a settled tile waits for its turn, the one that gains the least cost first, as in
-// Dijkstra's algorithm but with a tile for a cell. Tiles that do not touch are settled at the same time. The result
-// is the one smallest fixed point, whatever the order. Of a settled tile the cells along its edges are kept, which
-// are its neighbours' frames; what lies within is found again from its own frame where that changes.
+// The result is the one smallest fixed point, whatever the order. Of a settled tile the cells along its edges are
+// kept, which are its neighbours' frames, and for a while all of its numbers; where those are lost they are found
+// again from its frame when that changes.
 #pragma once
 
-#include "field_rows.hpp"
+#include "field_result.hpp"
+#include "field_turns.hpp"
 #include "grid_steps.hpp"
 #include "map_memory.hpp"
 
@@ -14,10 +14,8 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <queue>
 #include <system_error>
 #include <thread>
-#include <vector>
 
 namespace trundle {
 
@@ -31,18 +29,19 @@ class Field {
         tile_cols_((grid.cols + kTile - 1) / kTile),
         settle_(choose_settle<Cost, Number>()),
         out_(out),
-        states_(static_cast<std::size_t>(tile_rows_ * tile_cols_)),
-        edges_(static_cast<std::size_t>(tile_rows_ * tile_cols_)),
+        turns_(tile_rows_, tile_cols_),
+        edges_(allocate<Edges<Number>>(static_cast<std::size_t>(tile_rows_ * tile_cols_))),
         slot_rows_(std::min(tile_rows_, kSlots)),
         slot_cols_(std::min(tile_cols_, kSlots)),
         slots_(static_cast<std::size_t>(slot_rows_ * slot_cols_)),
-        kept_(allocate<Number>(slots_.size() * kTile * kTile)) {}
+        kept_(allocate<Numbers>(slots_.size())) {
+    none_.clear();
+  }
 
   void add_goal(std::int64_t row, std::int64_t col) {
     const std::int64_t tile = row / kTile * tile_cols_ + col / kTile;
     goals_.push_back({tile, static_cast<std::int32_t>(row % kTile * kTile + col % kTile)});
-    states_[tile].has_goal = true;
-    wait(tile, 0);
+    turns_.wait(tile, kLow, 0);
   }
 
   // Whether it came to the end. What is in the result else, or where the numbers did not fit, is of no use.
@@ -65,18 +64,6 @@ class Field {
  private:
   static constexpr Number kFar = Scale<Number>::kFar;
 
-  struct State {
-    Number waiting = kFar;  // the least cost that a neighbour brings; kFar where none waits
-    bool has_goal = false, busy = false, settled = false;
-  };
-
-  struct Edges {
-    Number low[kTile], high[kTile], left[kTile], right[kTile];
-    Edges() {
-      for (Number *side : {low, high, left, right}) std::fill_n(side, kTile, kFar);
-    }
-  };
-
   struct Goal {
     std::int64_t tile;
     std::int32_t cell;
@@ -90,11 +77,13 @@ class Field {
   };
   static constexpr std::int64_t kSlots = 32;  // along each side of the map
 
+  struct Numbers {
+    alignas(64) Number value[kTile + 2][kTile];
+  };
+
   std::size_t slot_of(std::int64_t tile) const {
     return static_cast<std::size_t>(tile / tile_cols_ % slot_rows_ * slot_cols_ + tile % tile_cols_ % slot_cols_);
   }
-
-  using Waiting = std::pair<Number, std::int64_t>;
 
   // Whether one more step of the largest kind from any cell would still count as reachable.
   static bool all_fit(Number largest) {
@@ -129,12 +118,6 @@ class Field {
     if (failure) std::rethrow_exception(failure);
   }
 
-  void wait(std::int64_t tile, Number cost) {
-    if (cost >= states_[tile].waiting && states_[tile].waiting != kFar) return;
-    states_[tile].waiting = cost;
-    queue_.push({cost, tile});
-  }
-
   void settle_tiles() {
     try {
       settle_while_any_waits();
@@ -150,131 +133,50 @@ class Field {
     const auto work = std::make_unique<Work<Cost, Number>>();
     std::unique_lock<std::mutex> lock(mutex_);
     while (status_ == SearchStatus::kFound && fits_ && !failed_) {
-      const std::int64_t index = take();
+      const std::int64_t index = turns_.take();
       if (index < 0) {
-        if (busy_ == 0) break;
+        if (!turns_.any_busy()) break;
         freed_.wait(lock);
         continue;
       }
-      Slot &slot = slots_[slot_of(index)];
-      const bool keep = begin(index, slot, *work);
-      const std::int64_t likely = queue_.empty() ? index : queue_.top().second;
+      const std::size_t slot = slot_of(index);
+      const bool keep = !slots_[slot].busy;
+      begin(index, keep ? kept_[slot].value : work->value, work->tile);
+      if (keep) slots_[slot] = {index, true};
       lock.unlock();
-      fetch_ahead(likely);
-      settle_tile(index, *work);
+      settle_({grid_, index / tile_cols_ * kTile, index % tile_cols_ * kTile}, out_, *work);
       const SearchStatus left = patience_.left();
       lock.lock();
-      --busy_;
-      states_[index].busy = false;
-      if (keep) slot.busy = false;
+      if (keep) slots_[slot].busy = false;
       if (left != SearchStatus::kFound) status_ = left;
       if (!all_fit(work->largest)) fits_ = false;
-      tell_neighbours(index, work->gains);
+      turns_.end(index, work->tile.gain);
       freed_.notify_all();
     }
     freed_.notify_all();
   }
 
-  // Take a tile's turn; whether its slot is free to keep its numbers in.
-  bool begin(std::int64_t index, Slot &slot, Work<Cost, Number> &work) {
-    ++busy_;
-    states_[index].busy = states_[index].settled = true;
-    const bool keep = !slot.busy;
-    work.kept = keep ? kept_.get() + (&slot - slots_.data()) * kTile * kTile : nullptr;
-    work.known = keep && slot.tile == index;
-    if (keep) slot = {index, true};
-    return keep;
-  }
-
-  void tell_neighbours(std::int64_t index, const typename Tile<Number>::Gains &gains) {
-    const auto tell = [&](std::int64_t tile, Number cost) {
-      if (cost < kFar) wait(tile, cost);
-    };
-    tell(index - tile_cols_, gains.low);
-    tell(index + tile_cols_, gains.high);
-    tell(index - 1, gains.left);
-    tell(index + 1, gains.right);
-    for (int corner = 0; corner < 4; ++corner) {
-      tell(index + (corner < 2 ? -tile_cols_ : tile_cols_) + (corner % 2 == 0 ? -1 : 1), gains.corner[corner]);
+  // Hand a tile what it needs for its turn.
+  void begin(std::int64_t index, Number (*value)[kTile], Tile<Cost, Number> &tile) {
+    const Slot &slot = slots_[slot_of(index)];
+    tile.value = value;
+    tile.known = !slot.busy && slot.tile == index;
+    tile.told = turns_.told(index);
+    tile.edges = &edges_[index];
+    for (int side = 0; side < kSides; ++side) {
+      const std::int64_t other = turns_.beside(index, side);
+      tile.beside[side] = other >= 0 && turns_.settled(other) ? &edges_[other] : &none_;
     }
-  }
-
-  // The next tile whose neighbours are all at rest, or −1.
-  std::int64_t take() {
-    std::vector<Waiting> held;
-    std::int64_t found = -1;
-    while (!queue_.empty() && found < 0) {
-      const Waiting first = queue_.top();
-      queue_.pop();
-      if (states_[first.second].waiting != first.first) continue;  // it had its turn since, or waits for less
-      if (busy_ > 0 && beside_busy(first.second)) {
-        held.push_back(first);
-      } else {
-        found = first.second;
-        states_[found].waiting = kFar;
-      }
-    }
-    for (const auto &one : held) queue_.push(one);
-    return found;
-  }
-
-  bool beside_busy(std::int64_t tile) const {
-    const std::int64_t row = tile / tile_cols_, col = tile % tile_cols_;
-    for (std::int64_t r = std::max<std::int64_t>(row - 1, 0); r <= std::min(row + 1, tile_rows_ - 1); ++r) {
-      for (std::int64_t c = std::max<std::int64_t>(col - 1, 0); c <= std::min(col + 1, tile_cols_ - 1); ++c) {
-        if (states_[r * tile_cols_ + c].busy) return true;
-      }
-    }
-    return false;
-  }
-
-  void settle_tile(std::int64_t index, Work<Cost, Number> &work) {
-    const std::int64_t row = index / tile_cols_, col = index % tile_cols_;
-    load_frame(row, col, work.tile);
-    work.goals.clear();
-    if (states_[index].has_goal && !work.known) {
-      auto goal = std::lower_bound(goals_.begin(), goals_.end(), Goal{index, 0});
-      for (; goal != goals_.end() && goal->tile == index; ++goal) work.goals.push_back(goal->cell);
-    }
-    settle_({grid_, row * kTile, col * kTile, out_}, work);
-    Edges &own = edges_[index];
-    std::copy_n(work.tile.upright.value[1], kTile, own.low);
-    std::copy_n(work.tile.upright.value[kTile], kTile, own.high);
-    std::copy_n(work.tile.turned.value[1], kTile, own.left);
-    std::copy_n(work.tile.turned.value[kTile], kTile, own.right);
-  }
-
-  void load_frame(std::int64_t row, std::int64_t col, Tile<Number> &tile) const {
-    static const Edges kNone;
-    const auto edges = [&](std::int64_t r, std::int64_t c) -> const Edges & {
-      return r >= 0 && r < tile_rows_ && c >= 0 && c < tile_cols_ ? edges_[r * tile_cols_ + c] : kNone;
-    };
-    std::copy_n(edges(row - 1, col).high, kTile, tile.upright.value[0]);
-    std::copy_n(edges(row + 1, col).low, kTile, tile.upright.value[kTile + 1]);
-    std::copy_n(edges(row, col - 1).right, kTile, tile.turned.value[0]);
-    std::copy_n(edges(row, col + 1).left, kTile, tile.turned.value[kTile + 1]);
-    tile.corner_value[0] = edges(row - 1, col - 1).high[kTile - 1];
-    tile.corner_value[1] = edges(row - 1, col + 1).high[0];
-    tile.corner_value[2] = edges(row + 1, col - 1).low[kTile - 1];
-    tile.corner_value[3] = edges(row + 1, col + 1).low[0];
-  }
-
-  // A tile's rows lie far apart: ask for those of the next one while this one is settled.
-  void fetch_ahead(std::int64_t index) const {
-    const std::int64_t y = index / tile_cols_ * kTile, x = index % tile_cols_ * kTile;
-    const std::int64_t last = std::min(x + kTile, grid_.cols - 1);
-    for (std::int64_t r = std::max<std::int64_t>(y - 1, 0); r < std::min(y + kTile + 1, grid_.rows); ++r) {
-      __builtin_prefetch(grid_.costs + r * grid_.cols + x);
-      __builtin_prefetch(grid_.costs + r * grid_.cols + last);
-      __builtin_prefetch(out_ + r * grid_.cols + x, 1);
-      __builtin_prefetch(out_ + r * grid_.cols + x + 16, 1);
-    }
+    tile.goals.clear();
+    if (tile.known) return;
+    auto goal = std::lower_bound(goals_.begin(), goals_.end(), Goal{index, 0});
+    for (; goal != goals_.end() && goal->tile == index; ++goal) tile.goals.push_back(goal->cell);
   }
 
   // Tiles of a row of them that no way reaches.
   void fill_unreached(std::int64_t row) {
     for (std::int64_t col = 0; col < tile_cols_; ++col) {
-      if (states_[row * tile_cols_ + col].settled) continue;
+      if (turns_.settled(row * tile_cols_ + col)) continue;
       const std::int64_t x = col * kTile, wide = std::min<std::int64_t>(kTile, grid_.cols - x);
       for (std::int64_t y = row * kTile; y < std::min(row * kTile + kTile, grid_.rows); ++y) {
         std::fill_n(out_ + y * grid_.cols + x, wide, std::numeric_limits<float>::infinity());
@@ -285,18 +187,17 @@ class Field {
   const Grid<Cost> grid_;
   const Patience patience_;
   const std::int64_t tile_rows_, tile_cols_;
-  void (*const settle_)(const Place<Cost> &, Work<Cost, Number> &);
+  void (*const settle_)(const Place<Cost> &, float *, Work<Cost, Number> &);
   float *const out_;
-  std::vector<State> states_;
-  std::vector<Edges> edges_;
+  Turns<Number> turns_;
+  std::unique_ptr<Edges<Number>[], Freed> edges_;
+  Edges<Number> none_;  // those of tiles that were not settled yet, and beyond the map
   std::vector<Goal> goals_;
   const std::int64_t slot_rows_, slot_cols_;
   std::vector<Slot> slots_;
-  std::unique_ptr<Number[], Freed> kept_;
-  std::priority_queue<Waiting, std::vector<Waiting>, std::greater<Waiting>> queue_;
+  std::unique_ptr<Numbers[], Freed> kept_;
   std::mutex mutex_;
   std::condition_variable freed_;
-  int busy_ = 0;
   bool fits_ = true, failed_ = false;
   SearchStatus status_ = SearchStatus::kFound;
 };

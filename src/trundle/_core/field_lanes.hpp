@@ -40,16 +40,16 @@ constexpr auto counted(std::integer_sequence<int, k...>) {
   return std::integer_sequence<int, (kFirst + k)...>{};
 }
 
-// Every lane one place up, and one place down; what falls off one end comes in at the other.
-template <typename Vector>
+// Every lane so many places up, or down; what falls off one end comes in at the other.
+template <int kBy = 1, typename Vector>
 TRUNDLE_INLINE Vector turned_up(Vector lanes) {
   constexpr int kLanes = kLaneCount<Vector>;
-  return pick(lanes, lanes, counted<kLanes - 1>(std::make_integer_sequence<int, kLanes>{}));
+  return pick(lanes, lanes, counted<kLanes - kBy>(std::make_integer_sequence<int, kLanes>{}));
 }
 
-template <typename Vector>
+template <int kBy = 1, typename Vector>
 TRUNDLE_INLINE Vector turned_down(Vector lanes) {
-  return pick(lanes, lanes, counted<1>(std::make_integer_sequence<int, kLaneCount<Vector>>{}));
+  return pick(lanes, lanes, counted<kBy>(std::make_integer_sequence<int, kLaneCount<Vector>>{}));
 }
 
 template <typename Vector>
@@ -88,24 +88,6 @@ TRUNDLE_INLINE void each_of(Body body, std::integer_sequence<int, k...>) {
 template <int kCount, typename Body>
 TRUNDLE_INLINE void each(Body body) {
   each_of(body, std::make_integer_sequence<int, kCount>{});
-}
-
-template <typename Word, int kApart, int... lane>
-TRUNDLE_INLINE auto lane_bits(std::integer_sequence<int, lane...>) {
-  return typename Register<Word, sizeof...(lane) * sizeof(Word)>::Vector{(Word{1} << (kApart * lane))...};
-}
-
-// Which cells of a dealt row have a bit set.
-template <typename Number, typename Vector, int kParts>
-TRUNDLE_INLINE std::uint32_t cells_set(const Vector (&bits)[kParts]) {
-  using Word = std::conditional_t<sizeof(Number) == 4, std::uint32_t, std::uint64_t>;
-  using Words = typename Register<Word, sizeof(Vector)>::Vector;
-  const Words own = lane_bits<Word, kParts>(std::make_integer_sequence<int, kLaneCount<Words>>{});
-  Words all = {};
-  each<kParts>(TRUNDLE_LAMBDA(auto k) {
-    all |= reinterpret_cast<Words>(reinterpret_cast<Words>(bits[k]) != 0) & (own << static_cast<int>(k));
-  });
-  return static_cast<std::uint32_t>(joined_bits(all));
 }
 
 template <int kHalf, int... k>
@@ -148,32 +130,6 @@ TRUNDLE_INLINE void gather(Vector (&row)[kParts]) {
     });
     gather<2 * kHands>(shuffled);
     each<kParts>(TRUNDLE_LAMBDA(auto k) { row[k] = shuffled[k]; });
-  }
-}
-
-// A square with its rows as columns, both dealt to so many registers; a block of as many rows and columns as a
-// register of 16 bytes has lanes after the other. Gathered, a block has changed its rows for its columns.
-template <int kSize, int kParts, typename Number>
-TRUNDLE_INLINE void transpose(const Number *from, Number *to) {
-  using Vector = typename Register<Number, 16>::Vector;
-  constexpr int kBlock = kLaneCount<Vector>, kLanes = kSize / kParts;
-  for (int row_part = 0; row_part < kParts; ++row_part) {
-    for (int row_lane = 0; row_lane < kLanes; row_lane += kBlock) {
-      const Number *rows = from + (row_part + row_lane * kParts) * kSize;
-      Number *cols = to + row_part * kLanes + row_lane;
-      for (int part = 0; part < kParts; ++part) {
-        for (int lane = 0; lane < kLanes; lane += kBlock) {
-          Vector block[kBlock];
-          each<kBlock>(TRUNDLE_LAMBDA(auto k) {
-            std::memcpy(&block[k], rows + k * kParts * kSize + part * kLanes + lane, sizeof(Vector));
-          });
-          gather(block);
-          each<kBlock>(TRUNDLE_LAMBDA(auto k) {
-            std::memcpy(cols + (part + (lane + k) * kParts) * kSize, &block[k], sizeof(Vector));
-          });
-        }
-      }
-    }
   }
 }
 

@@ -1,239 +1,235 @@
 // One tile of a cost field: a square of cells with a frame of the neighbours' cells around it, settled by sweeps.
 //
-// A sweep takes the rows one after the other and relaxes each from the row before it, straight and along both
-// diagonals: no cell of a row waits for another of the same row, so a row is done a register at a time, and stays in
-// registers for the next. Sweeps run up and down, and, on the transposed tile, right and left. Only rows next to one
-// that changed are done again, until none changes.
+// A sweep takes the rows one after the other, upward or downward. Each is relaxed from the row before it, straight
+// and along both diagonals, and then along itself, a register of cells at a time; it stays in registers for the next.
+// Only rows next to one that changed are done again, until none changes.
 #pragma once
 
-#include "field_lanes.hpp"
+#include "field_steps.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include <vector>
 
 namespace trundle {
 
-constexpr int kTile = 32;
+// What lies beyond a tile: below, above, on the left, on the right, and beyond the corners low left, low right, high
+// left and high right.
+enum Side { kLow, kHigh, kLeft, kRight, kCorner, kSides = 8 };
+constexpr int kSideRow[kSides] = {-1, 1, 0, 0, -1, -1, 1, 1}, kSideCol[kSides] = {0, 0, -1, 1, -1, 1, -1, 1};
 
-// Costs to go are whole numbers where the cells' costs are, with 1393/985 = √2 less 2.6e-7 for the diagonals.
+constexpr int opposite(int side) { return side < kCorner ? side ^ 1 : kCorner + kSides - 1 - side; }
+
+// The cells along a tile's edges, as rows dealt to registers.
 template <typename Number>
-struct Scale {
-  static constexpr Number kStraight = 985, kDiagonal = 1393;
-  static constexpr Number kFar = Number{1} << (sizeof(Number) * 8 - 3);  // four of them still fit
-  static constexpr double kUnit = 2.0 * 985.0;
+struct Edges {
+  alignas(64) Number low[kTile], high[kTile], left[kTile], right[kTile];
+
+  void clear() {
+    for (Number *side : {low, high, left, right}) std::fill_n(side, kTile, Scale<Number>::kFar);
+  }
 };
 
-template <>
-struct Scale<double> {
-  static constexpr double kStraight = 0.5, kDiagonal = 0.70710678118654752440;
-  static constexpr double kFar = 1e300;
-  static constexpr double kUnit = 1.0;
-};
-
-template <typename Number>
-struct Tile {
+template <typename Cost, typename Number>
+class Tile {
+ public:
   static constexpr Number kFar = Scale<Number>::kFar;
 
-  // The tile as rows, each dealt to registers. What steps from one row to the next cost stands in the row of the
-  // lower one: of a step straight up to a column, of one to it from the left, and of one to it from the right; kFar
-  // or more where there is a wall, and where the step would come from beyond the row's ends: those are the other
-  // plane's.
-  struct Plane {
-    alignas(64) Number value[kTile + 2][kTile];  // cost to go; own rows are 1 to kTile
-    alignas(64) Number straight[kTile + 1][kTile], left[kTile + 1][kTile], right[kTile + 1][kTile];
-  };
+  // Given: the costs to go, of which the tile's own rows are 1 to kTile, and whether they are those that it was left
+  // with; its edges and those of the tiles beside it; which sides bring something, a bit for each; and its goals,
+  // counted row by row.
+  Number (*value)[kTile];
+  bool known;
+  Edges<Number> *edges;
+  const Edges<Number> *beside[kSides];
+  std::uint32_t told;
+  std::vector<std::int32_t> goals;
 
-  // Rows of a plane that changed since they were last relaxed from, upward and downward, and that changed at all; bit
-  // r for row r.
-  struct Changed {
-    std::uint64_t up = 0, down = 0, ever = 0;
-
-    TRUNDLE_INLINE void add(std::uint64_t mask) {
-      up |= mask;
-      down |= mask;
-      ever |= mask;
-    }
-  };
-
-  Plane upright, turned;
-  Number corner_value[4], corner_step[4];  // the frame's corners and the steps from them: low left, low right, high...
-  Changed rows, cols;
-
-  // The least cost that a neighbour gets by a step from here, where that is less than it has; kFar where it gains
-  // nothing.
-  struct Gains {
-    Number low, high, left, right, corner[4];
-  };
-
-  // Begin with the frame and with what is known of the tile's own cells, where anything is.
-  template <int kBytes>
-  TRUNDLE_INLINE void begin(const Number *known) {
-    if (known != nullptr) {
-      std::memcpy(upright.value[1], known, sizeof(Number) * kTile * kTile);
-    } else {
-      std::fill_n(&upright.value[1][0], kTile * kTile, kFar);
-    }
-    rows = frame_of(upright);
-    cols = frame_of(turned);
-    for (int corner = 0; corner < 4; ++corner) {
-      const Number value = corner_value[corner] + corner_step[corner];
-      improve<kBytes>(corner < 2 ? 0 : kTile - 1, corner % 2 == 0 ? 0 : kTile - 1, value);
-    }
-  }
+  // What comes of it: which rows changed, a bit for each; and the least cost that each side gets by a step from here,
+  // where that is less than it has, else kFar.
+  std::uint64_t changed;
+  Number gain[kSides];
 
   template <int kBytes>
-  TRUNDLE_INLINE void improve(int row, int col, Number value) {
-    Number &own = upright.value[1 + row][col % Row<kBytes>::kParts * Row<kBytes>::kLanes + col / Row<kBytes>::kParts];
-    if (!(value < own)) return;
-    own = value;
-    rows.add(std::uint64_t{2} << row);
-    cols.add(std::uint64_t{2} << col);
-  }
-
-  // Sweep until nothing changes.
-  template <int kBytes>
-  TRUNDLE_INLINE void settle() {
-    while (true) {
-      while (rows.up || rows.down) {
-        if (rows.up) sweep<kBytes, 1>(upright, rows, cols);
-        if (rows.down) sweep<kBytes, -1>(upright, rows, cols);
-      }
-      transpose<kTile, Row<kBytes>::kParts>(upright.value[1], turned.value[1]);
-      if (!cols.up && !cols.down) break;
-      while (cols.up || cols.down) {
-        if (cols.up) sweep<kBytes, 1>(turned, cols, rows);
-        if (cols.down) sweep<kBytes, -1>(turned, cols, rows);
-      }
-      transpose<kTile, Row<kBytes>::kParts>(turned.value[1], upright.value[1]);
-      if (!rows.up && !rows.down) break;
-    }
-  }
-
-  template <int kBytes>
-  TRUNDLE_INLINE Gains gains() const {
-    Gains gains;
-    gains.low = gain<kBytes, -1>(upright);
-    gains.high = gain<kBytes, 1>(upright);
-    gains.left = gain<kBytes, -1>(turned);
-    gains.right = gain<kBytes, 1>(turned);
-    for (int corner = 0; corner < 4; ++corner) {
-      const Number own = upright.value[corner < 2 ? 1 : kTile][corner % 2 == 0 ? 0 : kTile - 1] + corner_step[corner];
-      gains.corner[corner] = own < corner_value[corner] ? own : kFar;
-    }
-    return gains;
+  TRUNDLE_INLINE void settle(const Place<Cost> &place) {
+    Number corners[4];
+    for (int k = 0; k < 4; ++k) corners[k] = known ? corner(kCorner + k) : kFar;
+    begin<kBytes>(place);
+    relax<kBytes>(place);
+    find_gains<kBytes>(place, corners);
   }
 
  private:
-  static constexpr std::uint64_t kLowFrame = 1, kHighFrame = std::uint64_t{1} << (kTile + 1);
+  Number &corner(int side) { return value[kSideRow[side] < 0 ? 1 : kTile][kSideCol[side] < 0 ? 0 : kTile - 1]; }
 
-  // The frame's rows, where anything is known of them.
-  static TRUNDLE_INLINE Changed frame_of(const Plane &plane) {
-    return {any_near(plane.value[0]) ? kLowFrame : 0, any_near(plane.value[kTile + 1]) ? kHighFrame : 0, 0};
+  Number beyond_corner(int side) const {
+    const Edges<Number> &there = *beside[side];
+    return (kSideRow[side] < 0 ? there.high : there.low)[kSideCol[side] < 0 ? kTile - 1 : 0];
   }
 
-  static TRUNDLE_INLINE bool any_near(const Number (&row)[kTile]) {
+  bool brings(int side, const Number (&edge)[kTile]) const {
     Number nearest = kFar;
-    for (const Number value : row) nearest = std::min(nearest, value);
-    return nearest < kFar;
+    for (const Number cost : edge) nearest = std::min(nearest, cost);
+    return told >> side & 1 && nearest < kFar;
   }
 
+  // With what the sides bring, and the goals.
   template <int kBytes>
-  struct Row {
-    static constexpr int kLanes = kBytes / static_cast<int>(sizeof(Number)), kParts = kTile / kLanes;
-    using Vector = typename Register<Number, kBytes>::Vector;
-    using Bits = typename Register<std::int64_t, kBytes>::Vector;
-    Vector part[kParts];
-
-    // Register by register: compilers copy all at once in pieces of their own choice.
-    TRUNDLE_INLINE void load(const Number (&from)[kTile]) {
-      each<kParts>(TRUNDLE_LAMBDA(auto k) { std::memcpy(&part[k], from + k * kLanes, kBytes); });
+  TRUNDLE_INLINE void begin(const Place<Cost> &place) {
+    up_ = down_ = loose_ = changed = 0;
+    steps_.begin();
+    if (!known) {
+      std::fill_n(value[1], kTile * kTile, kFar);
+      edges->clear();
+      told = (1 << kSides) - 1;
+      steps_.template need_all<kBytes>(place);
     }
-    TRUNDLE_INLINE void store(Number (&to)[kTile]) const {
-      each<kParts>(TRUNDLE_LAMBDA(auto k) { std::memcpy(to + k * kLanes, &part[k], kBytes); });
+    if (brings(kLow, beside[kLow]->high)) {
+      std::copy_n(beside[kLow]->high, kTile, value[0]);
+      up_ = 1;
     }
-  };
-
-  // What the cells of the next row get by a step from this one.
-  template <int kBytes, int kStep>
-  static TRUNDLE_INLINE void step_from(const Plane &plane, int row, const Row<kBytes> &own, Row<kBytes> &next) {
-    using Vector = typename Row<kBytes>::Vector;
-    constexpr int kParts = Row<kBytes>::kParts;
-    const int lower = kStep > 0 ? row : row - 1;
-    Row<kBytes> straight, left, right;
-    straight.load(plane.straight[lower]);
-    left.load(plane.left[lower]);
-    right.load(plane.right[lower]);
-    if constexpr (kStep > 0) {
-      const Vector below_first = turned_up(own.part[kParts - 1]), beyond_last = turned_down(own.part[0]);
-      each<kParts>(TRUNDLE_LAMBDA(auto k) {
-        left.part[k] += k > 0 ? own.part[(k + kParts - 1) % kParts] : below_first;
-        right.part[k] += k + 1 < kParts ? own.part[(k + 1) % kParts] : beyond_last;
-        next.part[k] = least(own.part[k] + straight.part[k], least(left.part[k], right.part[k]));
-      });
-    } else {
-      each<kParts>(TRUNDLE_LAMBDA(auto k) {
-        left.part[k] += own.part[k];
-        right.part[k] += own.part[k];
-      });
-      const Vector below_first = turned_up(right.part[kParts - 1]), beyond_last = turned_down(left.part[0]);
-      each<kParts>(TRUNDLE_LAMBDA(auto k) {
-        const Vector from_left = k > 0 ? right.part[(k + kParts - 1) % kParts] : below_first;
-        const Vector from_right = k + 1 < kParts ? left.part[(k + 1) % kParts] : beyond_last;
-        next.part[k] = least(own.part[k] + straight.part[k], least(from_left, from_right));
-      });
+    if (brings(kHigh, beside[kHigh]->low)) {
+      std::copy_n(beside[kHigh]->low, kTile, value[kTile + 1]);
+      down_ = std::uint64_t{1} << (kTile + 1);
+    }
+    if (brings(kLeft, beside[kLeft]->right)) {
+      enter<kBytes, 1>(beside[kLeft]->right, steps_.template beside<kBytes, false>(place), 0);
+    }
+    if (brings(kRight, beside[kRight]->left)) {
+      enter<kBytes, -1>(beside[kRight]->left, steps_.template beside<kBytes, true>(place), kTile - 1);
+    }
+    for (int side = kCorner; side < kSides; ++side) {
+      if (!(told >> side & 1) || beyond_corner(side) == kFar) continue;
+      const Number cost = beyond_corner(side) + steps_.across(place, kSideRow[side], kSideCol[side]);
+      improve(kSideRow[side] < 0 ? 1 : kTile, corner(side), cost);
+    }
+    for (const std::int32_t goal : goals) {
+      const int row = goal / kTile + 1;
+      improve(row, value[row][Row<Number, kBytes>::place(goal % kTile)], 0);
     }
   }
 
-  // Relax every row that follows a changed one; what changes is noted for the other way and for the other plane.
+  TRUNDLE_INLINE void improve(int row, Number &own, Number cost) {
+    loose_ |= std::uint64_t{cost < own} << row;
+    own = std::min(own, cost);
+  }
+
+  // From a column beyond the tile to its own beside it.
   template <int kBytes, int kStep>
-  static TRUNDLE_INLINE void sweep(Plane &plane, Changed &rows, Changed &cols) {
-    using Bits = typename Row<kBytes>::Bits;
-    constexpr int kParts = Row<kBytes>::kParts;
+  TRUNDLE_INLINE void enter(const Number (&edge)[kTile], const Steps<Number> &between, int col) {
+    using R = Row<Number, kBytes>;
+    R beyond;
+    beyond.load(edge);
+    alignas(64) Number brought[kTile];
+    step_from<kStep>(beyond, between).store(brought);
+    for (int row = 1; row <= kTile; ++row) improve(row, value[row][col], brought[R::place(row - 1)]);
+  }
+
+  // Until nothing changes.
+  template <int kBytes>
+  TRUNDLE_INLINE void relax(const Place<Cost> &place) {
+    for (std::uint64_t rows = loose_; rows != 0; rows &= rows - 1) {
+      const int row = __builtin_ctzll(rows);
+      steps_.template need<kBytes>(place, row);
+      Row<Number, kBytes> own;
+      own.load(value[row]);
+      relax_along(steps_.along[row], own);
+      own.store(value[row]);
+    }
+    up_ |= loose_;
+    down_ |= loose_;
+    changed |= loose_;
+    while (up_ || down_) {
+      if (up_) sweep<kBytes, 1>(place);
+      if (down_) sweep<kBytes, -1>(place);
+    }
+  }
+
+  // Relax every row that follows a changed one; what changes is noted for the other way. Most often the next row
+  // changes as the last one did: where the processor guesses that it does not, it need not wait for this one.
+  template <int kBytes, int kStep>
+  TRUNDLE_INLINE void sweep(const Place<Cost> &place) {
+    using R = Row<Number, kBytes>;
     constexpr std::uint64_t kSources = ((std::uint64_t{1} << kTile) - 1) << (kStep > 0 ? 0 : 2);
-    std::uint64_t open = (kStep > 0 ? rows.up : rows.down) & kSources, changed_rows = 0;
-    Bits changed_cols[kParts] = {};
-    (kStep > 0 ? rows.up : rows.down) = 0;
+    std::uint64_t open = (kStep > 0 ? up_ : down_) & kSources, lower = 0;
+    (kStep > 0 ? up_ : down_) = 0;
     if (open == 0) return;
     int row = kStep > 0 ? __builtin_ctzll(open) : 63 - __builtin_clzll(open);
-    Row<kBytes> own, next, old;
-    own.load(plane.value[row]);
+    R own, old;
+    own.load(value[row]);
     // Rows between changed ones are relaxed too: to pass them by would take longer.
     do {
-      step_from<kBytes, kStep>(plane, row, own, next);
+      const int low = kStep > 0 ? row : row - 1;
+      steps_.template need<kBytes>(place, low);
+      R next = step_from<kStep>(own, steps_.up[low]);
       row += kStep;
-      old.load(plane.value[row]);
-      Bits changed = {};
-      each<kParts>(TRUNDLE_LAMBDA(auto k) {
-        own.part[k] = least(next.part[k], old.part[k]);
-        const Bits bits = reinterpret_cast<Bits>(own.part[k]) ^ reinterpret_cast<Bits>(old.part[k]);
-        changed |= bits;
-        changed_cols[k] |= bits;
-      });
-      own.store(plane.value[row]);
-      const std::uint64_t bit = std::uint64_t{joined_bits(changed) != 0} << row;
-      changed_rows |= bit;
-      open |= bit & kSources;
+      old.load(value[row]);
+      each<R::kParts>(TRUNDLE_LAMBDA(auto k) { next.part[k] = least(next.part[k], old.part[k]); });
+      if (next != old) {
+        relax_along(steps_.along[row], next);
+        next.store(value[row]);
+        own = next;
+        lower |= std::uint64_t{1} << row;
+        open |= std::uint64_t{1} << row & kSources;
+      } else {
+        own = old;
+      }
     } while ((kStep > 0 ? open >> row : open << (63 - row)) != 0);
-    (kStep > 0 ? rows.down : rows.up) |= changed_rows;
-    rows.ever |= changed_rows;
-    cols.add(std::uint64_t{cells_set<Number>(changed_cols)} << 1);
+    (kStep > 0 ? down_ : up_) |= lower;
+    changed |= lower;
+  }
+
+  // Bring the edges up to date; those that changed, and corners that cost less than they did, may bring something.
+  template <int kBytes>
+  TRUNDLE_INLINE void find_gains(const Place<Cost> &place, const Number (&corners)[4]) {
+    using R = Row<Number, kBytes>;
+    std::fill_n(gain, int{kSides}, kFar);
+    if (changed >> 1 & 1) {
+      steps_.template need<kBytes>(place, 0);
+      gain[kLow] = gain_of<kBytes, -1>(value[1], steps_.up[0], beside[kLow]->high, edges->low);
+    }
+    if (changed >> kTile & 1) {
+      steps_.template need<kBytes>(place, kTile);
+      gain[kHigh] = gain_of<kBytes, 1>(value[kTile], steps_.up[kTile], beside[kHigh]->low, edges->high);
+    }
+    alignas(64) Number left[kTile], right[kTile];
+    for (int row = 0; row < kTile; ++row) {
+      left[R::place(row)] = value[row + 1][0];
+      right[R::place(row)] = value[row + 1][kTile - 1];
+    }
+    if (std::memcmp(left, edges->left, sizeof left) != 0) {
+      const auto &between = steps_.template beside<kBytes, false>(place);
+      gain[kLeft] = gain_of<kBytes, -1>(left, between, beside[kLeft]->right, edges->left);
+    }
+    if (std::memcmp(right, edges->right, sizeof right) != 0) {
+      const auto &between = steps_.template beside<kBytes, true>(place);
+      gain[kRight] = gain_of<kBytes, 1>(right, between, beside[kRight]->left, edges->right);
+    }
+    for (int side = kCorner; side < kSides; ++side) {
+      if (corner(side) == corners[side - kCorner]) continue;
+      const Number cost = corner(side) + steps_.across(place, kSideRow[side], kSideCol[side]);
+      if (cost < beyond_corner(side)) gain[side] = cost;
+    }
   }
 
   template <int kBytes, int kStep>
-  static TRUNDLE_INLINE Number gain(const Plane &plane) {
-    using Vector = typename Row<kBytes>::Vector;
-    constexpr int kEdge = kStep > 0 ? kTile : 1;
-    Row<kBytes> own, next, beyond;
-    own.load(plane.value[kEdge]);
-    beyond.load(plane.value[kEdge + kStep]);
-    step_from<kBytes, kStep>(plane, kEdge, own, next);
+  static TRUNDLE_INLINE Number gain_of(const Number (&edge)[kTile], const Steps<Number> &between,
+                                       const Number (&frame)[kTile], Number (&kept)[kTile]) {
+    using R = Row<Number, kBytes>;
+    using Vector = typename R::Vector;
+    R own, beyond;
+    own.load(edge);
+    own.store(kept);
+    beyond.load(frame);
+    const R next = step_from<kStep>(own, between);
     Vector best = Vector{} + kFar;
-    each<Row<kBytes>::kParts>(TRUNDLE_LAMBDA(auto k) {
+    each<R::kParts>(TRUNDLE_LAMBDA(auto k) {
       best = least(best, next.part[k] < beyond.part[k] ? next.part[k] : Vector{} + kFar);
     });
     return least_lane(best);
   }
+
+  TileSteps<Cost, Number> steps_;
+  std::uint64_t up_, down_;  // rows that changed since they were last relaxed from, upward and downward
+  std::uint64_t loose_;      // rows that changed from the sides, and are to be relaxed along themselves
 };
 
 }  // namespace trundle

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -21,12 +22,14 @@ struct Freed {
 template <typename Number>
 std::unique_ptr<Number[], Freed> allocate(std::size_t count) {
   constexpr std::size_t kLargePage = std::size_t{1} << 21;
-  const std::size_t pages = (std::max<std::size_t>(count, 1) * sizeof(Number) + kLargePage - 1) / kLargePage;
-  const std::size_t bytes = pages * kLargePage;
-  void *memory = bytes > 2 * kLargePage ? std::aligned_alloc(kLargePage, bytes) : std::malloc(bytes);
+  constexpr std::size_t kAligned = std::max(alignof(Number), alignof(std::max_align_t));
+  const std::size_t wanted = std::max<std::size_t>(count, 1) * sizeof(Number);
+  const bool large = wanted > 2 * kLargePage;
+  const std::size_t unit = large ? kLargePage : kAligned, bytes = (wanted + unit - 1) / unit * unit;
+  void *memory = std::aligned_alloc(unit, bytes);
   if (memory == nullptr) throw std::bad_alloc();
 #if defined(__linux__)
-  if (bytes > 2 * kLargePage) madvise(memory, bytes, MADV_HUGEPAGE);
+  if (large) madvise(memory, bytes, MADV_HUGEPAGE);
 #endif
   return std::unique_ptr<Number[], Freed>(static_cast<Number *>(memory));
 }

@@ -34,7 +34,7 @@ def cost_field(
     infinity. Costs of 0 are allowed.
 
     The result is exact, whatever the number of threads: with whole costs up to the 2.6e-7 by which 1393/985 is below
-    √2, and to the rounding to float32. The memory used is the result's own (4 bytes a cell), up to 8 MB, and half a
+    √2, and to the rounding to float32. The memory used is the result's own (4 bytes a cell), up to 9 MB, and half a
     byte a cell, or a byte where costs are float32 or so large that a way does not fit 29 bits. The GIL is released.
 
     Args:
