@@ -76,13 +76,15 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
   for (int end = 0; end < 2 && status == 0; ++end) {
     if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
   }
-  if (status == 0) status = refusal(grid, ends);
-  if (status != 0) return nb::make_tuple(status, 0, 0, nb::bytes("", 0));
+  const CallPatience patience(seconds, cancel);
   GridWay way;
-  {
+  if (status == 0) {
     nb::gil_scoped_release released;
-    way = grid.find(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience_of(seconds, cancel));
+    status = refusal(grid, ends);
+    if (status == 0) way = grid.find(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience);
   }
+  if (status != 0) return nb::make_tuple(status, 0, 0, nb::bytes("", 0));
+  patience.rethrow();
   static_assert(sizeof(GridCell) == 2 * sizeof(std::int32_t), "corners are handed over as they lie");
   return nb::make_tuple(static_cast<int>(way.status), way.straight, way.diagonal,
                         nb::bytes(way.corners.data(), way.corners.size() * sizeof(GridCell)));
@@ -97,15 +99,19 @@ static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::ha
   for (int end = 0; end < 2 && status == 0; ++end) {
     if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
   }
-  if (status == 0) status = refusal(grid, ends);
-  if (status != 0) return nb::make_tuple(status, 0.0, nb::bytes("", 0));
+  const CallPatience patience(seconds, cancel);
   PointWay way;
   double length = 0.0;
-  {
+  if (status == 0) {
     nb::gil_scoped_release released;
-    way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), theta, patience_of(seconds, cancel));
-    length = way.length();
+    status = refusal(grid, ends);
+    if (status == 0) {
+      way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), theta, patience);
+      length = way.length();
+    }
   }
+  if (status != 0) return nb::make_tuple(status, 0.0, nb::bytes("", 0));
+  patience.rethrow();
   static_assert(sizeof(HalfCell) == 2 * sizeof(std::int32_t), "points are handed over as they lie");
   return nb::make_tuple(static_cast<int>(way.status), length,
                         nb::bytes(way.points.data(), way.points.size() * sizeof(HalfCell)));
@@ -145,9 +151,9 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
   std::vector<std::uint8_t> statuses(count);
   std::vector<std::int64_t> steps(2 * count), ends(count);
   std::vector<std::int32_t> corners;
+  const CallPatience patience(seconds, cancel);
   {
     nb::gil_scoped_release released;
-    const Patience patience = patience_of(seconds, cancel);
     const auto ways = find_all<GridWay>(count, threads, [&](std::size_t i) {
       return grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
     });
@@ -162,6 +168,7 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
       ends[i] = static_cast<std::int64_t>(corners.size() / 2);
     }
   }
+  patience.rethrow();
   const std::size_t total = corners.size() / 2;
   return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(steps), {count, 2}),
                         to_numpy(std::move(ends), {count}), to_numpy(std::move(corners), {total, 2}));
@@ -178,9 +185,9 @@ static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellA
   std::vector<double> lengths(count);
   std::vector<std::int64_t> ends(count);
   std::vector<std::int32_t> points;
+  const CallPatience patience(seconds, cancel);
   {
     nb::gil_scoped_release released;
-    const Patience patience = patience_of(seconds, cancel);
     const auto ways = find_all<PointWay>(count, threads, [&](std::size_t i) {
       return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), theta, patience);
     });
@@ -191,6 +198,7 @@ static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellA
       ends[i] = static_cast<std::int64_t>(points.size() / 2);
     }
   }
+  patience.rethrow();
   const std::size_t total = points.size() / 2;
   return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(lengths), {count}),
                         to_numpy(std::move(ends), {count}), to_numpy(std::move(points), {total, 2}));
@@ -254,6 +262,7 @@ static const char *method_name(const BinaryGrid &grid) {
 
 void bind_binary_grid(nanobind::module_ &m) {
   namespace nb = nanobind;
+  using Unlocked = nb::call_guard<nb::gil_scoped_release>;
   nb::class_<trundle::BinaryGrid>(m, "BinaryGrid")
       .def(nb::new_(&trundle::make_grid), nb::arg("blocked").noconvert(), nb::arg("connectivity"), nb::arg("method"))
       .def("find_way", &trundle::find_way, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
@@ -269,9 +278,9 @@ void bind_binary_grid(nanobind::module_ &m) {
       .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())
       .def("begin_landmarks", &trundle::begin_landmarks, nb::arg("count"))
       .def("add_landmark", &trundle::add_landmark, nb::arg("cell"), nb::arg("lengths").noconvert())
-      .def_prop_ro("landmarks", &trundle::BinaryGrid::landmarks)
-      .def_prop_ro("method", &trundle::method_name)
-      .def_prop_ro("clutter", &trundle::BinaryGrid::clutter)
-      .def_prop_ro("bytes", &trundle::BinaryGrid::bytes);
+      .def_prop_ro("landmarks", &trundle::BinaryGrid::landmarks, Unlocked())
+      .def_prop_ro("method", &trundle::method_name, Unlocked())
+      .def_prop_ro("clutter", &trundle::BinaryGrid::clutter, Unlocked())
+      .def_prop_ro("bytes", &trundle::BinaryGrid::bytes, Unlocked());
   m.def("walk_corners", &trundle::walk_corners, nb::arg("corners").noconvert());
 }

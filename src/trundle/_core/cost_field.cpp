@@ -35,7 +35,8 @@ static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int co
     if (row < 0 || row >= rows || col < 0 || col >= cols) throw nb::index_error("a goal lies outside the grid");
     if (costs(row, col) == kWall<Cost>) throw nb::value_error("a goal lies in a wall");
   }
-  const Task task{goals, threads, patience_of(seconds, cancel)};
+  const CallPatience patience(seconds, cancel);
+  const Task task{goals, threads, patience};
   auto out = allocate<float>(static_cast<std::size_t>(rows * cols));
   SearchStatus status;
   {
@@ -49,6 +50,7 @@ static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int co
       if (!fits) status = solve<std::uint64_t>(grid, task, out.get(), fits);
     }
   }
+  patience.rethrow();
   const int code = static_cast<int>(status);
   if (status != SearchStatus::kFound) return nb::make_tuple(code, nb::none());
   float *field = out.release();

@@ -92,6 +92,7 @@ inline std::size_t same_count(const CellArray &starts, const CellArray &goals) {
 // The first query that cannot be asked, or -1, and why.
 inline std::pair<std::int64_t, int> first_refusal(const BinaryGrid &grid, const CellArray &starts,
                                                   const CellArray &goals) {
+  nb::gil_scoped_release released;
   for (std::size_t i = 0; i < starts.shape(0); ++i) {
     const int status = refusal(grid, {starts(i, 0), starts(i, 1), goals(i, 0), goals(i, 1)});
     if (status != 0) return {static_cast<std::int64_t>(i), status};

@@ -240,16 +240,17 @@ static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> wei
     }
   }
   Answer answer;
+  const CallPatience patience(seconds, cancel);
   {
     nb::gil_scoped_release release;
     const Grid grid{costs.data(), weights.data(), rows, cols, connectivity};
     const Cell from{start.first, start.second}, to{goal.first, goal.second};
     const bool open = grid.weight(from.row * cols + from.col) > 0 && grid.weight(to.row * cols + to.col) > 0;
-    const Patience patience = patience_of(seconds, cancel);
     if (open && solve<std::uint32_t>(grid, from, to, patience, answer) == Status::kOverflow) {
       solve<std::uint64_t>(grid, from, to, patience, answer);
     }
   }
+  patience.rethrow();
   const std::size_t count = answer.cells.size() / 2;
   return nb::make_tuple(to_numpy(std::move(answer.cells), {count, 2}), answer.cost);
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
+#include <thread>
 #include <vector>
 
 namespace trundle {
@@ -37,14 +39,42 @@ inline std::uint64_t manhattan_cost(std::int64_t rows, std::int64_t cols) {
 
 enum class SearchStatus { kFound, kUnreachable, kTimeout, kCancelled };
 
-// When to give up: a moment, and a byte that somebody else may set.
+// A question that the thread which made this asks every so often while it searches; once it is true, it stays so for all.
+class Interrupt {
+ public:
+  explicit Interrupt(bool (*ask)()) : ask_(ask) {}
+  Interrupt(const Interrupt &) = delete;
+  Interrupt &operator=(const Interrupt &) = delete;
+
+  bool happened() const { return happened_.load(std::memory_order_relaxed); }
+  bool look() {
+    if (happened()) return true;
+    if (std::this_thread::get_id() != thread_) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return false;
+    const bool first = next_ == std::chrono::steady_clock::time_point();
+    next_ = now + std::chrono::milliseconds(50);
+    if (!first && ask_()) happened_.store(true, std::memory_order_relaxed);
+    return happened();
+  }
+
+ private:
+  bool (*ask_)();
+  std::thread::id thread_ = std::this_thread::get_id();
+  std::chrono::steady_clock::time_point next_;
+  std::atomic<bool> happened_{false};
+};
+
+// When to give up: a moment, a byte that somebody else may set, and an interrupt.
 struct Patience {
   std::optional<std::chrono::steady_clock::time_point> deadline;
   const std::uint8_t *cancel = nullptr;
+  Interrupt *interrupt = nullptr;
 
   // Anything but found says why to stop.
   SearchStatus left() const {
     if (cancel != nullptr && __atomic_load_n(cancel, __ATOMIC_RELAXED) != 0) return SearchStatus::kCancelled;
+    if (interrupt != nullptr && interrupt->look()) return SearchStatus::kCancelled;
     if (deadline && std::chrono::steady_clock::now() >= *deadline) return SearchStatus::kTimeout;
     return SearchStatus::kFound;
   }

@@ -68,7 +68,7 @@ class HybridAStar {
     for (const PlanarPose &pose : {query.start, query.goal}) {
       if (!is_inside(query, pose)) throw nb::value_error("start and goal must lie on the grid");
     }
-    const Patience patience = patience_of(seconds, cancel);
+    const CallPatience patience(seconds, cancel);
     HybridWay way;
     std::vector<double> poses, parts;
     std::vector<std::uint8_t> backward;
@@ -88,6 +88,7 @@ class HybridAStar {
         for (const Stretch &part : joined) parts.insert(parts.end(), {part.length, part.turn});
       }
     }
+    patience.rethrow();
     const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
     int status = way.spent ? 4 : static_cast<int>(way.status);
     if (way.closed_off && way.status == SearchStatus::kUnreachable) status = 5;

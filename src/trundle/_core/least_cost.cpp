@@ -30,7 +30,7 @@ class LeastCost {
     if (points.size() != 2) throw nb::value_error("the ends need shape (2, 2)");
     if (grid.rows > (1 << 30) || grid.cols > (1 << 30)) throw nb::value_error("the grid is too long");
     const End first = end_of(grid, start, points[0]), last = end_of(grid, goal, points[1]);
-    const Patience patience = patience_of(seconds, cancel);
+    const CallPatience patience(seconds, cancel);
     CostWay way;
     {
       nb::gil_scoped_release release;
@@ -42,6 +42,7 @@ class LeastCost {
         pool_.give_back(std::move(memory));
       }
     }
+    patience.rethrow();
     std::vector<double> flat;
     for (const lines::Point &point : way.line) flat.insert(flat.end(), {point.x, point.y});
     return nb::make_tuple(static_cast<int>(way.status), to_numpy(std::move(flat), {way.line.size(), 2}), way.cost);

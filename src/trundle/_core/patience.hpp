@@ -14,16 +14,35 @@ namespace trundle {
 
 using Flag = std::optional<In<std::uint8_t, 1>>;
 
-// The moment that is so many seconds away, and the flag's byte.
-inline Patience patience_of(const std::optional<double> &seconds, const Flag &cancel) {
-  Patience patience;
-  if (cancel && cancel->size() > 0) patience.cancel = cancel->data();
-  if (seconds) {
-    const std::chrono::duration<double> most(std::min(*seconds, 1e9));
-    patience.deadline =
-        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
+// The patience of one call: the moment that is so many seconds away, the flag's byte, and the signals that wait for
+// Python, such as that of Ctrl-C. Their handlers run now and then while the call has released the GIL; as whoever else
+// has it may want a lock of this search, a lock is waited for without it.
+class CallPatience {
+ public:
+  CallPatience(const std::optional<double> &seconds, const Flag &cancel) : interrupt_(run_handlers) {
+    patience_.interrupt = &interrupt_;
+    if (cancel && cancel->size() > 0) patience_.cancel = cancel->data();
+    if (seconds) {
+      const std::chrono::duration<double> most(std::min(*seconds, 1e9));
+      patience_.deadline =
+          std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
+    }
   }
-  return patience;
-}
+  operator const Patience &() const { return patience_; }
+
+  // With the GIL held again: throws what a handler raised.
+  void rethrow() const {
+    if (interrupt_.happened()) throw nb::python_error();
+  }
+
+ private:
+  static bool run_handlers() {
+    nb::gil_scoped_acquire held;
+    return PyErr_CheckSignals() != 0;
+  }
+
+  Interrupt interrupt_;
+  Patience patience_;
+};
 
 }  // namespace trundle
