@@ -11,11 +11,13 @@ from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import CellArray
 from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import CHECK_STEP_RAD
 from trundle.planning.options import check_question
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1
+_ALL_YAWS = np.arange(0.0, 2.0 * np.pi, CHECK_STEP_RAD)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +59,7 @@ def find_end(
     tolerance_m: float,
     *,
     any_yaw: bool = False,
+    beside: End | None = None,
     patience: Patience | None = None,
 ) -> End:
     """Find where the robot can stand at, or within `tolerance_m` of, a pose.
@@ -66,7 +69,8 @@ def find_end(
         pose: Where it should stand, map frame.
         what: "start" or "goal", for the message.
         tolerance_m: How far it may be moved [m].
-        any_yaw: Leave the yaw open: only the inscribed circle has to fit.
+        any_yaw: Leave the yaw open: the inscribed circle has to fit, or where the pose is moved the footprint with any.
+        beside: Where the robot comes from: places that its inscribed circle can get to from there are taken first.
         patience: When to give up looking for a place.
 
     Raises:
@@ -88,10 +92,14 @@ def find_end(
     if costmap.data[row, col] < INSCRIBED and (any_yaw or not costmap.footprint_collides([pose.as_tuple()])[0]):
         return End(pose, (row, col))
     _check_size(costmap, pose, (row, col), what)
+    yaws = _ALL_YAWS if any_yaw else np.array([pose.yaw])
+    found = None if beside is None else _nearest_place(costmap, pose, tolerance_m, yaws, patience, beside=beside)
+    if found is not None:
+        return found
     radius = max(tolerance_m, costmap.resolution)
     diagonal = costmap.resolution * float(np.hypot(*costmap.shape))
     while True:
-        found = _nearest_fit(costmap, pose, radius, any_yaw, patience)
+        found = _nearest_place(costmap, pose, radius, yaws, patience)
         if found is not None or radius > diagonal:
             break
         radius *= 2.0
@@ -103,6 +111,15 @@ def find_end(
         cell=(row, col),
         nearest_free_m=None if found is None else found.snapped_m,
     )
+
+
+def place_with_room(costmap: Costmap, pose: Pose2D, tolerance_m: float, start: End, patience: Patience) -> End | None:
+    """The nearest place within `tolerance_m` of a pose that can be got to, and where the robot can turn all round.
+
+    Raises:
+        PlanningStoppedError: If patience ends.
+    """
+    return _nearest_place(costmap, pose, tolerance_m, _ALL_YAWS, patience, beside=start, whatever_yaw=True)
 
 
 def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
@@ -118,7 +135,7 @@ def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
     straight = np.column_stack([x, y, np.full(len(x), pose.yaw)])
     blocked = costmap.footprint_collides(straight) | (costmap.cost_at(x, y) >= INSCRIBED)
     reachable = int(np.argmax(blocked)) if blocked.any() else len(x)
-    yaws = pose.yaw + np.arange(0.0, 2.0 * np.pi, CHECK_STEP_RAD)
+    yaws = pose.yaw + _ALL_YAWS
     for k in range(reachable):
         turn = np.column_stack([np.full(len(yaws), x[k]), np.full(len(yaws), y[k]), yaws])
         if costmap.footprint_collides(turn).any():
@@ -178,19 +195,36 @@ def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[CellAr
     return rows[order], cols[order], distances[order]
 
 
-def _nearest_fit(costmap: Costmap, pose: Pose2D, radius: float, any_yaw: bool, patience: Patience | None) -> End | None:
+def _nearest_place(
+    costmap: Costmap,
+    pose: Pose2D,
+    radius: float,
+    yaws: FloatArray,
+    patience: Patience | None,
+    *,
+    beside: End | None = None,
+    whatever_yaw: bool = False,
+) -> End | None:
+    """The nearest place within a radius where the footprint fits with one of `yaws`, or with all of them.
+
+    With `beside` only places count that the inscribed circle can get to from there.
+    """
     rows, cols, distances = _cells_within(costmap, pose, radius)
     x, y = costmap.cell_to_world(rows, cols)
-    for first in range(0, len(rows), 4096):
+    search: GridSearch | None = None
+    chunk = max(1, 4096 // len(yaws))
+    for first in range(0, len(rows), chunk):
         if patience is not None:
             patience.check()
-        some = slice(first, first + 4096)
-        if any_yaw:
-            fits = np.array([0])
-        else:
-            poses = np.column_stack([x[some], y[some], np.full(len(x[some]), pose.yaw)])
-            fits = np.flatnonzero(~costmap.footprint_collides(poses))
-        if len(fits):
-            k = first + int(fits[0])
-            return End(Pose2D(x[k], y[k], pose.yaw), (int(rows[k]), int(cols[k])), float(distances[k]))
+        some = slice(first, first + chunk)
+        count = len(x[some])
+        poses = np.column_stack([np.repeat(x[some], len(yaws)), np.repeat(y[some], len(yaws)), np.tile(yaws, count)])
+        fits = ~costmap.footprint_collides(poses).reshape(count, len(yaws))
+        for k in (first + np.flatnonzero(fits.all(axis=1) if whatever_yaw else fits.any(axis=1))).tolist():
+            cell = (int(rows[k]), int(cols[k]))
+            if beside is not None:
+                search = search or GridSearch(costmap.data >= INSCRIBED, method="astar")
+                if search.nearest_reachable(beside.cell, cell) != cell:
+                    continue
+            return End(Pose2D(x[k], y[k], pose.yaw), cell, float(distances[k]))
     return None

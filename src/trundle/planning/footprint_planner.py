@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, TypedDict
 
 import numpy as np
@@ -17,7 +17,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.detours import block, places_to_avoid
-from trundle.planning.ends import End, place_to_turn
+from trundle.planning.ends import End, place_to_turn, place_with_room
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.options import check_count, check_number
@@ -114,16 +114,35 @@ class FootprintPlanner(PosePlanner):
         self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        outcome = self._attempt(query, 0, patience)
+        outcome = self._plan_between(query, 0, patience)
+        if isinstance(outcome, Path):
+            return outcome
+        replans, roomy = outcome.replans, self._move_goal(query, goal, patience)
+        if roomy is not None:
+            other = self._plan_between(roomy, replans + 1, patience)
+            if isinstance(other, Path):
+                return other
+            replans = other.replans
+        if not self._allow_partial:
+            raise outcome.error
+        return self._plan_near(query.costmap, query.start, goal, patience, replans + 1)
+
+    def _move_goal(self, query: Query, goal: Pose2D, patience: Patience) -> Query | None:
+        """The query with its goal moved, within its tolerance, from where the footprint cannot arrive to more room."""
+        costs, cell = query.costmap.data, query.goal.cell
+        if self._goal_tolerance == 0.0 or self._nearest_reachable(query.costmap, costs, query.start.cell, cell) != cell:
+            return None
+        place = place_with_room(query.costmap, goal, self._goal_tolerance, query.start, patience)
+        return None if place is None or place.cell == cell else replace(query, goal=place, enter=place)
+
+    def _plan_between(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
+        """Plan between the ends as they are, then straight out of one or into one where the robot cannot turn."""
+        outcome = self._attempt(query, replans, patience)
         if isinstance(outcome, _Failure):
             straight = query.with_straight_ends()
             if straight != query:
                 outcome = self._attempt(straight, outcome.replans + 1, patience)
-        if isinstance(outcome, Path):
-            return outcome
-        if not self._allow_partial:
-            raise outcome.error
-        return self._plan_near(query.costmap, query.start, goal, patience, outcome.replans + 1)
+        return outcome
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience, replans: int = 0) -> Path:
         near = self._approach(costmap, start, start, goal, replans, patience)

@@ -69,7 +69,9 @@ class PosePlanner(ABC):
         start, goal, patience = begin_plan(costmap, start, goal, own, cancel)
         first = find_end(costmap, start, "start", self._start_tolerance, patience=patience)
         try:
-            last = find_end(costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free, patience=patience)
+            last = find_end(
+                costmap, goal, "goal", self._goal_tolerance, any_yaw=goal_yaw_free, beside=first, patience=patience
+            )
         except BlockedPoseError:
             if not self._allow_partial:
                 raise
