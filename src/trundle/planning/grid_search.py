@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
+from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.cells import CellLike, Cells, Span, as_bytes, as_cells, as_pair, as_span, check_threads
+from trundle.planning.cells import CellLike, Span, as_bytes, as_span, check_threads
+from trundle.planning.grid_ends import GridEnds, Moved
 from trundle.planning.grid_paths import (
     PARTIAL,
     STATUSES,
@@ -24,7 +25,6 @@ from trundle.planning.grid_paths import (
     Status,
 )
 from trundle.planning.landmarks import check_landmarks, measure_landmarks
-from trundle.planning.options import check_flag, check_number
 from trundle.planning.point_path import POINT_METHODS, PointMethod
 
 METHODS = ("auto", "jps", "jps_plus", "astar")
@@ -84,6 +84,7 @@ class GridSearch:
         except ValueError as error:
             raise InputError(f"a map of {values.shape[0]} x {values.shape[1]} cells: {error}") from error
         self._shape = values.shape[0], values.shape[1]
+        self._ends = GridEnds(self._grid, self._shape)
         self._connectivity = int(connectivity)
         if count > 0 and self.method != "astar":
             measure_landmarks(self._grid, values, count)
@@ -151,12 +152,10 @@ class GridSearch:
             InputError: If an end is no pair of whole numbers, or another argument is none of these.
         """
         flag = check_limits(deadline_s, cancel)
-        moved = (0.0, 0.0, 0.0)
-        if partial or start_tolerance != 0.0 or goal_tolerance != 0.0:
-            start, goal, moved = self._settle(start, goal, start_tolerance, goal_tolerance, partial)
+        start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
         code, straight, diagonal, corners = self._grid.find_way(start, goal, deadline_s, flag)
         if code < 0:
-            raise self._refusal(code, "the ", start, goal)
+            raise self._ends.refusal(code, start, goal)
         return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
 
     def any_angle_path(
@@ -191,12 +190,10 @@ class GridSearch:
         """
         theta = self._is_theta(method)
         flag = check_limits(deadline_s, cancel)
-        moved = (0.0, 0.0, 0.0)
-        if partial or start_tolerance != 0.0 or goal_tolerance != 0.0:
-            start, goal, moved = self._settle(start, goal, start_tolerance, goal_tolerance, partial)
+        start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
         code, length, corners = self._grid.find_point_way(start, goal, theta, deadline_s, flag)
         if code < 0:
-            raise self._refusal(code, "the ", start, goal)
+            raise self._ends.refusal(code, start, goal)
         return PointPath(*_outcome(code, length, moved), corners, *moved)
 
     def plan_many(
@@ -229,10 +226,10 @@ class GridSearch:
             InputError: If an argument is none of these.
         """
         flag, count = check_limits(deadline_s, cancel), check_threads(threads)
-        first, last, moved = self._settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
+        first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
         wrong, code, *found = self._grid.find_ways(first, last, count, deadline_s, flag)
         if wrong >= 0:
-            raise self._refusal(code, f"query {wrong}: the ", first[wrong].tolist(), last[wrong].tolist())
+            raise self._ends.refusal(code, first[wrong].tolist(), last[wrong].tolist(), wrong)
         codes, steps, ends, corners = found
         return _paths_of(GridPaths, codes, steps[:, 0] + _ROOT_2 * steps[:, 1], corners, ends, moved)
 
@@ -254,10 +251,10 @@ class GridSearch:
         For the arguments and errors see `any_angle_path` and `plan_many`.
         """
         theta, flag, count = self._is_theta(method), check_limits(deadline_s, cancel), check_threads(threads)
-        first, last, moved = self._settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
+        first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
         wrong, code, *found = self._grid.find_point_ways(first, last, theta, count, deadline_s, flag)
         if wrong >= 0:
-            raise self._refusal(code, f"query {wrong}: the ", first[wrong].tolist(), last[wrong].tolist())
+            raise self._ends.refusal(code, first[wrong].tolist(), last[wrong].tolist(), wrong)
         codes, length, ends, corners = found
         return _paths_of(PointPaths, codes, length, corners, ends, moved)
 
@@ -271,8 +268,8 @@ class GridSearch:
             BlockedPoseError: If the start is blocked.
             InputError: If an end is no pair of whole numbers.
         """
-        row, col = self._settle(start, goal, 0.0, 0.0, True)[1]
-        return row, col
+        row, col = self._ends.settle(start, goal, 0.0, 0.0, True)[1]
+        return int(row), int(col)
 
     def _is_theta(self, method: PointMethod) -> bool:
         if method not in POINT_METHODS:
@@ -281,40 +278,6 @@ class GridSearch:
             rows, cols = self._shape
             raise InputError(f"a map of {rows} x {cols} cells: a side has more than 2^29 cells")
         return method == "theta_star"
-
-    def _settle(
-        self, start: CellLike, goal: CellLike, start_tolerance: float, goal_tolerance: float, partial: bool
-    ) -> tuple[list[int], list[int], tuple[float, float, float]]:
-        """Where one query begins and ends, and how far that is from the start, the goal, and a goal out of reach."""
-        pairs = [as_pair(start, "start"), as_pair(goal, "goal")]
-        first, last = (np.array([pair], dtype=np.int64) for pair in pairs)
-        first, last, moved = self._settle_checked(first, last, start_tolerance, goal_tolerance, partial, "the ")
-        start_moved, goal_moved, remaining = (float(part[0]) for part in moved)
-        return first[0].tolist(), last[0].tolist(), (start_moved, goal_moved, remaining)
-
-    def _settle_many(
-        self, starts: npt.ArrayLike, goals: npt.ArrayLike, start_tolerance: float, goal_tolerance: float, partial: bool
-    ) -> tuple[Cells, Cells, tuple[FloatArray, FloatArray, FloatArray]]:
-        first, last = as_cells(starts, "starts"), as_cells(goals, "goals")
-        if len(first) != len(last):
-            raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
-        if not partial and start_tolerance == 0.0 and goal_tolerance == 0.0:
-            nothing = np.zeros(len(first))
-            return first, last, (nothing, nothing, nothing)
-        return self._settle_checked(first, last, start_tolerance, goal_tolerance, partial, "query {}: the ")
-
-    def _settle_checked(
-        self, starts: Cells, goals: Cells, start_tolerance: float, goal_tolerance: float, partial: bool, which: str
-    ) -> tuple[Cells, Cells, tuple[FloatArray, FloatArray, FloatArray]]:
-        start_reach = check_number("start_tolerance", start_tolerance, 0.0, math.inf, "cells")
-        goal_reach = check_number("goal_tolerance", goal_tolerance, 0.0, math.inf, "cells")
-        partial = check_flag("partial", partial)
-        wrong, code, first, last, nearly = self._grid.settle_ends(starts, goals, start_reach, goal_reach, partial)
-        if wrong >= 0:
-            raise self._refusal(code, which.format(wrong), starts[wrong].tolist(), goals[wrong].tolist())
-        start_moved, goal_moved = (np.hypot(*(new - old).T) for new, old in ((first, starts), (last, goals)))
-        is_partial = nearly.astype(np.bool_)
-        return first, last, (start_moved, np.where(is_partial, 0.0, goal_moved), np.where(is_partial, goal_moved, 0.0))
 
     def update(self, rows: Span, cols: Span, blocked: npt.ArrayLike) -> None:
         """Change a rectangle of the map. Which cells can reach which is right as soon as this returns.
@@ -340,21 +303,8 @@ class GridSearch:
             )
         self._grid.update(row, col, values)
 
-    def _refusal(self, code: int, which: str, start: CellLike, goal: CellLike) -> InputError | PlanningError:
-        what, cell = ("start", start) if code % 2 == 0 else ("goal", goal)
-        if code in (-6, -5):
-            return InputError(f"{which}{what} must be a pair of whole numbers (row, col), got {cell!r}")
-        row, col = int(cell[0]), int(cell[1])
-        rows, cols = self._shape
-        if code in (-4, -3):
-            return OutsideMapError(
-                f"{which}{what} ({row}, {col}) lies outside the map: rows are 0 to {rows - 1}, columns 0 to {cols - 1}",
-                cell=(row, col),
-            )
-        return BlockedPoseError(f"{which}{what} ({row}, {col}) is blocked; choose a free cell", cell=(row, col))
 
-
-def _outcome(code: int, length: float, moved: tuple[float, float, float]) -> tuple[Status, float]:
+def _outcome(code: int, length: float, moved: Moved[float]) -> tuple[Status, float]:
     """Status and length of one path."""
     if code == 0:
         return ("partial" if moved[2] > 0.0 else "found"), length
@@ -367,7 +317,7 @@ def _paths_of(
     length: FloatArray,
     corners: CellArray,
     ends: npt.NDArray[np.int64],
-    moved: tuple[FloatArray, FloatArray, FloatArray],
+    moved: Moved[FloatArray],
 ) -> _Paths:
     codes[(codes == 0) & (moved[2] > 0.0)] = PARTIAL
     length[codes == 1] = math.inf
