@@ -5,10 +5,8 @@ python docs/pictures/hybrid.py
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
-from PIL import Image
+from stacked import save_stacked
 
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
@@ -39,12 +37,7 @@ def main() -> None:
         back = float(np.hypot(*np.diff(path.poses[:, :2], axis=0).T)[path.backward].sum())
         facts = f"{path.length:.2f} m, {back:.2f} m of it backwards · {changes} change of direction"
         pictures.append(draw_plan(costmap, path, robot, title=f"hybrid_astar · {what}", lines=[facts]))
-    page = Image.new("RGB", (max(p.width for p in pictures), sum(p.height for p in pictures)), "white")
-    for i, picture in enumerate(pictures):
-        page.paste(picture, (0, sum(p.height for p in pictures[:i])))
-    page.resize((page.width // 2, page.height // 2), Image.Resampling.LANCZOS).save(
-        Path(__file__).parents[1] / "images" / "hybrid_astar.png", optimize=True
-    )
+    save_stacked(pictures, "hybrid_astar.png")
 
 
 if __name__ == "__main__":

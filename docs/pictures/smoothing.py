@@ -5,10 +5,8 @@ python docs/pictures/smoothing.py
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
-from PIL import Image
+from stacked import save_stacked
 
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
@@ -49,12 +47,7 @@ def main() -> None:
             f"{smooth.length:.2f} m and {turning(smooth):.1f} rad smoothed"
         )
         pictures.append(draw_plan(costmap, smooth, robot, title=f"{name} · smoothed", lines=[facts], before=planned))
-    page = Image.new("RGB", (max(p.width for p in pictures), sum(p.height for p in pictures)), "white")
-    for i, picture in enumerate(pictures):
-        page.paste(picture, (0, sum(p.height for p in pictures[:i])))
-    page.resize((page.width // 2, page.height // 2), Image.Resampling.LANCZOS).save(
-        Path(__file__).parents[1] / "images" / "smoothing.png", optimize=True
-    )
+    save_stacked(pictures, "smoothing.png")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,15 @@ if TYPE_CHECKING:
     from trundle.geometry import Pose2D
     from trundle.mission import Goal as Target
 
+
+def _pose(name: str, help: str, negative: str | None = None) -> Parameter:
+    return Parameter(name=name, allow_leading_hyphen=True, negative=negative, metavar="X,Y[,YAW]", help=help)
+
+
+def _pairs(name: str, help: str) -> Parameter:
+    return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
+
+
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
 Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
@@ -43,13 +52,7 @@ UnknownCost = Annotated[
 ]
 PlannerOptions = Annotated[
     list[str] | None,
-    Parameter(
-        name="--planner-option",
-        allow_leading_hyphen=True,
-        negative="",
-        metavar="KEY=VALUE",
-        help="An option of the planner, for example goal_tolerance=0.5; repeat it for several.",
-    ),
+    _pairs("--planner-option", "An option of the planner, for example goal_tolerance=0.5; repeat it for several."),
 ]
 Keepout = Annotated[
     Path | None,
@@ -66,50 +69,26 @@ SpeedMaskFile = Annotated[
 ]
 Start = Annotated[
     str | None,
-    Parameter(
-        name="--start",
-        allow_leading_hyphen=True,
-        metavar="X,Y[,YAW]",
-        help="Where the robot starts [m, m, rad], map frame; left out: picked from the free space by seed.",
-    ),
+    _pose("--start", "Where the robot starts [m, m, rad], map frame; left out: picked from the free space by seed."),
 ]
 Pose = Annotated[
     str | None,
-    Parameter(
-        name="--start",
-        allow_leading_hyphen=True,
-        metavar="X,Y[,YAW]",
-        help="Where the robot stands [m, m, rad], map frame; left out: a free place of the world, or the origin.",
+    _pose(
+        "--start",
+        "Where the robot stands [m, m, rad], map frame; left out: a free place of the world, or the origin.",
     ),
 ]
 Goals = Annotated[
     list[str] | None,
-    Parameter(
-        name="--goal",
-        allow_leading_hyphen=True,
+    _pose(
+        "--goal",
+        "Where it shall go; repeat it for several goals in a row; left out: picked from the free space by seed.",
         negative="",
-        metavar="X,Y[,YAW]",
-        help="Where it shall go; repeat it for several goals in a row; left out: picked from the free space by seed.",
     ),
 ]
-Goal = Annotated[
-    str | None,
-    Parameter(
-        name="--goal",
-        allow_leading_hyphen=True,
-        metavar="X,Y[,YAW]",
-        help="Where the path ends; left out: picked from the free space by seed.",
-    ),
-]
+Goal = Annotated[str | None, _pose("--goal", "Where the path ends; left out: picked from the free space by seed.")]
 Settings = Annotated[
-    list[str] | None,
-    Parameter(
-        name="--set",
-        allow_leading_hyphen=True,
-        negative="",
-        metavar="KEY=VALUE",
-        help="An option of the world's generator or file; repeat it for several.",
-    ),
+    list[str] | None, _pairs("--set", "An option of the world's generator or file; repeat it for several.")
 ]
 Exclude = Annotated[
     list[str] | None,
