@@ -120,11 +120,12 @@ def drive_as_the_post(track_width: float) -> Episode:
         return trundle.run(simulator, navigator, START_POSE, GOAL, name=name)
 
 
-def drive_as_trundle() -> Episode:
-    """Drive as `trundle run` does by itself."""
+def drive_as_trundle(**controller_options: float) -> Episode:
+    """Drive as `trundle run` does by itself, but for options of the controller."""
     place, robot = make_place(), Robot.load("nova_carter")
+    navigator = trundle.Navigator(place.grid, robot, controller_options=controller_options)
     with trundle.simulate(place.world, robot) as simulator:
-        return trundle.run(simulator, trundle.Navigator(place.grid, robot), START_POSE, GOAL, name="trundle's own")
+        return trundle.run(simulator, navigator, START_POSE, GOAL, name="trundle's own")
 
 
 def drive_square(track_width: float) -> FloatArray:

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from trundle.cli.entry import run_command
+from trundle.control.regulated_pure_pursuit import PursuitSettings
 from trundle.doctor import check_drive
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D
 from trundle.mission import Outcome
+from trundle.mission.metrics import distances_to_polyline
 from trundle.planning import create_planner
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -106,6 +108,17 @@ def test_trundle_arrives_clear_of_everything(own) -> None:
     assert own.metrics.time_s == pytest.approx(quoted("drives it in {} s"), abs=0.5)
     assert own.metrics.min_clearance_m == pytest.approx(quoted("to anything than {} m"), abs=0.01)
     assert own.metrics.max_cross_track_error_m == pytest.approx(quoted("from its path than {} m"), abs=0.015)
+
+
+def test_trundle_strays_most_where_the_path_begins_beside_its_heading(post, own) -> None:
+    begins = np.degrees(own.paths[0].poses[1, 2] - own.start.yaw)
+    assert begins == pytest.approx(quoted("path begins {}° to its left"), abs=0.5)
+    least = PursuitSettings().rotate_to_heading_min_angle
+    assert begins < np.degrees(least) == pytest.approx(quoted("and up to {}°"), abs=0.1)
+    errors = distances_to_polyline(own.trajectory.poses[:, :2], own.paths[0].poses[:, :2])
+    assert own.trajectory.time[int(np.argmax(errors))] < 3.0
+    turned = post.drive_as_trundle(rotate_to_heading_min_angle=quoted("rotate_to_heading_min_angle: {}`"))
+    assert turned.metrics.max_cross_track_error_m == pytest.approx(quoted("and keeps within {} m"), abs=0.01)
 
 
 def test_a_square_becomes_a_triangle(post) -> None:
