@@ -10,7 +10,7 @@ from trundle.errors import NoPathError, PlanningError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
-from trundle.planning import create_planner
+from trundle.planning import GridSearch, create_planner
 from trundle.planning.kept_search import KeptSearch
 
 NAMES = ("astar", "jps", "jps_plus")
@@ -126,6 +126,33 @@ def test_the_search_of_a_changed_costmap_is_not_made_anew_while_nobody_uses_it()
         assert second.shortest_path((2, 2), (50, 2)).status == "unreachable"
     with kept.of(Costmap.from_grid(OccupancyGrid(np.zeros((60, 80), np.int8), 0.05), SMALL, 0.3)) as other:
         assert other is not third
+
+
+@pytest.mark.parametrize("method", ["auto", "jps", "jps_plus", "astar"])
+def test_detours_are_searched_on_what_is_blocked_for_them_alone(method):
+    costmap, rng = costmap_of(make_costs(3)), np.random.default_rng(3)
+    kept, plain = KeptSearch(INSCRIBED, method), "jps" if method == "jps_plus" else method
+    used = set()
+    for turn in range(30):
+        costs = costmap.data.copy()
+        for row, col in rng.integers(20, 100, (rng.integers(1, 4), 2)).tolist():
+            costs[row : row + 3, col : col + 3] = 254
+        if turn % 10 == 9:
+            costs[:, 80] = 254  # a change of the whole map
+        with kept.around(costmap, costs) as search, kept.of(costmap) as own:
+            used.add(id(search))
+            assert search is not own
+            for goal in ((114, 154), (8, 8)):
+                want = GridSearch(costs >= INSCRIBED, method=plain).shortest_path((5, 5), goal)
+                found = search.shortest_path((5, 5), goal)
+                assert (found.status, found.length) == (want.status, want.length)
+                assert np.array_equal(found.waypoints, want.waypoints)
+    assert len(used) < 30
+    with kept.around(costmap, costs) as one, kept.around(costmap, costs) as other:
+        assert one is not other
+    fresh = costmap_of(np.zeros((120, 160), np.uint8))
+    with kept.around(fresh, fresh.data) as search:
+        assert search.shortest_path((0, 0), (0, 159)).length == 159.0
 
 
 def test_threads_with_costmaps_of_their_own_do_not_disturb_each_other():

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from typing import ClassVar, Unpack
 
 import numpy as np
@@ -65,15 +64,9 @@ class BinaryPlanner(FootprintPlanner):
         with self._search(costmap, costs) as search:
             return search.nearest_reachable(start, goal)
 
-    @contextmanager
-    def _search(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> Iterator[GridSearch]:
-        """The search over cells below 253; that of the costmap's own costs is kept."""
-        if costs is costmap.data:
-            with self._kept.of(costmap) as search:
-                yield search
-        else:
-            # For this query alone: a table would cost more than it saves.
-            yield GridSearch(costs >= INSCRIBED, method="jps" if self.method == "jps_plus" else self.method)
+    def _search(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> AbstractContextManager[GridSearch]:
+        """The search over cells below 253, of the costmap's own costs or of those of a replan."""
+        return self._kept.of(costmap) if costs is costmap.data else self._kept.around(costmap, costs)
 
 
 def _turning_points(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:

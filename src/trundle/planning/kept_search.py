@@ -1,4 +1,4 @@
-"""`KeptSearch`: the `GridSearch` of the last costmap, changed as that changes."""
+"""`KeptSearch`: the `GridSearch` of the last costmap, changed as that changes, and one for detours on it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from trundle.costmap import Costmap
 from trundle.planning.grid_search import GridSearch
+
+_SMALL = 8
+"""A search is changed where that is at most this part of the map, and made anew elsewhere."""
 
 
 @dataclass(slots=True)
@@ -20,14 +26,26 @@ class _Kept:
     users: int = 0
 
 
+@dataclass(slots=True)
+class _Detour:
+    """A search of a costmap of some `version` whose costs were changed to these."""
+
+    version: object
+    search: GridSearch
+    costs: npt.NDArray[np.uint8]
+
+
 class KeptSearch:
     """Keeps one search from plan to plan, and brings it up to date with what `Costmap.update` changed.
+
+    Beside it another one is kept for costs that differ from the costmap's in a few places, as where a plan goes round
+    what the footprint hit.
 
     Any number of threads may plan, on one costmap or several.
 
     Args:
         blocked_from: Costs from here on block.
-        method: Of `GridSearch`.
+        method: Of `GridSearch`; detours jump without a table, which would cost more than it saves.
         connectivity: Of `GridSearch`.
     """
 
@@ -35,6 +53,7 @@ class KeptSearch:
         self._blocked_from, self._method, self._connectivity = blocked_from, method, connectivity
         self._lock = threading.Lock()
         self._kept: _Kept | None = None
+        self._detour: _Detour | None = None
 
     @contextmanager
     def of(self, costmap: Costmap) -> Iterator[GridSearch]:
@@ -45,6 +64,31 @@ class KeptSearch:
         finally:
             with self._lock:
                 kept.users -= 1
+
+    @contextmanager
+    def around(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> Iterator[GridSearch]:
+        """A search of a costmap with other costs, for this `with` block alone. The costs must not change later."""
+        with self._lock:
+            detour, self._detour = self._detour, None
+        if detour is None or detour.version is not costmap.version or not self._turn(detour, costs):
+            method = "jps" if self._method == "jps_plus" else self._method
+            search = GridSearch(costs >= self._blocked_from, self._connectivity, method=method)
+            detour = _Detour(costmap.version, search, costs)
+        yield detour.search
+        with self._lock:
+            self._detour = detour
+
+    def _turn(self, detour: _Detour, costs: npt.NDArray[np.uint8]) -> bool:
+        """Whether a search could be made that of other costs: they differ in a small part of the map."""
+        rows, cols = np.divmod(np.flatnonzero(detour.costs != costs), costs.shape[1])
+        if len(rows) > 0:
+            changed = slice(int(rows.min()), int(rows.max()) + 1), slice(int(cols.min()), int(cols.max()) + 1)
+            blocked = costs[changed] >= self._blocked_from
+            if _SMALL * blocked.size > costs.size:
+                return False
+            detour.search.update(*changed, blocked)
+        detour.costs = costs
+        return True
 
     def _take(self, costmap: Costmap) -> _Kept:
         with self._lock:
