@@ -75,7 +75,7 @@ class HybridAStar {
     {
       nb::gil_scoped_release release;
       std::unique_ptr<HybridMemory> memory = pool_.borrow();
-      way = HybridSearch(settings_, query, patience, *memory).find();
+      way = search(query, patience, *memory);
       pool_.give_back(std::move(memory));
       if ((way.status == SearchStatus::kFound && !way.spent) || way.partial) {
         const std::vector<Stretch> joined = merged(way.parts);
@@ -92,6 +92,8 @@ class HybridAStar {
     const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
     int status = way.spent ? 4 : static_cast<int>(way.status);
     if (way.closed_off && way.status == SearchStatus::kUnreachable) status = 5;
+    if (way.pocket && way.status == SearchStatus::kUnreachable) status = 6;
+    if (way.stuck && way.status == SearchStatus::kUnreachable) status = 7;
     return nb::make_tuple(status, to_numpy(std::move(poses), {count, 3}),
                           to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), way.cost,
                           nb::make_tuple(way.expansions, way.field_cells, way.exact_checks));
@@ -101,6 +103,15 @@ class HybridAStar {
   std::size_t bytes() const { return pool_.bytes(); }
 
  private:
+  HybridWay search(const HybridQuery &query, const Patience &patience, HybridMemory &memory) const {
+    HybridWay way = HybridSearch(settings_, query, patience, memory).find();
+    // A start that is hard to get away from may be a matter of shorter motions; a goal is not, as curves end there.
+    if (way.stuck && way.status == SearchStatus::kUnreachable) {
+      way = HybridSearch(settings_, query, patience, memory, 2).find();
+    }
+    return way;
+  }
+
   static PlanarPose pose_of(const In<double, 1> &values) {
     if (values.shape(0) != 3) throw nb::value_error("a pose needs three numbers");
     return {values.data()[0], values.data()[1], values.data()[2]};

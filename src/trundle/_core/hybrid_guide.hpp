@@ -2,6 +2,7 @@
 // a point that goes round the obstacles, and the robot where there are none.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -19,6 +20,7 @@ class HybridGuide {
         weights_(weights),
         patience_(patience),
         memory_(memory),
+        detour_(settings.model.most_detour()),
         factor_(kFieldCells * settings.factor(query.resolution)) {}
 
   // Of the shortest curve.
@@ -28,6 +30,12 @@ class HybridGuide {
     const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
     return model_.least_cost(cos * dx + sin * dy, cos * dy - sin * dx,
                              wrap(std::remainder(query_.goal.yaw - pose.yaw, 2.0 * kPi)));
+  }
+
+  // The larger of that and what is known already; most poses are so far round that a curve need not be looked for.
+  double at_least(const PlanarPose &pose, double known) const {
+    const double distance = std::hypot(query_.goal.x - pose.x, query_.goal.y - pose.y);
+    return known >= distance + detour_ ? known : std::max(known, least_cost(pose));
   }
 
   // Of a point; its field is begun when this is first asked. Where patience ends `status` says so.
@@ -65,6 +73,7 @@ class HybridGuide {
   const float *weights_;
   const Patience &patience_;
   HybridMemory &memory_;
+  const double detour_;
   const int factor_;
   bool begun_ = false;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lazy_cost_to_go.hpp"
+#include "open_list.hpp"
 #include "pose_checker.hpp"
 
 namespace trundle {
@@ -26,6 +27,7 @@ class StateSet {
     if (2 * ++size_ > table_.size()) grow();
     table_[find(key)] = {key, stamp_};
   }
+  std::size_t size() const { return size_; }
   std::size_t bytes() const { return table_.capacity() * sizeof(Entry); }
 
  private:
@@ -74,15 +76,26 @@ struct QueueEntry {
 };
 
 struct HybridMemory {
+  struct PocketMemory {
+    std::vector<PlanarPose> poses;
+    OpenList<QueueEntry> queue;
+    StateSet closed;
+
+    std::size_t bytes() const {
+      return poses.capacity() * sizeof(PlanarPose) + queue.bytes() + closed.bytes();
+    }
+  };
+
   std::vector<HybridNode> nodes;
-  std::vector<QueueEntry> queue;
+  OpenList<QueueEntry> queue;
   StateSet closed;
   LazyCostToGo field, fine_field;
   PoseChecker checker;
+  PocketMemory pocket;
 
   std::size_t bytes() const {
-    return nodes.capacity() * sizeof(HybridNode) + queue.capacity() * sizeof(QueueEntry) + closed.bytes() +
-           field.bytes() + fine_field.bytes() + checker.bytes();
+    return nodes.capacity() * sizeof(HybridNode) + queue.bytes() + closed.bytes() +
+           field.bytes() + fine_field.bytes() + checker.bytes() + pocket.bytes();
   }
 };
 

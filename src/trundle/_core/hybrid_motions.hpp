@@ -15,8 +15,9 @@ struct HybridMotion {
   int direction, bins;
 };
 
-// Every motion leads to another cell of the size `cell` [m] or another heading; arcs turn by whole headings.
-inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double cell) {
+// Every motion leads to another cell of the size `cell` [m] or another heading; arcs turn by whole headings, by one where
+// `fine`, and otherwise by as many as lead to another cell.
+inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double cell, bool fine = false) {
   std::vector<HybridMotion> motions;
   const auto add = [&](const Stretch &stretch, int direction, int bins) {
     const double cost = direction == 0 ? model.turn_cost * std::fabs(stretch.turn) : model.length_cost(stretch.length);
@@ -25,7 +26,9 @@ inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double
   const double least = 1.41422 * cell;
   double straight = least;
   int bins = 0;
-  if (model.radius > 0.0) {
+  if (model.radius > 0.0 && fine) {
+    bins = 1;
+  } else if (model.radius > 0.0) {
     bins = std::clamp(static_cast<int>(std::ceil(std::min(least / (model.radius * kHeadingStep), 100.0))), 1, 18);
     straight = std::max(least, std::min(model.radius * bins * kHeadingStep, 4.0 * cell));
   }
@@ -37,9 +40,9 @@ inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double
       add({direction * model.radius * turn, direction * side * turn}, direction, direction * side * bins);
     }
   }
-  constexpr int kTurnBins = 3;
+  const int turn_bins = fine ? 1 : 3;
   for (int side = -1; side <= 1 && model.in_place; side += 2) {
-    add({0.0, side * kTurnBins * kHeadingStep}, 0, side * kTurnBins);
+    add({0.0, side * turn_bins * kHeadingStep}, 0, side * turn_bins);
   }
   return motions;
 }

@@ -45,6 +45,8 @@ struct HybridWay {
   SearchStatus status = SearchStatus::kUnreachable;
   bool spent = false;       // whether it stopped at the most expansions
   bool closed_off = false;  // whether not even the inscribed circle gets there
+  bool pocket = false;      // whether no motions lead to the goal from anywhere but nearby
+  bool stuck = false;       // whether the motions hardly lead away from the start
   double cost = 0.0;
   std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
   std::vector<Stretch> parts;

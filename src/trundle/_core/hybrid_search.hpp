@@ -15,6 +15,7 @@
 #include "hybrid_guide.hpp"
 #include "hybrid_memory.hpp"
 #include "hybrid_motions.hpp"
+#include "hybrid_pocket.hpp"
 #include "hybrid_query.hpp"
 #include "hybrid_shots.hpp"
 
@@ -22,16 +23,20 @@ namespace trundle {
 
 class HybridSearch {
  public:
-  HybridSearch(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory)
+  // In cells and motions that are `halves` times smaller.
+  HybridSearch(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory,
+               int halves = 1)
       : settings_(settings),
         model_(settings.model),
         query_(query),
         patience_(patience),
         memory_(memory),
         guide_(settings, query_, weights_, patience, memory),
+        pocket_(settings_, query_, weights_, patience, memory),
         shots_(settings.model),
+        halves_(halves),
         factor_(settings.factor(query.resolution)),
-        cell_(query.resolution * factor_),
+        cell_(query.resolution * factor_ / halves),
         motions_(hybrid_motions(settings.model, cell_)) {
     for (int cost = 0; cost < 256; ++cost) {
       const double weight = cost >= PoseChecker::kInscribed ? 0.0 : 1.0 + settings.cost_weight * cost / 252.0;
@@ -53,16 +58,17 @@ class HybridSearch {
       memory_.queue.clear();
     }
     while (!memory_.queue.empty() && status_ == SearchStatus::kFound) {
-      const QueueEntry entry = memory_.queue.front();
+      const QueueEntry entry = memory_.queue.top();
       if (entry.sum >= best_cost_ || spent_after_first()) break;
-      std::pop_heap(memory_.queue.begin(), memory_.queue.end());
-      memory_.queue.pop_back();
+      memory_.queue.pop();
       if (!settle(entry)) continue;
       if (query_.partial) keep_nearest(entry.node);
       if (++expansions_ > query_.max_expansions) {
         way.spent = true;
         break;
       }
+      if (best_node_ == kNoNode && is_in_pocket()) way.pocket = true;
+      if (way.pocket && is_near_enough()) break;
       if (expansions_ == kDoubtful && best_node_ == kNoNode && guide_.is_closed_off(status_)) {
         way.closed_off = true;
         break;
@@ -71,15 +77,16 @@ class HybridSearch {
       if (--until_shot_ <= 0) shoot(entry.node);
       expand(entry.node);
     }
-    if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off) {
-      way.closed_off = guide_.is_closed_off(status_);
+    if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off && !way.pocket) {
+      way.stuck = expansions_ < kFirstLook;
+      way.closed_off = !way.stuck && guide_.is_closed_off(status_);
     }
     finish(way);
     return way;
   }
 
  private:
-  static constexpr std::uint64_t kDoubtful = 10'000;  // expansions
+  static constexpr std::uint64_t kDoubtful = 10'000, kFirstLook = 256, kLongLook = 2'000, kPatient = 2'000;  // expansions
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 
   void begin() {
@@ -99,8 +106,7 @@ class HybridSearch {
 
   void push(std::uint32_t node) {
     const HybridNode &n = memory_.nodes[node];
-    memory_.queue.push_back({n.cost + settings_.heuristic_weight * n.to_go, node});
-    std::push_heap(memory_.queue.begin(), memory_.queue.end());
+    memory_.queue.push({n.cost + settings_.heuristic_weight * n.to_go, node});
   }
 
   PlanarPose pose_of(const HybridNode &node) const { return {node.x, node.y, yaws_[node.heading]}; }
@@ -109,11 +115,11 @@ class HybridSearch {
     return node.parent == kNoNode ? 0 : motions_[node.motion].direction;
   }
 
-  // By the map's cells, so that what lies on the map lies in one of these.
-  std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres / query_.resolution) / factor_; }
+  // By the map's cells, or halves of them, so that what lies on the map lies in one of these.
+  std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres * halves_ / query_.resolution) / factor_; }
 
   std::uint64_t key_of(const HybridNode &node) const {
-    const auto cols = static_cast<std::uint64_t>((query_.cols + factor_ - 1) / factor_);
+    const auto cols = static_cast<std::uint64_t>((query_.cols * halves_ + factor_ - 1) / factor_);
     const auto row = static_cast<std::uint64_t>(cell(node.y)), col = static_cast<std::uint64_t>(cell(node.x));
     return (row * cols + col) * kHeadings + node.heading;
   }
@@ -127,7 +133,7 @@ class HybridSearch {
       const HybridNode &parent = memory_.nodes[node.parent];
       if (!check(parent, motions_[node.motion], node)) return false;
       const double sum = node.cost + settings_.heuristic_weight * node.to_go;
-      if (sum > entry.sum + 1e-9 && !memory_.queue.empty() && sum > memory_.queue.front().sum) {
+      if (sum > entry.sum + 1e-9 && !memory_.queue.empty() && sum > memory_.queue.top().sum) {
         push(entry.node);
         return false;
       }
@@ -143,7 +149,7 @@ class HybridSearch {
     }
     const double dearer = motion.direction < 0 ? model_.reverse_penalty : 1.0;
     node.cost = parent.cost + dearer * sum + change(parent, motion);
-    node.to_go = std::max(node.to_go, guide_.least_cost(pose_of(node)));
+    node.to_go = guide_.at_least(pose_of(node), node.to_go);
     node.checked = true;
     return true;
   }
@@ -171,6 +177,19 @@ class HybridSearch {
       push(static_cast<std::uint32_t>(memory_.nodes.size() - 1));
     }
   }
+
+  // Whether the goal lies in a pocket, as far as is known: after so many expansions, and each time that there are twice as
+  // many, it is looked at for an eighth of that, and later for four times as long, when few goals are left that are in none.
+  bool is_in_pocket() {
+    if (expansions_ != next_look_) return false;
+    const std::uint64_t poses = next_look_ < kLongLook ? next_look_ / 8 : 4 * next_look_;
+    next_look_ *= 2;
+    return pocket_.look(poses, status_) == Pocket::kClosed;
+  }
+
+  // Whether a search that cannot succeed may end: at once, or where a way to near the goal is wanted, when it has come no
+  // nearer for long.
+  bool is_near_enough() const { return !query_.partial || expansions_ > 2 * nearest_at_ + kPatient; }
 
   // Try to end from a node, and keep the cheapest way so far.
   void shoot(std::uint32_t index) {
@@ -214,7 +233,7 @@ class HybridSearch {
   void keep_nearest(std::uint32_t index) {
     const HybridNode &node = memory_.nodes[index];
     const double distance = std::hypot(query_.goal.x - node.x, query_.goal.y - node.y);
-    if (distance < nearest_) nearest_ = distance, nearest_node_ = index;
+    if (distance < nearest_) nearest_ = distance, nearest_node_ = index, nearest_at_ = expansions_;
   }
 
   // From the start to a node.
@@ -252,15 +271,16 @@ class HybridSearch {
   const Patience &patience_;
   HybridMemory &memory_;
   HybridGuide guide_;
+  PocketSearch pocket_;
   Shots shots_;
-  const int factor_;
+  const int halves_, factor_;
   const double cell_;
   const std::vector<HybridMotion> motions_;
   int until_shot_ = 0;
   float weights_[256];
   double yaws_[kHeadings], cos_[kHeadings], sin_[kHeadings];
   SearchStatus status_ = SearchStatus::kFound;
-  std::uint64_t expansions_ = 0, first_found_ = 0;
+  std::uint64_t expansions_ = 0, first_found_ = 0, next_look_ = kFirstLook, nearest_at_ = 0;
   double best_cost_ = kInfinite;
   std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;
   double nearest_ = kInfinite;

@@ -29,14 +29,23 @@ struct MotionModel {
   // Reeds-Shepp curve of that radius, which stays the shortest with these inequalities instead of equalities (Sussmann
   // and Tang, "Shortest paths for the Reeds-Shepp car", 1991).
   double least_cost(double x, double y, double phi) const {
-    const double rho = !in_place ? radius : radius > 0.0 ? std::min(radius, turn_cost) : turn_cost;
-    const double distance = std::hypot(x, y);
+    const double rho = tightest(), distance = std::hypot(x, y);
     if (rho <= 1e-6 * (1.0 + distance)) return distance;
     if (in_place || reverse) {
       return rho * shortest_length([&](auto &&visit) { for_each_reeds_shepp(x / rho, y / rho, phi, visit); });
     }
     return rho * shortest_length([&](auto &&visit) { for_each_dubins(x / rho, y / rho, phi, visit); });
   }
+
+  // By how much that is more than the straight line, at most.
+  //
+  // Both ways: arcs L+ R- L+ turn by any angle a on the spot in rho a, and of turning, driving straight ahead or straight
+  // back, and turning again, one of the two turns by pi at most in sum. Forward only: Savla, Frazzoli and Bullo,
+  // "Traveling salesperson problems for the Dubins vehicle" (2008), theorem 3.1.
+  double most_detour() const { return (in_place || reverse ? kPi : 2.658 * kPi) * tightest(); }
+
+ private:
+  double tightest() const { return !in_place ? radius : radius > 0.0 ? std::min(radius, turn_cost) : turn_cost; }
 };
 
 struct Shot {
@@ -48,6 +57,8 @@ struct Shot {
 // The ways from a pose to the goal that the robot's motions allow, the cheapest first.
 class Shots {
  public:
+  static constexpr int kYaws = 16;  // of a goal whose yaw is free
+
   explicit Shots(const MotionModel &model) : model_(model) {}
 
   // `direction` is how the robot came here: 1, -1 or 0. With `any_yaw` the goal's yaw is one of 16.
@@ -55,7 +66,6 @@ class Shots {
     shots_.clear();
     const double dx = goal.x - from.x, dy = goal.y - from.y, cos = std::cos(from.yaw), sin = std::sin(from.yaw);
     const double x = cos * dx + sin * dy, y = cos * dy - sin * dx;
-    constexpr int kYaws = 16;
     for (int i = 0; i < (any_yaw ? kYaws : 1); ++i) {
       const double phi = wrap(std::remainder(goal.yaw - from.yaw + i * (2.0 * kPi / kYaws), 2.0 * kPi));
       if (model_.radius > 0.0) add_curves(x / model_.radius, y / model_.radius, phi, direction);

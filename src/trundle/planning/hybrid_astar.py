@@ -22,10 +22,16 @@ from trundle.planning.query import Query, no_path
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
 
-_UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF = 1, 2, 3, 5
+_FOUND, _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF, _GOAL_CLOSED, _START_CLOSED = 0, 1, 2, 3, 5, 6, 7
 
 _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
+
+_LESS_PADDING = 0.25
+"""Share of the padding that is kept where there is no way with all of it."""
+
+_LEAST_PADDING_M = LEAST_STEP_M / (2.0 * PADDING_SHARE)
+"""With less, something might pass between two checked poses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +50,8 @@ class HybridAStarSettings:
         cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map.
         smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
         padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
-            [m]. Poses are checked so closely that nothing can pass between two of them.
+            [m], and a quarter of it where no way is found that does. Poses are checked so closely that nothing can
+            pass between two of them.
         start_tolerance: How far a start where the robot does not fit may be moved [m].
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
         spacing: Largest distance between two poses of the path [m].
@@ -146,7 +153,7 @@ class HybridAStarPlanner(PosePlanner):
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
         status, path, expansions = self._find(query, patience)
         if path is not None and status != _CLOSED_OFF:
-            return path if status == 0 else replace(path, remaining_m=path.goal.distance_to(goal))
+            return path if status == _FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
         if self._allow_partial:
             return self._plan_near(query.costmap, query.start, goal, patience)
         raise self._failure(query, status, expansions, patience)
@@ -175,8 +182,15 @@ class HybridAStarPlanner(PosePlanner):
 
     def _find(self, query: Query, patience: Patience) -> tuple[int, Path | None, int]:
         """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
-        costmap, settings = query.costmap, self.settings
         padding = self._padding_at_ends(query)
+        found = self._find_padded(query, patience, padding)
+        less = max(_LESS_PADDING * padding, _LEAST_PADDING_M)
+        if found[0] in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED) and less < padding:
+            return self._find_padded(query, patience, less)
+        return found
+
+    def _find_padded(self, query: Query, patience: Patience, padding: float) -> tuple[int, Path | None, int]:
+        costmap, settings = query.costmap, self.settings
         status, poses, backward, parts, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,
@@ -196,16 +210,16 @@ class HybridAStarPlanner(PosePlanner):
         if len(poses) == 0:
             return status, None, effort[0]
         path = Path(
-            _in_map(query, poses, ends_at_goal=status == 0),
+            _in_map(query, poses, ends_at_goal=status == _FOUND),
             cost=cost,
             planner="hybrid_astar",
             start_snapped_m=query.start.snapped_m,
-            goal_snapped_m=query.goal.snapped_m if status == 0 else 0.0,
+            goal_snapped_m=query.goal.snapped_m if status == _FOUND else 0.0,
             backward=backward.view(np.bool_),
-            status="found" if status == 0 else "partial",
+            status="found" if status == _FOUND else "partial",
         )
         # One curve from the start to the goal is as short as can be.
-        if status == 0 and self._smoother is not None and len(parts) > _LONGEST_CURVE:
+        if status == _FOUND and self._smoother is not None and len(parts) > _LONGEST_CURVE:
             smoothing = self._smoother.smooth_free(path, costmap)
             path = replace(smoothing.path, cost=smoothing.price_after or path.cost)
         return status, path, effort[0]
@@ -238,22 +252,29 @@ class HybridAStarPlanner(PosePlanner):
         return float(self.settings.spacing) if radius == 0.0 else pose_spacing(self.settings.spacing, radius, padding)
 
     def _failure(self, query: Query, status: int, expansions: int, patience: Patience) -> PlanningError:
-        goal = query.goal
-        where = {"pose": goal.pose.as_tuple(), "cell": goal.cell}
-        settings = self.settings
+        end = query.start if status == _START_CLOSED else query.goal
+        where = {"pose": end.pose.as_tuple(), "cell": end.cell}
         if status == _CLOSED_OFF:
             return no_path(query, None, patience)
-        if status == _UNREACHABLE:
-            how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
-            also = "turning in place, " if settings.in_place else ""
-            only = "" if settings.motion_model == "reeds_shepp" else "driving forward only, "
-            return NoPathError(
-                f"no path {query.ends}: there is room for the inscribed circle, but with {how}{also}{only}the "
-                f"footprint gets there by none of {expansions} poses that were tried",
-                **where,
-            )
-        why = f"{settings.max_expansions} nodes were expanded (max_expansions)"
+        if status in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED):
+            return NoPathError(f"no path {query.ends}: {self._why_not(status, expansions)}", **where)
+        why = f"{self.settings.max_expansions} nodes were expanded (max_expansions)"
         return PlanningStoppedError(f"no path {query.ends} found yet when {why}", **where, status="exhausted")
+
+    def _why_not(self, status: int, expansions: int) -> str:
+        settings = self.settings
+        how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
+        also = "turning in place, " if settings.in_place else ""
+        only = "" if settings.motion_model == "reeds_shepp" else "driving forward only, "
+        moving = f"with {how}{also}{only}the footprint"
+        if status == _START_CLOSED:
+            return f"{moving} cannot get away from the start"
+        if status == _GOAL_CLOSED:
+            return f"{moving} gets to the goal from nowhere but close by"
+        return (
+            f"there is room for the inscribed circle, but {moving} gets there by none of {expansions} poses that were "
+            "tried"
+        )
 
 
 def _on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:

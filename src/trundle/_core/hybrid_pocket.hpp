@@ -1,0 +1,115 @@
+// Whether a robot can come from somewhere else to the goal at all, or whether the goal lies in a pocket that is closed to its
+// footprint and its motions.
+//
+// A hybrid A* search from the start would try every pose outside of the pocket before it fails. This one drives
+// backwards in time from the goal, away from it as fast as it can, and ends as soon as it is out, or when there is
+// nowhere left to go: after a few dozen poses most of the time.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hybrid_memory.hpp"
+#include "hybrid_motions.hpp"
+#include "hybrid_query.hpp"
+
+namespace trundle {
+
+enum class Pocket { kUnknown, kOpen, kClosed };
+
+class PocketSearch {
+ public:
+  PocketSearch(const HybridSettings &settings, const HybridQuery &query, const float *weights, const Patience &patience,
+               HybridMemory &memory)
+      : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory) {}
+
+  // What is known after `most` more poses. Closed is only said after a second search in cells half as large and motions as
+  // short as can be; it may look at more, since few goals are left that are not closed in. Where patience ends `status`
+  // says so.
+  Pocket look(std::uint64_t most, SearchStatus &status) {
+    if (found_ != Pocket::kUnknown) return found_;
+    if (halves_ == 0) begin(1);
+    if (halves_ == 1) {
+      if (go_on(most, status) != Pocket::kClosed) return found_;
+      begin(2);
+    }
+    return go_on(most + kFinePoses, status);
+  }
+
+ private:
+  static constexpr std::uint64_t kFinePoses = 2'000;
+
+  void begin(int halves) {
+    halves_ = halves, found_ = Pocket::kUnknown;
+    cell_ = query_.resolution * settings_.factor(query_.resolution) / halves;
+    motions_ = hybrid_motions(settings_.model, cell_, halves > 1);
+    // Out is where the robot has had room to turn and to manoeuvre.
+    far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
+    memory_.pocket.poses.clear();
+    memory_.pocket.queue.clear();
+    memory_.pocket.closed.begin();
+    for (int i = 0; i < (query_.any_yaw ? Shots::kYaws : 1); ++i) {
+      const PlanarPose &goal = query_.goal;
+      const PlanarPose pose{goal.x, goal.y, goal.yaw + i * (2.0 * kPi / Shots::kYaws)};
+      if (!memory_.checker.touches(pose.x, pose.y, pose.yaw)) push(pose);
+    }
+  }
+
+  Pocket go_on(std::uint64_t most, SearchStatus &status) {
+    auto &queue = memory_.pocket.queue;
+    for (; most > 0 && !queue.empty(); --most) {
+      if (most % 64 == 0 && (status = patience_.left()) != SearchStatus::kFound) return found_;
+      const PlanarPose from = memory_.pocket.poses[queue.pop().node];
+      for (const HybridMotion &motion : motions_) {
+        const Stretch back{-motion.stretch.length, -motion.stretch.turn};
+        const PlanarPose to = back.from(from);
+        if (memory_.checker.cost_at(to.x, to.y) >= PoseChecker::kInscribed || memory_.pocket.closed.contains(key(to))) {
+          continue;
+        }
+        double sum = 0.0;
+        if (!memory_.checker.fits(from, back, weights_, 0.0, kInfinite, sum)) continue;
+        if (is_out(to)) return found_ = Pocket::kOpen;
+        push(to);
+      }
+    }
+    if (queue.empty()) found_ = Pocket::kClosed;
+    return found_;
+  }
+
+  void push(const PlanarPose &pose) {
+    HybridMemory::PocketMemory &pocket = memory_.pocket;
+    pocket.closed.insert(key(pose));
+    pocket.poses.push_back(pose);
+    pocket.queue.push({-distance(pose, query_.goal), static_cast<std::uint32_t>(pocket.poses.size() - 1)});
+  }
+
+  // Far from the goal, or beside the start.
+  bool is_out(const PlanarPose &pose) const {
+    return distance(pose, query_.goal) >= far_ || distance(pose, query_.start) < 3.0 * cell_;
+  }
+
+  static double distance(const PlanarPose &a, const PlanarPose &b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+  std::uint64_t key(const PlanarPose &pose) const {
+    const auto cols = static_cast<std::uint64_t>(static_cast<double>(query_.cols) * query_.resolution / cell_) + 1;
+    const auto row = static_cast<std::uint64_t>(pose.y / cell_), col = static_cast<std::uint64_t>(pose.x / cell_);
+    const auto heading = static_cast<std::int64_t>(std::lround((pose.yaw - query_.goal.yaw) / kHeadingStep)) % kHeadings;
+    return (row * cols + col) * kHeadings + static_cast<std::uint64_t>((heading + kHeadings) % kHeadings);
+  }
+
+  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+  const HybridSettings &settings_;
+  const HybridQuery &query_;
+  const float *weights_;
+  const Patience &patience_;
+  HybridMemory &memory_;
+  std::vector<HybridMotion> motions_;
+  int halves_ = 0;
+  double cell_ = 0.0, far_ = 0.0;
+  Pocket found_ = Pocket::kUnknown;
+};
+
+}  // namespace trundle
