@@ -11,36 +11,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <memory>
-#include <new>
 #include <vector>
 
 #include "grid_steps.hpp"
+#include "zeroed_table.hpp"
 
 namespace trundle {
-
-// Memory that the system hands out as zeros page by page, so that a large table costs nothing until it is used.
-template <typename T>
-class ZeroedTable {
- public:
-  // Zeros again if it grows; otherwise what it held.
-  void fit(std::size_t size) {
-    if (size <= size_) return;
-    data_.reset(static_cast<T *>(std::calloc(size, sizeof(T))));
-    size_ = data_ ? size : 0;
-    if (!data_) throw std::bad_alloc();
-  }
-  void clear() { std::fill_n(data_.get(), size_, T{}); }
-  T &operator[](std::size_t i) { return data_.get()[i]; }
-  std::size_t bytes() const { return size_ * sizeof(T); }
-
- private:
-  struct Free {
-    void operator()(T *data) const { std::free(data); }
-  };
-  std::unique_ptr<T[], Free> data_;
-  std::size_t size_ = 0;
-};
 
 class LazyCostToGo {
  public:

@@ -2,7 +2,7 @@
 //
 // A pose in a cell of 253 and more does not fit, since the inscribed circle touches there. One in a tile around which no
 // cell is blocked as far as the circumscribed circle reaches does; tiles are looked at when they are first asked for.
-// Between the two the oriented outline is tested exactly.
+// Between the two the oriented outline is looked at, roughly first, and then exactly.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "lazy_cost_to_go.hpp"
+#include "footprint_stencils.hpp"
+#include "lazy_bits.hpp"
 #include "oriented_footprint.hpp"
+#include "zeroed_table.hpp"
 
 namespace trundle {
 
@@ -56,12 +58,14 @@ class PoseChecker {
     tiles_.fit(tiles);
     stamp_ += 2;
     if (stamp_ == 0) tiles_.clear(), stamp_ = 2;  // after 2^31 queries
+    bits_.begin(costs, rows, cols);
+    stencils_.begin(outline, corners, resolution);
     exact_ = 0;
   }
 
   double radius() const { return radius_; }
   std::uint64_t exact_checks() const { return exact_; }
-  std::size_t bytes() const { return tiles_.bytes(); }
+  std::size_t bytes() const { return tiles_.bytes() + bits_.bytes() + stencils_.bytes(); }
 
   // Cost of the cell under a point, 255 outside the map.
   std::uint8_t cost_at(double x, double y) const {
@@ -93,7 +97,9 @@ class PoseChecker {
       if (cost >= kInscribed) return false;
       sum += share * static_cast<double>(weights[cost]);
       if (sum > limit) return false;
-      if (!is_clear(x, y) && touches(x, y, pose.yaw + part.turn * i)) return false;
+      if (!is_clear(x, y) && !is_surely_free(x, y, pose.yaw + part.turn * i) && touches(x, y, pose.yaw + part.turn * i)) {
+        return false;
+      }
     }
     return true;
   }
@@ -116,14 +122,15 @@ class PoseChecker {
     return tile == stamp_ + 1;
   }
 
-  bool look_around(std::int64_t row, std::int64_t col) const {
+  bool is_surely_free(double x, double y, double yaw) {
+    return stencils_.is_free(x / resolution_, y / resolution_, yaw, costs_.rows, costs_.cols, bits_);
+  }
+
+  bool look_around(std::int64_t row, std::int64_t col) {
     const std::int64_t first_row = row - reach_, last_row = row + kTile + reach_ - 1;
     const std::int64_t first_col = col - reach_, last_col = col + kTile + reach_ - 1;
     if (first_row < 0 || first_col < 0 || last_row >= costs_.rows || last_col >= costs_.cols) return false;
-    for (std::int64_t r = first_row; r <= last_row; ++r) {
-      if (footprint::next_blocked(costs_.data + r * costs_.cols, first_col, last_col) <= last_col) return false;
-    }
-    return true;
+    return !bits_.any_in(first_row, last_row, first_col, last_col);
   }
 
   footprint::Costs costs_{};
@@ -135,6 +142,8 @@ class PoseChecker {
   std::uint32_t stamp_ = 0;
   std::uint64_t exact_ = 0;
   ZeroedTable<std::uint32_t> tiles_;
+  LazyBits bits_;
+  FootprintStencils stencils_;
   std::vector<footprint::Point> polygon_;
   footprint::Box box_{};
   footprint::Spans spans_;
