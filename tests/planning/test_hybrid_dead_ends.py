@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from support.swept import CARTER, costmap_of, room, swept_area_blocked
+from support.swept import costmap_of, room, swept_area_blocked
 from trundle import _core
-from trundle.errors import NoPathError, PlanningStoppedError
+from trundle.errors import NoPathError
 from trundle.geometry import Pose2D
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 
@@ -17,7 +17,7 @@ KINDS = [
     {"motion_model": "dubins", "in_place": True},
     {"in_place": True, "minimum_turning_radius": 0.0},
 ]
-FEW = 6_000
+FEW = 3_000
 """Expansions; to try every pose of the large room takes some hundred thousand."""
 
 
@@ -58,9 +58,9 @@ ALLEY = costmap_of(room(*LARGE, (9, 0, 16, 5.6), (9, 6.4, 16, 12)))
 def test_a_robot_that_cannot_back_up_neither_arrives_nose_out_nor_leaves_nose_in():
     planner = HybridAStarPlanner(motion_model="dubins", max_expansions=FEW)
     nose_out, nose_in, outside = Pose2D(15.0, 6.0, np.pi), Pose2D(15.0, 6.0, 0.0), Pose2D(2, 2, 1.0)
-    with pytest.raises(NoPathError, match="driving forward only.*nowhere but close by"):
+    with pytest.raises(NoPathError, match=r"driving forward only.*nowhere but close by"):
         planner.plan(ALLEY, outside, nose_out)
-    with pytest.raises(NoPathError, match="driving forward only.*cannot get away from the start") as caught:
+    with pytest.raises(NoPathError, match=r"driving forward only.*cannot get away from the start") as caught:
         planner.plan(ALLEY, nose_in, outside)
     assert caught.value.pose == nose_in.as_tuple()
     assert not planner.plan(ALLEY, outside, nose_in).backward.any()
@@ -81,7 +81,7 @@ def test_where_no_way_keeps_the_padding_one_that_keeps_a_quarter_is_given():
     start, goal = Pose2D(1, 0.5, 0.0), Pose2D(5, 0.5, 0.0)
     assert costmap.clearance([start.as_tuple(), goal.as_tuple()]).min() > 0.05
     path = HybridAStarPlanner().plan(costmap, start, goal)
-    assert 0.005 <= costmap.clearance(path.poses).min() < 0.02
+    assert 0.004 <= costmap.clearance(path.poses).min() < 0.02
     assert swept_area_blocked(costmap, path) < 1e-6
 
 

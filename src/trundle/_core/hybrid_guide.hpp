@@ -13,11 +13,10 @@ namespace trundle {
 
 class HybridGuide {
  public:
-  HybridGuide(const HybridSettings &settings, const HybridQuery &query, const float *weights, const Patience &patience,
-              HybridMemory &memory)
+  HybridGuide(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory)
       : model_(settings.model),
         query_(query),
-        weights_(weights),
+        per_cost_(static_cast<float>(settings.cost_weight / 252.0)),
         patience_(patience),
         memory_(memory),
         detour_(settings.model.most_detour()),
@@ -41,7 +40,7 @@ class HybridGuide {
   // Of a point; its field is begun when this is first asked. Where patience ends `status` says so.
   double field_at(double x, double y, SearchStatus &status) {
     if (!begun_) {
-      memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, weights_);
+      memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, per_cost_);
       const PlanarPose &start = query_.start, &goal = query_.goal;
       memory_.field.set_goal(cell(goal.y), cell(goal.x), cell(start.y), cell(start.x));
       begun_ = true;
@@ -55,7 +54,7 @@ class HybridGuide {
   bool is_closed_off(SearchStatus &status) {
     const auto of = [&](double metres) { return static_cast<std::int64_t>(metres / query_.resolution); };
     const PlanarPose &start = query_.start, &goal = query_.goal;
-    memory_.fine_field.begin(query_.costs, query_.rows, query_.cols, 1, weights_);
+    memory_.fine_field.begin(query_.costs, query_.rows, query_.cols, 1, per_cost_);
     memory_.fine_field.set_goal(of(goal.y), of(goal.x), of(start.y), of(start.x));
     return std::isinf(memory_.fine_field.at(of(start.y), of(start.x), patience_, status));
   }
@@ -70,7 +69,7 @@ class HybridGuide {
 
   const MotionModel model_;
   const HybridQuery &query_;
-  const float *weights_;
+  const float per_cost_;
   const Patience &patience_;
   HybridMemory &memory_;
   const double detour_;

@@ -31,7 +31,7 @@ class HybridSearch {
         query_(query),
         patience_(patience),
         memory_(memory),
-        guide_(settings, query_, weights_, patience, memory),
+        guide_(settings, query_, patience, memory),
         pocket_(settings_, query_, weights_, patience, memory),
         shots_(settings.model),
         halves_(halves),
