@@ -8,13 +8,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <vector>
 
-#include "smoothing_curves.hpp"
-#include "smoothing_pieces.hpp"
+#include "smoothing_edges.hpp"
 
 namespace trundle::smoothing {
 
@@ -23,28 +21,26 @@ class Chain {
   // `beside[k]` is another course's pose at station k, if it has one there; with none at all the path is only shortened.
   Chain(const std::vector<Piece> &pieces, const std::vector<Station> &stations,
         const std::vector<std::optional<PlanarPose>> &beside, const Prices &prices, double tolerance)
-      : pieces_(pieces), stations_(stations), prices_(prices), model_(prices.settings().model), tolerance_(1.0 + tolerance) {
-    for (std::size_t k = 0; k < stations.size(); ++k) {
-      for (const PlanarPose &pose : {stations[k].pose, beside[k].value_or(stations[k].pose)}) {
-        nodes_.push_back({pose, Heading::of(pose)});
-      }
-    }
+      : pieces_(pieces),
+        stations_(stations),
+        change_cost_(prices.settings().model.change_cost),
+        fresh_(pieces, stations, beside, prices, tolerance) {
     const bool shorten = std::none_of(beside.begin(), beside.end(), [](const auto &pose) { return pose.has_value(); });
     offsets_.assign(2, 0);
     edges_.reserve(12 * stations.size());
     for (std::size_t to = 1; to < stations.size(); ++to) {
-      add_kept(to);
+      edges_.push_back(fresh_.kept(to));
       for (const int steps : {1, 2, 3, 4, 6, 8, 12, 16}) {
         if (static_cast<std::size_t>(steps) > to || (!shorten && steps > 8)) break;
         const std::size_t from = to - static_cast<std::size_t>(steps);
         if (shorten) {
-          if (stations[to].bend - stations[from].bend > kStraight) add_new(from, 0, to, 0);
+          if (stations[to].bend - stations[from].bend > kStraight) add(2 * from, 2 * to);
           continue;
         }
-        if (beside[from] && beside[to]) add_new(from, 1, to, 1);
+        if (beside[from] && beside[to]) add(2 * from + 1, 2 * to + 1);
         if (steps % 2 != 0 || steps == 6) continue;
-        if (beside[from]) add_new(from, 1, to, 0);
-        if (beside[to]) add_new(from, 0, to, 1);
+        if (beside[from]) add(2 * from + 1, 2 * to);
+        if (beside[to]) add(2 * from, 2 * to + 1);
       }
       offsets_.push_back(edges_.size());
     }
@@ -60,8 +56,8 @@ class Chain {
       first = stations_.size();
       for (const std::size_t index : chain) {
         Edge &edge = edges_[index];
-        if (edge.holds || holds(edge, checker)) continue;
-        seek(edge);
+        if (edge.holds || fresh_.holds(edge, checker)) continue;
+        fresh_.seek(edge);
         first = std::min<std::size_t>(first, edge.to / 2);
       }
       if (first == stations_.size()) return pieces_of(chain);
@@ -70,30 +66,6 @@ class Chain {
 
  private:
   static constexpr double kStraight = 1e-6;  // [rad]
-  static constexpr double kNothing = 1e-9;
-  static constexpr float kNoWeights[256] = {};
-  static constexpr double kWide = 3.0;  // times the least radius; bends driven faster, tried first
-
-  struct Course {
-    double price = kInfinite;
-    int first = 0, last = 0;  // directions
-    int count = 0;            // 0: what the path has
-    Stretch parts[5];
-  };
-
-  // Two to a station: on the path's course, and beside it.
-  struct Node {
-    PlanarPose pose;
-    Heading heading;
-  };
-
-  struct Edge {
-    std::size_t from, to;  // nodes
-    Course course;
-    int tries;    // kinds of curves that were looked for
-    bool priced;  // or the price is the least that it can be
-    bool holds;   // at what it does cost, with the footprint
-  };
 
   // The cheapest ways to a node by the direction of the last piece: backwards, standing, forward.
   struct Arrival {
@@ -109,116 +81,8 @@ class Chain {
     int before;
   };
 
-  void add_kept(std::size_t to) {
-    const Station &a = stations_[to - 1], &b = stations_[to];
-    const int direction = pieces_[a.piece].direction();
-    Course course;
-    course.price = b.sum.whole - a.sum.whole, course.first = course.last = direction;
-    edges_.push_back({2 * to - 2, 2 * to, course, 2, true, true});
-  }
-
-  void add_new(std::size_t from, int from_beside, std::size_t to, int to_beside) {
-    Edge edge{2 * from + static_cast<std::size_t>(from_beside), 2 * to + static_cast<std::size_t>(to_beside), {}, 0, false,
-              false};
-    if (seek(edge)) edges_.push_back(edge);
-  }
-
-  struct Limits {
-    double line, whole;
-    int changes, first, last;  // most changes of direction, and the directions in which it begins and ends
-  };
-
-  int first_direction(std::size_t piece) const {
-    while (pieces_[piece].is_turn()) ++piece;
-    return pieces_[piece].direction();
-  }
-  int last_direction(std::size_t piece) const {
-    while (pieces_[piece].is_turn()) --piece;
-    return pieces_[piece].direction();
-  }
-
-  Limits limits_of(const Edge &edge) const {
-    const Station &a = stations_[edge.from / 2], &b = stations_[edge.to / 2];
-    Limits limits{tolerance_ * (b.sum.line - a.sum.line), kInfinite, b.changes - a.changes, first_direction(a.piece),
-                  last_direction(b.piece - 1)};
-    if (edge.from % 2 == 0 && edge.to % 2 == 0) {
-      // Between the same nodes nothing dearer than what there is can be in the cheapest chain.
-      limits.whole = b.sum.whole - a.sum.whole + (limits.changes + 1) * model_.change_cost;
-    }
-    return limits;
-  }
-
-  // The cheapest curve of an edge by the least that it can cost, of wide arcs where there is one; asked again, of the
-  // tightest, and then none.
-  bool seek(Edge &edge) const {
-    const Station &a = stations_[edge.from / 2], &b = stations_[edge.to / 2];
-    const int forward = b.forward - a.forward, back = b.back - a.back;
-    edge.course = Course{};
-    edge.priced = false;
-    if (forward + back == 0) return false;
-    const Limits limits = limits_of(edge);
-    const Heading &begin = nodes_[edge.from].heading, &end = nodes_[edge.to].heading;
-    const double dx = end.x - begin.x, dy = end.y - begin.y;
-    if (dx * dx + dy * dy >= limits.line * limits.line) return false;
-    while (edge.tries < 2) {
-      const double radius = (edge.tries++ == 0 ? kWide : 1.0) * model_.radius;
-      if (forward == 0 || back == 0) {
-        const int way = forward > 0 ? 1 : -1;
-        for_each_smooth_curve(way > 0 ? begin : begin.turned_round(), way > 0 ? end : end.turned_round(), radius,
-                              [&](const Curve &curve) { keep_if_cheaper(edge.course, curve, radius, way, limits); });
-      } else if (edge.tries == 2) {
-        const double phi = std::atan2(begin.cos * end.sin - begin.sin * end.cos, begin.cos * end.cos + begin.sin * end.sin);
-        for_each_reeds_shepp((begin.cos * dx + begin.sin * dy) / radius, (begin.cos * dy - begin.sin * dx) / radius, phi,
-                             [&](const Curve &curve) { keep_if_cheaper(edge.course, curve, radius, 1, limits); });
-      }
-      if (edge.course.count > 0) return true;
-    }
-    return false;
-  }
-
-  // By the least that it can cost.
-  void keep_if_cheaper(Course &best, const Curve &curve, double radius, int way, const Limits &limits) const {
-    Course course;
-    course.price = 0.0;
-    double length = 0.0;
-    int changes = 0;
-    for (int i = 0; i < curve.count; ++i) {
-      const CurvePiece &piece = curve.pieces[i];
-      if (std::fabs(piece.length) < kNothing) continue;
-      const Stretch part{way * piece.length * radius, piece.length * piece.steer};
-      const int direction = part.length > 0.0 ? 1 : -1;
-      if (course.last * direction < 0) ++changes, course.price += model_.change_cost;
-      if (course.count == 0) course.first = direction;
-      course.last = direction;
-      course.price += prices_.least(part);
-      length += std::fabs(part.length);
-      course.parts[course.count++] = part;
-    }
-    if (course.count == 0 || changes > limits.changes || course.first != limits.first || course.last != limits.last) {
-      return;
-    }
-    if (length < limits.line && course.price < std::min(limits.whole, best.price)) best = course;
-  }
-
-  // About what the curve of an edge costs; where that is too much, the next one's least.
-  void settle(Edge &edge) const {
-    const Limits limits = limits_of(edge);
-    Course &course = edge.course;
-    Heading at = nodes_[edge.from].heading;
-    double line = 0.0, whole = 0.0;
-    int last = course.first;
-    for (int i = 0; i < course.count; ++i) {
-      const Stretch &part = course.parts[i];
-      const Price price = prices_.about(at, part, limits.line - line);
-      const int direction = part.length > 0.0 ? 1 : -1;
-      line += price.line, whole += price.whole + (direction != last ? model_.change_cost : 0.0);
-      if (!(line <= limits.line && whole < limits.whole)) {
-        seek(edge);
-        return;
-      }
-      last = direction;
-    }
-    course.price = whole, edge.priced = true;
+  void add(std::size_t from, std::size_t to) {
+    if (const std::optional<Edge> edge = fresh_.fresh(from, to)) edges_.push_back(*edge);
   }
 
   void relax(std::size_t first) {
@@ -229,7 +93,7 @@ class Chain {
         const Arrival &before = arrivals_[edge.from];
         Candidate best{index, kInfinite, 0};
         for (int d = 0; d < 3; ++d) {
-          const double price = before.price[d] + ((d - 1) * edge.course.first < 0 ? model_.change_cost : 0.0);
+          const double price = before.price[d] + ((d - 1) * edge.course.first < 0 ? change_cost_ : 0.0);
           if (price < best.price) best.price = price, best.before = d;
         }
         if (best.price < kInfinite) candidates_.push_back(best);
@@ -239,13 +103,15 @@ class Chain {
     }
   }
 
-  // The cheapest ways to a station; false where one of them had to be priced for that.
+  // The cheapest ways to a station; false where one of them is not sure yet, and its price was advanced.
   bool arrive(std::size_t k) {
     arrivals_[2 * k] = arrivals_[2 * k + 1] = Arrival{};
+    double sure[2][3] = {{kInfinite, kInfinite, kInfinite}, {kInfinite, kInfinite, kInfinite}};
     for (const Candidate &candidate : candidates_) {
       const Edge &edge = edges_[candidate.edge];
       const int last = edge.course.last + 1;
       const double price = candidate.price + edge.course.price;
+      if (edge.priced) sure[edge.to % 2][last] = std::min(sure[edge.to % 2][last], price);
       Arrival &there = arrivals_[edge.to];
       if (!(price < there.price[last])) continue;
       there.price[last] = price, there.edge[last] = candidate.edge, there.before[last] = candidate.before;
@@ -254,8 +120,9 @@ class Chain {
     for (const std::size_t node : {2 * k, 2 * k + 1}) {
       for (int d = 0; d < 3; ++d) {
         Edge &edge = edges_[arrivals_[node].edge[d]];
-        if (arrivals_[node].price[d] == kInfinite || edge.priced) continue;
-        settle(edge);
+        const double price = arrivals_[node].price[d];
+        if (price == kInfinite || edge.priced) continue;
+        fresh_.advance(edge, sure[node % 2][d] - (price - edge.course.price));
         done = false;
       }
     }
@@ -277,19 +144,6 @@ class Chain {
     return chain;
   }
 
-  bool holds(Edge &edge, PoseChecker &checker) const {
-    PlanarPose pose = nodes_[edge.from].pose;
-    Heading at = nodes_[edge.from].heading;
-    double left = limits_of(edge).line, sum = 0.0;
-    for (int i = 0; i < edge.course.count; ++i) {
-      const Stretch &part = edge.course.parts[i];
-      left -= prices_.line(at, part, left);
-      if (!(left >= 0.0) || !checker.fits(pose, part, kNoWeights, 0.0, kInfinite, sum)) return false;
-      pose = part.from(pose);
-    }
-    return edge.holds = true;
-  }
-
   std::vector<Piece> pieces_of(const std::vector<std::size_t> &chain) const {
     std::vector<Piece> out;
     for (const std::size_t index : chain) {
@@ -301,9 +155,9 @@ class Chain {
                    pieces_.begin() + static_cast<std::ptrdiff_t>(stations_[k].piece));
         continue;
       }
-      PlanarPose at = nodes_[edge.from].pose;
+      PlanarPose at = fresh_.node(edge.from).pose;
       for (int i = 0; i < course.count; ++i) {
-        const PlanarPose next = i + 1 == course.count ? nodes_[edge.to].pose : course.parts[i].from(at);
+        const PlanarPose next = i + 1 == course.count ? fresh_.node(edge.to).pose : course.parts[i].from(at);
         out.push_back({at, next, course.parts[i], -1});
         at = next;
       }
@@ -313,12 +167,10 @@ class Chain {
 
   const std::vector<Piece> &pieces_;
   const std::vector<Station> &stations_;
-  const Prices &prices_;
-  const MotionModel model_;
-  const double tolerance_;
-  std::vector<Node> nodes_;
-  std::vector<Edge> edges_;            // by the station that they lead to
-  std::vector<std::size_t> offsets_;   // of the first edge to each station
+  const double change_cost_;
+  const Edges fresh_;
+  std::vector<Edge> edges_;           // by the station that they lead to
+  std::vector<std::size_t> offsets_;  // of the first edge to each station
   std::vector<Arrival> arrivals_;
   std::vector<Candidate> candidates_;
 };

@@ -2,7 +2,7 @@
 //
 // The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, on a border the dearer
 // cell's, as `line_costs` has it. Arcs are measured along chords as close to them as those of the path given back. To
-// choose among curves, samples half a cell apart are enough.
+// choose among curves, samples a cell apart are enough.
 #pragma once
 
 #include <algorithm>
@@ -99,16 +99,19 @@ class Prices {
 
   const Settings &settings() const { return settings_; }
 
-  // The highest cost of a cell under a piece that the path had before, which is looked at every eighth of a cell.
+  // The highest cost of a cell under a piece that the path had before, which is looked at every quarter of a cell.
   int highest(const Piece &piece) const {
     int most = checker_.cost_at(piece.to.x, piece.to.y);
-    const double parts = std::ceil(8.0 * std::fabs(piece.stretch.length) / resolution_);
+    const double parts = std::ceil(4.0 * std::fabs(piece.stretch.length) / resolution_);
     for (double i = 0.0; i < parts; ++i) {
       const PlanarPose pose = piece.at(i / parts);
       most = std::max<int>(most, checker_.cost_at(pose.x, pose.y));
     }
     return most;
   }
+
+  // How many times dearer a metre driven is.
+  double dearer(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
 
   // Of a piece that the path has.
   Price of(const Piece &piece) const {
@@ -120,11 +123,34 @@ class Prices {
     return {sum, dearer(piece.stretch.length) * sum + bending(piece.stretch) + (out_of_bounds ? kOutOfBounds : 0.0)};
   }
 
-  // About what a new stretch costs, to the end of which `at` goes; infinite where a sample is blocked, or where its line
-  // integral is above `limit`.
-  Price about(Heading &at, const Stretch &stretch, double limit) const {
-    const double sum = sample(at, stretch, limit);
-    return {sum, dearer(stretch.length) * sum + bending(stretch)};
+  // About the line integral along a new stretch, to the end of which `at` goes; infinite where a sample is blocked, or where
+  // it is above `limit`.
+  double about(Heading &at, const Stretch &stretch, double limit) const {
+    const double parts = std::clamp(std::ceil(std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
+    const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
+    const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
+    const auto weight = [&](double x, double y) {
+      // What is below 0 comes out as a large number, but for the last cell before 0, where nothing is laid.
+      const auto col = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x));
+      const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
+      return col < cols && row < rows ? sampled_[costs_.data[row * cols + col]] : kInfinite;
+    };
+    const Stretch part{stretch.length / parts, stretch.turn / parts};
+    Heading middle = at.go({0.5 * part.length, 0.5 * part.turn});
+    middle.x *= scale, middle.y *= scale;
+    double sum = 0.0;
+    if (stretch.turn == 0.0) {
+      const double dx = at.cos * part.length * scale, dy = at.sin * part.length * scale;
+      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x + i * dx, middle.y + i * dy);
+      at = at.go(stretch);
+    } else {
+      // The chord of each part turns by the same angle from one to the next.
+      Heading chord = Heading{0.0, 0.0, 1.0, 0.0}.go(part);
+      chord.x *= scale, chord.y *= scale;
+      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x, middle.y), middle = middle.on(chord);
+      at = at.go(stretch);
+    }
+    return sum <= most ? share * sum : kInfinite;
   }
 
   // The line integral along a new stretch, to the end of which `at` goes; infinite where it is blocked, or above `limit`.
@@ -155,37 +181,8 @@ class Prices {
   // Price of a piece of the path that bends more than it may, so that it stays only where nothing else is possible [m].
   static constexpr double kOutOfBounds = 10.0;
 
-  double dearer(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
   double bending(const Stretch &s) const {
     return s.length == 0.0 ? 0.0 : settings_.curve_weight * s.turn * s.turn / std::fabs(s.length);
-  }
-
-  double sample(Heading &at, const Stretch &stretch, double limit) const {
-    const double parts = std::clamp(std::ceil(2.0 * std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
-    const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
-    const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
-    const auto weight = [&](double x, double y) {
-      // What is below 0 comes out as a large number, but for the last cell before 0, where nothing is laid.
-      const auto col = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x));
-      const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
-      return col < cols && row < rows ? sampled_[costs_.data[row * cols + col]] : kInfinite;
-    };
-    const Stretch part{stretch.length / parts, stretch.turn / parts};
-    Heading middle = at.go({0.5 * part.length, 0.5 * part.turn});
-    middle.x *= scale, middle.y *= scale;
-    double sum = 0.0;
-    if (stretch.turn == 0.0) {
-      const double dx = at.cos * part.length * scale, dy = at.sin * part.length * scale;
-      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x + i * dx, middle.y + i * dy);
-      at = at.go(stretch);
-    } else {
-      // The chord of each part turns by the same angle from one to the next.
-      Heading chord = Heading{0.0, 0.0, 1.0, 0.0}.go(part);
-      chord.x *= scale, chord.y *= scale;
-      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x, middle.y), middle = middle.on(chord);
-      at = at.go(stretch);
-    }
-    return sum <= most ? share * sum : kInfinite;
   }
 
   double line(const double *weights, double x, double y, double to_x, double to_y, double limit) const {
