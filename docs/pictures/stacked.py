@@ -1,4 +1,4 @@
-"""What the pictures of docs/images share that show one thing above another."""
+"""What the pictures of docs/images share that show one thing above or beside another."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from pathlib import Path
 from PIL import Image
 
 
-def save_stacked(pictures: Sequence[Image.Image], name: str) -> None:
-    """Put pictures below each other, halve them, and write the file of docs/images."""
-    page = Image.new("RGB", (max(p.width for p in pictures), sum(p.height for p in pictures)), "white")
-    for i, picture in enumerate(pictures):
-        page.paste(picture, (0, sum(p.height for p in pictures[:i])))
+def save_stacked(pictures: Sequence[Image.Image], name: str, columns: int = 1) -> None:
+    """Put pictures below each other, in columns row after row, halve them, and write the file of docs/images."""
+    width = max(picture.width for picture in pictures)
+    rows = [pictures[i : i + columns] for i in range(0, len(pictures), columns)]
+    heights = [max(picture.height for picture in row) for row in rows]
+    page = Image.new("RGB", (width * columns, sum(heights)), "white")
+    for i, row in enumerate(rows):
+        for j, picture in enumerate(row):
+            page.paste(picture, (j * width, sum(heights[:i])))
     page.resize((page.width // 2, page.height // 2), Image.Resampling.LANCZOS).save(
         Path(__file__).parents[1] / "images" / name, optimize=True
     )
