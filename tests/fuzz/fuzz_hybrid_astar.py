@@ -1,4 +1,4 @@
-"""Fuzz hybrid A*: whatever is asked, a path whose footprint is free from the start to the goal, or a typed error."""
+"""Fuzz hybrid A*: whatever is asked, a path or a part of one whose footprint is free all along, or a typed error."""
 
 from __future__ import annotations
 
@@ -56,6 +56,7 @@ def make_planner(generator: random.Random) -> HybridAStarPlanner | None:
     options: dict[str, Any] = {
         "motion_model": generator.choice(("dubins", "reeds_shepp")),
         "in_place": generator.random() < 0.4,
+        "allow_partial": generator.random() < 0.3,
         "max_expansions": generator.choice((1, 50, 1500)),
     }
     for name, values in NUMBERS.items():
@@ -108,6 +109,7 @@ def one_round(generator: random.Random) -> int:
 
 def check(costmap: Costmap, planner: HybridAStarPlanner, path: Path) -> None:
     assert math.isfinite(path.cost)
+    assert path.status == "found" or (path.status == "partial" and planner.settings.allow_partial)
     assert path.backward.shape == (len(path) - 1,)
     # With no room at an end poses are checked 5 mm apart, and something as thin may be between them.
     thinner = costmap.footprint * (1.0 - min(0.5, 0.005 / costmap.inscribed_radius))
