@@ -9,9 +9,7 @@ import os
 import time as clock
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from typing import Any
-
-import numpy as np
+from typing import Any, cast
 
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import can_stop
@@ -20,17 +18,14 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
-from trundle.navigation.block_watch import BlockWatch
+from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.recovery import Recovery
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
-from trundle.planning import PathCheck, Planner, Smoother, create_planner, create_smoother
+from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
-_BACK_UP_M = 0.3
-_BACK_UP_MPS = 0.15
-_MAX_RECOVERIES = 6
-_AHEAD_M = 1.0  # of the path in which the robot's place on it is looked for
 
 
 class NavigationStatus(StrEnum):
@@ -87,8 +82,6 @@ class Navigator:
         costmap: What it plans and drives on; it may be replaced by another one under way.
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
-        path: The path that it follows, or None.
-        planned: The same before it was smoothed, as the planner gave it.
         status: How it stands.
         error: Why there is no path, where there is none, or none was found when it planned again last.
         planning_time_s: Time spent on planning since the goal was set [s].
@@ -164,7 +157,7 @@ class Navigator:
         self.goal_checker = goal_checker or GoalChecker()
         self.progress_checker = progress_checker or ProgressChecker()
         self.dt = 1.0 / control_frequency
-        self._block_watch = BlockWatch(self.dt)
+        self._recovery = Recovery(self.dt)
         self.replan_interval_s = replan_interval_s
         self.replan_margin = replan_margin
         self.reset()
@@ -205,11 +198,18 @@ class Navigator:
         """Where it is going; the yaw is 0 where any yaw will do."""
         return self._goal
 
+    @property
+    def path(self) -> Path | None:
+        """The path that it follows, or None."""
+        return None if self._followed is None else self._followed.path
+
+    @property
+    def planned(self) -> Path | None:
+        """The same before it was smoothed, as the planner gave it."""
+        return None if self._followed is None else self._followed.planned
+
     def _forget_progress(self) -> None:
-        self.path: Path | None = None
-        self.planned: Path | None = None
-        self._check: PathCheck | None = None
-        self._index = 0
+        self._followed: FollowedPath | None = None
         self._checked = self.costmap
         self._planned_at = 0.0
         self.speed_limit = math.inf
@@ -219,9 +219,7 @@ class Navigator:
         self.progress_checker.reset()
         self._time = 0.0
         self._command = _STAND
-        self._block_watch.reset()
-        self._back_up_left = 0.0
-        self._recoveries = 0
+        self._recovery.reset()
 
     # Driving --------------------------------------------------------------------------------------------------------
 
@@ -232,12 +230,11 @@ class Navigator:
             InputError: If there is no goal.
             PlanningError: If there is no path.
         """
-        planned, path = self._call_planner(Pose2D.of(start))
-        self._take(planned, path, PathCheck(path))
-        return path
+        followed = self._call_planner(Pose2D.of(start))
+        self._take(followed)
+        return followed.path
 
-    def _call_planner(self, start: Pose2D) -> tuple[Path, Path]:
-        """A path as the planner gives it, and as it is driven."""
+    def _call_planner(self, start: Pose2D) -> FollowedPath:
         if self._goal is None:
             raise InputError("there is no goal to plan to; call set_goal first")
         options = {"goal_yaw_free": True} if self._any_yaw and self._plans_free_yaw else {}
@@ -245,16 +242,17 @@ class Navigator:
         began = clock.perf_counter()
         try:
             path = self.planner.plan(self.costmap, start, self._goal, **options)
-            return path, path if self.smoother is None else self.smoother.smooth(path, self.costmap)
+            smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         finally:
             self.planning_time_s += clock.perf_counter() - began
+        return FollowedPath(path, smooth)
 
-    def _take(self, planned: Path, path: Path, check: PathCheck) -> None:
+    def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
-        self.planned, self.path, self._check, self._index = planned, path, check, 0
-        self.controller.set_path(path)
+        self._followed = followed
+        self.controller.set_path(followed.path)
         if self._limiter is not None:
-            self._limiter.set_path(check)
+            self._limiter.set_path(followed.check)
 
     def update(
         self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None
@@ -281,7 +279,7 @@ class Navigator:
         if self.goal_checker.is_reached(pose, twist, self._goal, any_yaw=self._any_yaw):
             self.status = NavigationStatus.ARRIVED
             return _STAND
-        if self.path is None:
+        if self._followed is None:
             try:
                 self.plan(pose)
             except PlanningError as error:
@@ -291,10 +289,11 @@ class Navigator:
         if not self.progress_checker.is_moving_on(pose, self._time):
             self.status = NavigationStatus.STUCK
             return _STAND
-        self._advance(pose)
-        self._reconsider(pose)
+        followed = cast("FollowedPath", self._followed)
+        followed.advance(pose)
+        self._reconsider(followed, pose)
         self._limit_speed(pose, twist)
-        if self._back_up_left > 0.0:
+        if self._recovery.is_backing_up:
             return self._slow_down(self._back_up(pose, twist))
         command = self._slow_down(self.controller.compute_velocity(pose, twist, self.costmap, self.dt))
         return self._watch_for_block(command, pose, twist)
@@ -305,8 +304,9 @@ class Navigator:
         """Hand the speed that the mask allows to the controller, where it takes one."""
         if self._limiter is None:
             return
-        backwards = self._back_up_left > 0.0
-        self.speed_limit = self._limiter.limit(pose, twist, self._index, self.dt, backwards=backwards)
+        index = 0 if self._followed is None else self._followed.index
+        backwards = self._recovery.is_backing_up
+        self.speed_limit = self._limiter.limit(pose, twist, index, self.dt, backwards=backwards)
         if self._set_speed_limit is not None:
             self._set_speed_limit(self.speed_limit)
 
@@ -319,77 +319,65 @@ class Navigator:
 
     # Planning again -------------------------------------------------------------------------------------------------
 
-    def _advance(self, pose: Pose2D) -> None:
-        """Find the robot's place on the path, from the last one on."""
-        if self._check is None:
-            return
-        along, poses = self._check.along, self._check.poses
-        end = int(along.searchsorted(float(along[self._index]) + _AHEAD_M, side="right"))
-        dx, dy = poses[self._index : end, 0] - pose.x, poses[self._index : end, 1] - pose.y
-        self._index += int(np.argmin(dx * dx + dy * dy))
-
-    def _reconsider(self, pose: Pose2D) -> None:
+    def _reconsider(self, followed: FollowedPath, pose: Pose2D) -> None:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""
-        if self._check is None or self._back_up_left > 0.0:
+        if self._recovery.is_backing_up:
             return
         changed = self.costmap is not self._checked
         due = self.replan_interval_s is not None and self._time - self._planned_at >= self.replan_interval_s - 1e-9
         if not (changed or due):
             return
         self._checked = self.costmap
-        blocked = self._check.first_hit(self.costmap, self._index) is not None
+        blocked = followed.is_blocked(self.costmap)
         if not blocked:
             self.error = None
         if blocked or due:
             self._replan(pose, only_if_cheaper=not blocked)
 
-    def _is_cheaper(self, check: PathCheck, pose: Pose2D) -> bool:
-        """Whether a new path from here is cheaper by the margin than what is left of the old one."""
-        if self._check is None:
-            return True
-        x, y, _ = self._check.poses[self._index].tolist()
-        left = self._check.cost_from(self.costmap, self._index) + pose.distance_to(Pose2D(x, y))
-        return check.cost_from(self.costmap) < (1.0 - self.replan_margin) * left
-
-    # Recovering -----------------------------------------------------------------------------------------------------
-
-    def _watch_for_block(self, command: Twist2D, pose: Pose2D, twist: Twist2D) -> Twist2D:
-        """Pass the controller's command on; where that leads nowhere short of the goal, plan anew, then back up."""
-        if not self._block_watch.is_blocked(command, twist):
-            if command != _STAND:
-                self.status = NavigationStatus.DRIVING
-            return command
-        if self._recoveries == _MAX_RECOVERIES:
-            self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
-            return _STAND
-        self.status = NavigationStatus.BLOCKED
-        self._recoveries += 1
-        self.progress_checker.reset()
-        if self._recoveries % 2 == 0 or not self._replan(pose):
-            self._back_up_left = _BACK_UP_M
-        return _STAND
-
     def _replan(self, pose: Pose2D, *, only_if_cheaper: bool = False) -> bool:
         self.replans += 1
         try:
-            planned, path = self._call_planner(pose)
+            followed = self._call_planner(pose)
         except PlanningError as error:
             self.error = error
             return False
         self.error = None
-        check = PathCheck(path)
-        if not only_if_cheaper or self._is_cheaper(check, pose):
-            self._take(planned, path, check)
+        if not only_if_cheaper or self._is_cheaper(followed, pose):
+            self._take(followed)
         return True
+
+    def _is_cheaper(self, other: FollowedPath, pose: Pose2D) -> bool:
+        """Whether a new path from here is cheaper by the margin than what is left of the old one."""
+        if self._followed is None:
+            return True
+        left = self._followed.cost_from(self.costmap, pose)
+        return other.check.cost_from(self.costmap) < (1.0 - self.replan_margin) * left
+
+    # Recovering -----------------------------------------------------------------------------------------------------
+
+    def _watch_for_block(self, command: Twist2D, pose: Pose2D, twist: Twist2D) -> Twist2D:
+        """Pass the controller's command on; where that leads nowhere short of the goal, plan anew, or back up."""
+        left_m = 0.0 if self._followed is None else self._followed.left_m
+        if not self._recovery.is_blocked(command, twist, left_m):
+            if command != _STAND:
+                self.status = NavigationStatus.DRIVING
+            return command
+        if not self._recovery.try_again(left_m):
+            self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
+            return _STAND
+        self.status = NavigationStatus.BLOCKED
+        self.progress_checker.reset()
+        if self._recovery.backs_up_first or not self._replan(pose):
+            self._recovery.start_backing_up()
+        return _STAND
 
     def _back_up(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         """Drive straight back while that is clear, then plan anew."""
-        command = Twist2D(-_BACK_UP_MPS, 0.0)
-        self._back_up_left -= abs(command.v) * self.dt
+        command = self._recovery.back_up()
         clear = can_stop(self.costmap, self.robot.limits, pose, twist, command, self.dt)
-        if clear and self._back_up_left > 0.0:
+        if clear and self._recovery.is_backing_up:
             return command
-        self._back_up_left = 0.0
+        self._recovery.stop_backing_up()
         self._replan(pose)
         return _STAND
 

@@ -1,0 +1,51 @@
+"""`FollowedPath`: a path, and where the robot is on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trundle.costmap import Costmap
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.planning import PathCheck
+
+_AHEAD_M = 1.0  # of the path in which the robot's place on it is looked for
+
+
+class FollowedPath:
+    """A path that is followed from its beginning.
+
+    Args:
+        planned: As the planner gave it.
+        path: As it is driven.
+
+    Attributes:
+        planned: The same.
+        path: The same.
+        check: Of `path`.
+        index: Of the checked pose at which the robot is.
+    """
+
+    def __init__(self, planned: Path, path: Path) -> None:
+        self.planned, self.path, self.check, self.index = planned, path, PathCheck(path), 0
+
+    @property
+    def left_m(self) -> float:
+        """How much of it is left [m]."""
+        return float(self.check.along[-1] - self.check.along[self.index])
+
+    def advance(self, pose: Pose2D) -> None:
+        """Find the robot's place on it, from the last one on."""
+        along, poses = self.check.along, self.check.poses
+        end = int(along.searchsorted(float(along[self.index]) + _AHEAD_M, side="right"))
+        dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
+        self.index += int(np.argmin(dx * dx + dy * dy))
+
+    def is_blocked(self, costmap: Costmap) -> bool:
+        """Whether the footprint would touch something on what is left."""
+        return self.check.first_hit(costmap, self.index) is not None
+
+    def cost_from(self, costmap: Costmap, pose: Pose2D) -> float:
+        """What the way from the robot's pose along the rest costs, as of `PathCheck.cost_from`."""
+        x, y, _ = self.check.poses[self.index].tolist()
+        return self.check.cost_from(costmap, self.index) + pose.distance_to(Pose2D(x, y))
