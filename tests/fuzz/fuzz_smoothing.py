@@ -32,6 +32,7 @@ NUMBERS = {
 }
 KERNEL = ("radius", "reverse_penalty", "change_cost", "turn_cost", "cost_weight", "curve_weight", "cost_tolerance",
           "step", "spacing")  # fmt: skip
+SMOOTHER = _core.PathSmoother()
 PLANNERS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("least_cost", {"max_replans": 2}),
     ("astar", {"max_replans": 2}),
@@ -103,4 +104,4 @@ def call_kernel(generator: random.Random, costmap: Costmap) -> None:
 
 
 def _call(*arguments: Any) -> Any:
-    return _core.smooth_path(*arguments[:5], **dict(zip(KERNEL, arguments[5:], strict=True)))
+    return SMOOTHER.smooth(*arguments[:5], **dict(zip(KERNEL, arguments[5:], strict=True)))

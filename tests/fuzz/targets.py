@@ -47,7 +47,7 @@ TARGETS = {
     "least_cost": Target(fuzz_least_cost.one_round, ("LeastCost", "line_costs"), 400),
     "cost_field": Target(fuzz_cost_field.one_round, ("cost_field",), 400),
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar",), 700),
-    "smoothing": Target(fuzz_smoothing.one_round, ("smooth_path",), 250),
+    "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
     "footprint": Target(fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance"), 400),

@@ -1,5 +1,6 @@
 import itertools
 import math
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -289,6 +290,20 @@ def test_it_is_the_same_in_every_frame_and_whenever_it_is_asked():
     assert_contract(turned, moved, there, smoother.settings)
 
 
+def test_one_smoother_on_maps_and_robots_in_turn_answers_as_new_ones_do():
+    smoother = ConstrainedSmoother()
+    costmaps = costmap_of(room(10, 6, (4, 0, 4.3, 4.4)), CARTER), costmap_of(room(10, 12, (4, 2, 4.3, 9)), SMALL)
+    goals = Pose2D(8.5, 4.5, -2.0), Pose2D(8.0, 1.5, 0.0)
+    planner, start = create_planner("astar"), Pose2D(2, 1.5, 1.0)
+    asked = [(planner.plan(costmap, start, goal), costmap) for costmap in costmaps for goal in goals]
+    expected = [ConstrainedSmoother().smooth(*each).poses for each in asked]
+    assert not any(np.array_equal(poses, path.poses) for poses, (path, _) in zip(expected, asked, strict=True))
+    order = [0, 2, 1, 3] * 10
+    with ThreadPoolExecutor(2) as threads:
+        smoothed = list(threads.map(lambda k: smoother.smooth(*asked[k]).poses, order))
+    assert all(np.array_equal(poses, expected[k]) for poses, k in zip(smoothed, order, strict=True))
+
+
 def test_what_the_path_says_beside_its_poses_is_kept():
     costmap = costmap_of(room(8, 8))
     corner = polyline((2, 2), (6, 2), (6, 6))
@@ -376,7 +391,7 @@ def test_the_kernel_refuses_what_it_cannot_use():
     forward = np.zeros(1, np.uint8)
 
     def ask(*, resolution=0.05, outline=CARTER * 0.1, poses=line, backward=forward, **other: Any):
-        return _core.smooth_path(
+        return _core.PathSmoother().smooth(
             costs, resolution, np.ascontiguousarray(outline), poses, backward, **{**numbers, **other}
         )
 

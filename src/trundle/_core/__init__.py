@@ -4,6 +4,7 @@ from trundle._core._kernels import (
     BinaryGrid,
     HybridAStar,
     LeastCost,
+    PathSmoother,
     cast_grid_rays,
     cast_outline_rays,
     cost_field,
@@ -28,7 +29,6 @@ from trundle._core._kernels import (
     raster_thin_faces_over_floor,
     shortcut,
     shortest_curves,
-    smooth_path,
     walk_corners,
 )
 
@@ -36,6 +36,7 @@ __all__ = [
     "BinaryGrid",
     "HybridAStar",
     "LeastCost",
+    "PathSmoother",
     "cast_grid_rays",
     "cast_outline_rays",
     "cost_field",
@@ -60,6 +61,5 @@ __all__ = [
     "raster_thin_faces_over_floor",
     "shortcut",
     "shortest_curves",
-    "smooth_path",
     "walk_corners",
 ]

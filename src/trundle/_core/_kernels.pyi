@@ -112,29 +112,35 @@ class HybridAStar:
     @property
     def bytes(self) -> int: ...
 
-def smooth_path(
-    costs: npt.NDArray[np.uint8],
-    resolution: float,
-    outline: npt.NDArray[np.float64],
-    poses: npt.NDArray[np.float64],
-    backward: npt.NDArray[np.uint8],
-    *,
-    radius: float,
-    reverse_penalty: float,
-    change_cost: float,
-    turn_cost: float,
-    cost_weight: float,
-    curve_weight: float,
-    cost_tolerance: float,
-    step: float,
-    spacing: float,
-) -> tuple[
-    npt.NDArray[np.float64],
-    npt.NDArray[np.uint8],
-    npt.NDArray[np.int32],
-    npt.NDArray[np.uint8],
-    tuple[float, float, float, float],
-]: ...
+class PathSmoother:
+    """Keeps memory for the next path; several threads may smooth with one."""
+
+    def __init__(self) -> None: ...
+    def smooth(
+        self,
+        costs: npt.NDArray[np.uint8],
+        resolution: float,
+        outline: npt.NDArray[np.float64],
+        poses: npt.NDArray[np.float64],
+        backward: npt.NDArray[np.uint8],
+        *,
+        radius: float,
+        reverse_penalty: float,
+        change_cost: float,
+        turn_cost: float,
+        cost_weight: float,
+        curve_weight: float,
+        cost_tolerance: float,
+        step: float,
+        spacing: float,
+    ) -> tuple[
+        npt.NDArray[np.float64],
+        npt.NDArray[np.uint8],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.uint8],
+        tuple[float, float, float, float],
+    ]: ...
+
 def shortest_curves(
     starts: npt.NDArray[np.float64], goals: npt.NDArray[np.float64], radius: float, reverse: bool
 ) -> npt.NDArray[np.float64]:

@@ -3,6 +3,7 @@
 #include "smoothing_chain.hpp"
 
 #include "arrays.hpp"
+#include "memory_pool.hpp"
 #include "stretches.hpp"
 
 #include <utility>
@@ -98,10 +99,9 @@ Smoothed write(const Request &request, const std::vector<Piece> &pieces) {
   return out;
 }
 
-Smoothed smooth(const Request &request, const Settings &settings) {
+Smoothed smooth(const Request &request, const Settings &settings, PoseChecker &checker) {
   std::vector<Piece> pieces = read(request.poses, request.backward, request.count);
   if (pieces.empty()) return {};
-  PoseChecker checker;
   checker.begin(request.costs.data, request.costs.rows, request.costs.cols, request.resolution, request.outline,
                 request.corners, request.step);
   Prices prices(settings, request.costs, checker, request.resolution, request.spacing);
@@ -137,10 +137,21 @@ bool is_number(double value, double least, double most) { return value >= least 
 
 }  // namespace
 
-static nb::tuple smooth_path(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,
-                             In<std::uint8_t, 1> backward, double radius, double reverse_penalty, double change_cost,
-                             double turn_cost, double cost_weight, double curve_weight, double cost_tolerance,
-                             double step, double spacing) {
+// Keeps what was found out about footprints for the next path; several threads may smooth with it at once.
+class PathSmoother {
+ public:
+  nb::tuple smooth(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,
+                   In<std::uint8_t, 1> backward, double radius, double reverse_penalty, double change_cost, double turn_cost,
+                   double cost_weight, double curve_weight, double cost_tolerance, double step, double spacing);
+
+ private:
+  MemoryPool<PoseChecker> checkers_;
+};
+
+nb::tuple PathSmoother::smooth(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,
+                               In<std::uint8_t, 1> backward, double radius, double reverse_penalty, double change_cost,
+                               double turn_cost, double cost_weight, double curve_weight, double cost_tolerance,
+                               double step, double spacing) {
   if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
   if (poses.shape(1) != 3 || poses.shape(0) < 1 || backward.shape(0) + 1 != poses.shape(0)) {
     throw nb::value_error("the poses need shape (N, 3), N >= 1, and backward shape (N - 1,)");
@@ -171,7 +182,9 @@ static nb::tuple smooth_path(In<std::uint8_t, 2> costs, double resolution, In<do
   Smoothed out;
   {
     nb::gil_scoped_release release;
-    out = smooth(request, settings);
+    std::unique_ptr<PoseChecker> checker = checkers_.borrow();
+    out = trundle::smooth(request, settings, *checker);
+    checkers_.give_back(std::move(checker));
   }
   const std::size_t count = out.poses.size() / 3, legs = out.kept.size();
   return nb::make_tuple(to_numpy(std::move(out.poses), {count, 3}), to_numpy(std::move(out.backward), {legs}),
@@ -183,9 +196,11 @@ static nb::tuple smooth_path(In<std::uint8_t, 2> costs, double resolution, In<do
 
 void bind_smoothing(nanobind::module_ &m) {
   namespace nb = nanobind;
-  m.def("smooth_path", &trundle::smooth_path, nb::arg("costs").noconvert(), nb::arg("resolution"),
-        nb::arg("outline").noconvert(), nb::arg("poses").noconvert(), nb::arg("backward").noconvert(), nb::kw_only(),
-        nb::arg("radius"), nb::arg("reverse_penalty"), nb::arg("change_cost"), nb::arg("turn_cost"),
-        nb::arg("cost_weight"), nb::arg("curve_weight"), nb::arg("cost_tolerance"), nb::arg("step"),
-        nb::arg("spacing"));
+  nb::class_<trundle::PathSmoother>(m, "PathSmoother")
+      .def(nb::init<>())
+      .def("smooth", &trundle::PathSmoother::smooth, nb::arg("costs").noconvert(), nb::arg("resolution"),
+           nb::arg("outline").noconvert(), nb::arg("poses").noconvert(), nb::arg("backward").noconvert(), nb::kw_only(),
+           nb::arg("radius"), nb::arg("reverse_penalty"), nb::arg("change_cost"), nb::arg("turn_cost"),
+           nb::arg("cost_weight"), nb::arg("curve_weight"), nb::arg("cost_tolerance"), nb::arg("step"),
+           nb::arg("spacing"));
 }

@@ -100,7 +100,8 @@ class ConstrainedSmoother:
     out, never added.
 
     It alternates between an elastic band (Quinlan and Khatib 1993), which says where the way is cheap and straight, and
-    dynamic programming over Dubins and Reeds-Shepp curves between poses of the path and of the band.
+    dynamic programming over Dubins and Reeds-Shepp curves between poses of the path and of the band. Its memory is kept
+    for the next path; several threads may use one smoother.
 
     Args:
         settings: Any field of `SmoothingSettings`.
@@ -111,6 +112,7 @@ class ConstrainedSmoother:
 
     def __init__(self, **settings: Any) -> None:
         self.settings = SmoothingSettings(**settings)
+        self._curves = _core.PathSmoother()
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
         """A smoother path with the same ends, `cost` scaled as the price of the way changed.
@@ -136,7 +138,7 @@ class ConstrainedSmoother:
         settings = self.settings
         padding = float(settings.padding)
         on_grid = _on_grid(costmap, path.poses)
-        poses, backward, source, kept, prices = _core.smooth_path(
+        poses, backward, source, kept, prices = self._curves.smooth(
             costmap.data,
             costmap.resolution,
             pad_outline(costmap.footprint, padding),
