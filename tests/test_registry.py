@@ -28,3 +28,18 @@ def test_what_is_made_gets_its_arguments_and_options():
     assert REGISTRY.make("sphere", 0.5) == REGISTRY.make("sphere", radius=0.5) == Sphere(0.5)
     with pytest.raises(InputError, match=r"shape 'sphere': .*unexpected keyword argument 'size'"):
         REGISTRY.make("sphere", size=2.0)
+
+
+def test_what_is_made_already_is_taken_if_it_can_do_what_is_asked_of_it():
+    class Shape:
+        def area(self):
+            return 1.0
+
+    shape = Shape()
+    assert REGISTRY.take(shape, "area") is shape
+    assert REGISTRY.take("sphere", "area", 0.5) == REGISTRY.make("sphere", 0.5)
+    for other in (None, 3, Shape, object()):
+        with pytest.raises(InputError, match=r"a shape is given by its name or as an object with area\(…\), got"):
+            REGISTRY.take(other, "area")
+    with pytest.raises(InputError, match="size: options are for a shape by name"):
+        REGISTRY.take(shape, "area", size=2.0)

@@ -59,3 +59,18 @@ class Registry(Generic[_Made]):
             return maker(*arguments, **options)
         except TypeError as error:
             raise InputError(f"{self._kind} {name!r}: {error}") from error
+
+    def take(self, given: str | _Made, method: str, *arguments: object, **options: Any) -> _Made:
+        """Make what a name stands for, or take what was made already: anything that has a method of this name.
+
+        Raises:
+            UnknownNameError: If there is no such name.
+            InputError: If it does not take these options, has no such method, or is made and there are options.
+        """
+        if isinstance(given, str):
+            return self.make(given, *arguments, **options)
+        if isinstance(given, type) or not callable(getattr(given, method, None)):
+            raise InputError(f"a {self._kind} is given by its name or as an object with {method}(…), got {given!r}")
+        if options:
+            raise InputError(f"{', '.join(options)}: options are for a {self._kind} by name; this one is made already")
+        return given

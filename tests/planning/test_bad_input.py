@@ -18,6 +18,7 @@ from trundle.planning import (
     cost_field,
     create_planner,
     create_smoother,
+    plan_many,
     planner_names,
 )
 
@@ -262,3 +263,11 @@ def test_blocked_is_read_where_it_lies_whatever_its_strides(view, dtype):
     free = np.argwhere(np.asarray(blocked) == 0)
     copy = GridSearch(np.ascontiguousarray(blocked))
     assert search.shortest_path(free[0], free[-1]) == copy.shortest_path(free[0], free[-1])
+
+
+@pytest.mark.parametrize("other", [None, 3, object()])
+def test_what_is_no_planner_and_no_smoother(other):
+    for make in (create_planner, create_smoother, lambda planner: plan_many(planner, costmap_of(FREE), [], [])):
+        assert "by its name" in str(refused(lambda make=make: make(other)))
+    with pytest.raises(InputError, match="goal_tolerance: options are for a planner by name"):
+        create_planner(create_planner("jps"), goal_tolerance=1.0)

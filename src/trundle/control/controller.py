@@ -57,6 +57,6 @@ def create_controller(controller: str | Controller, robot: Robot, **options: Any
 
     Raises:
         UnknownNameError: If there is no controller of that name.
-        InputError: If it does not take these options.
+        InputError: If it does not take these options, or is no controller.
     """
-    return CONTROLLERS.make(controller, robot, **options) if isinstance(controller, str) else controller
+    return CONTROLLERS.take(controller, "compute_velocity", robot, **options)

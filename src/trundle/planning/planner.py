@@ -52,6 +52,6 @@ def create_planner(planner: str | Planner, **options: Any) -> Planner:
 
     Raises:
         UnknownNameError: If there is no planner of that name.
-        InputError: If it does not take these options.
+        InputError: If it does not take these options, or is no planner.
     """
-    return PLANNERS.make(planner, **options) if isinstance(planner, str) else planner
+    return PLANNERS.take(planner, "plan", **options)

@@ -38,6 +38,6 @@ def create_smoother(smoother: str | Smoother, **options: Any) -> Smoother:
 
     Raises:
         UnknownNameError: If there is no smoother of that name.
-        InputError: If it does not take these options.
+        InputError: If it does not take these options, or is no smoother.
     """
-    return SMOOTHERS.make(smoother, **options) if isinstance(smoother, str) else smoother
+    return SMOOTHERS.take(smoother, "smooth", **options)
