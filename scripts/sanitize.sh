@@ -1,17 +1,32 @@
 #!/usr/bin/env bash
-# Build the kernels with AddressSanitizer and UndefinedBehaviorSanitizer and run the tests that call them.
+# Build the kernels with AddressSanitizer and UndefinedBehaviorSanitizer and run the tests that call them; or with
+# ThreadSanitizer, and those of several threads.
 # Usage: scripts/sanitize.sh [pytest arguments]
 #        scripts/sanitize.sh --fuzz [TARGET ...] [--seconds N] [--seed N]
+#        scripts/sanitize.sh --thread [pytest arguments]
 set -euo pipefail
 cd "$(dirname "$0")/.."
-venv=.venv-sanitize
+mode=${1:-}
+if [ "$mode" = --thread ]; then
+  sanitizers=thread suffix=-thread library=libtsan.so
+else
+  sanitizers=address,undefined suffix="" library=libasan.so
+fi
+venv=.venv-sanitize$suffix
 make --no-print-directory dev build VENV=$venv \
-  FLAGS="-C cmake.define.TRUNDLE_SANITIZE=ON -C build-dir=build/sanitize"
-asan=$("${CXX:-g++}" -print-file-name=libasan.so)
+  FLAGS="-C cmake.define.TRUNDLE_SANITIZE=$sanitizers -C build-dir=build/sanitize$suffix"
+runtime=$("${CXX:-g++}" -print-file-name=$library)
 stdcxx=$("${CXX:-g++}" -print-file-name=libstdc++.so)
 # The interpreter itself leaks by design; what counts here is memory misused and undefined behaviour in the kernels.
-export LD_PRELOAD="$asan:$stdcxx" ASAN_OPTIONS=detect_leaks=0:abort_on_error=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
-if [ "${1:-}" = --fuzz ]; then
+export ASAN_OPTIONS=detect_leaks=0:abort_on_error=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
+if [ "$mode" = --thread ]; then
+  shift
+  # Reports go to the terminal, and make the run fail at its end. ThreadSanitizer needs memory where it expects it.
+  LD_PRELOAD="$runtime:$stdcxx" TSAN_OPTIONS=exitcode=66 exec setarch "$(uname -m)" -R \
+    $venv/bin/python -m pytest -p no:cacheprovider --capture=sys tests/planning -k "fields or thread or many or beside" "$@"
+fi
+export LD_PRELOAD="$runtime:$stdcxx"
+if [ "$mode" = --fuzz ]; then
   shift
   PYTHONPATH=tests exec $venv/bin/python -W ignore::RuntimeWarning -m fuzz "$@"
 fi

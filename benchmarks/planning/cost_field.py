@@ -2,10 +2,10 @@
 
     python -m benchmarks.planning.cost_field MAPS [--times 2] [--rounds 9] [--map NAME ...] [--no-peers]
 
-MAPS is a folder of MovingAI maps; each cell becomes `--times` squared cells. Three kinds of uint8 costs: 1 everywhere;
+MAPS is a folder of MovingAI maps; each cell becomes `--times` squared cells. Four kinds of uint8 costs: 1 everywhere;
 `inflated`, Nav2's costs of the map at 0.05 m a cell weighed as NavFn does (50 + 0.8 c), taken as uint16 and as
-float32 too; and `noise`, 1 to 200 by chance in every cell, where the cheapest ways wind the most. The goal is the free
-cell in the middle of all.
+float32 too; `noise`, 1 to 200 by chance in every cell; and `wide`, from 1 to 254 with every power of 2 as likely as the
+next, where the cheapest ways wind the most. The goal is the free cell in the middle of all.
 
 Beside two threads on one field stand two fields at once, of one thread each, that share nothing: what they take less
 than one after the other is what the processors have to give, and bounds what two threads on one field can gain.
@@ -45,6 +45,7 @@ def make_costs(blocked: np.ndarray) -> dict[str, np.ndarray]:
         "1": np.where(blocked, WALL, 1).astype(np.uint8),
         "inflated": inflated.astype(np.uint8),
         "noise": np.where(blocked, WALL, rng.integers(1, 201, blocked.shape)).astype(np.uint8),
+        "wide": np.where(blocked, WALL, 2.0 ** rng.uniform(0.0, 7.99, blocked.shape)).astype(np.uint8),
     }
 
 

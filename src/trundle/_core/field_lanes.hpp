@@ -5,8 +5,16 @@
 #include <cstring>
 #include <utility>
 
+// All in one function, so that registers stay registers; but not for sanitizers, which take minutes to compile that.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TRUNDLE_INLINE inline
+#define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__)
+#define TRUNDLE_TARGET(...)  // what is not inlined would be compiled for another processor
+#else
 #define TRUNDLE_INLINE inline __attribute__((always_inline))
 #define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__) __attribute__((always_inline))
+#define TRUNDLE_TARGET(...) __attribute__((target(__VA_ARGS__)))
+#endif
 
 namespace trundle {
 

@@ -88,7 +88,7 @@ void settle_portable(const Place<Cost> &place, float *out, Work<Cost, Number> &w
 
 #ifdef TRUNDLE_AVX2
 template <typename Cost, typename Number>
-__attribute__((target("avx2"))) void settle_avx2(const Place<Cost> &place, float *out, Work<Cost, Number> &work) {
+TRUNDLE_TARGET("avx2") void settle_avx2(const Place<Cost> &place, float *out, Work<Cost, Number> &work) {
   settle_any<32>(place, out, work);
 }
 #endif
