@@ -2,7 +2,7 @@
 //
 // The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, on a border the dearer
 // cell's, as `line_costs` has it. Arcs are measured along chords as close to them as those of the path given back. To
-// choose among curves, samples a cell apart are enough.
+// choose among curves, samples half a cell apart are enough.
 #pragma once
 
 #include <algorithm>
@@ -126,7 +126,7 @@ class Prices {
   // About the line integral along a new stretch, to the end of which `at` goes; infinite where a sample is blocked, or where
   // it is above `limit`.
   double about(Heading &at, const Stretch &stretch, double limit) const {
-    const double parts = std::clamp(std::ceil(std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
+    const double parts = std::clamp(std::ceil(2.0 * std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
     const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
     const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
     const auto weight = [&](double x, double y) {
