@@ -149,6 +149,18 @@ def test_a_start_that_touches_a_wall_is_left_as_planned():
         assert swept_area_blocked(costmap, done.path) == 0.0
 
 
+def test_no_curve_begins_or_ends_where_the_padding_has_no_room():
+    costmap = costmap_of(room(8, 6))
+    there = polyline((0.607 + 0.01, 2), (1.5, 2), (2.5, 2.5), (4, 2.5))
+    back = Path(there.poses[::-1].copy(), backward=np.ones(len(there) - 1, dtype=bool))
+    for path, end in ((there, 0), (back, -1)):
+        assert 0 < costmap.clearance([path.poses[end]])[0] < 0.02
+        done = ConstrainedSmoother(padding=0.02).explain(path, costmap)
+        assert not done.kept.all()
+        assert done.kept[end]
+        assert costmap.clearance(done.path.poses[1:-1]).min() > 0.009
+
+
 def test_new_curves_keep_the_padding():
     costmap = costmap_of(room(10, 6, (4, 0, 4.3, 4.4), (6.5, 1.4, 6.8, 6)))
     path = create_planner("astar").plan(costmap, Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0))

@@ -113,6 +113,8 @@ class Edges {
     static constexpr float kNoWeights[256] = {};
     PlanarPose pose = nodes_[edge.from].pose;
     Heading at = nodes_[edge.from].heading;
+    // The path is free at its poses, but may have less padding there than what is new.
+    if (checker.touches(pose.x, pose.y, pose.yaw)) return false;
     double left = limits_of(edge).line, sum = 0.0;
     for (int i = 0; i < edge.course.count; ++i) {
       const Stretch &part = edge.course.parts[i];
