@@ -146,7 +146,8 @@ def measure(name: str, costs: Costs, contestants: dict[str, Callable], options: 
                 continue
             began = time.process_time()
             points = plan(costs, start, goal)
-            results[who][index] = path_cost(costs, points), 1e3 * (time.process_time() - began)
+            took = time.process_time() - began
+            results[who][index] = path_cost(costs, points), 1e3 * took
     navfn, eikonal = results["navfn"], results["eikonal"]
     rows = []
     for who, result in results.items():

@@ -1,13 +1,14 @@
 // The cheapest way between two points of a grid whose cells have a weight each: ∫ weight ds along straight lines.
 //
-// A corridor found on a coarse grid; a front over its cells from the start to the goal; the way down its costs; and the
-// vertices moved to where the exact integral is less. It is not the exact optimum: the front's costs are those of its
-// triangles, and where the coarse grid takes the cheapest way for dearer than one that is found, it is missed.
+// What it costs at least to the goal, found on a coarse grid; a front over the cells from the start to the goal, where the
+// sum of both is no more than the way costs; the way down its costs; and the vertices moved to where the exact integral is
+// less. It is not the exact optimum: the front's costs are those of its triangles, and where the coarse grid takes the
+// cheapest way for dearer than one that is found, it is missed.
 #pragma once
 
 #include <tuple>
 
-#include "cost_corridor.hpp"
+#include "block_costs.hpp"
 #include "descent.hpp"
 #include "line_relaxation.hpp"
 
@@ -21,10 +22,10 @@ struct CostWay {
 
 // Kept from one search to the next.
 struct CostWayMemory {
-  CostCorridor corridor;
-  FanField<float> field;
-  FanField<double> fine_field;
-  std::size_t bytes() const { return corridor.bytes() + field.bytes() + fine_field.bytes(); }
+  BlockCosts blocks;
+  FrontField<float> field;
+  FrontField<double> fine_field;
+  std::size_t bytes() const { return blocks.bytes() + field.bytes() + fine_field.bytes(); }
 };
 
 class CostWaySearch {
@@ -40,11 +41,12 @@ class CostWaySearch {
 
   CostWaySearch(const lines::WeightedGrid &grid, const Patience &patience, CostWayMemory &memory)
       : grid_(grid), patience_(patience), memory_(memory) {
-    map_ = {grid.costs, grid.rows, grid.cols, {}, kFar, 0.0f};
+    map_ = {grid.costs, grid.rows, grid.cols, {}, kFar, true};
     for (int cost = 0; cost < 256; ++cost) {
-      const auto weight = static_cast<float>(grid.weights[cost]);
-      map_.weight[cost] = weight > 0.0f ? weight : kFar;
-      if (weight > 0.0f) map_.least = std::min(map_.least, weight), map_.dearest = std::max(map_.dearest, weight);
+      const float weight = grid.weights[cost] > 0.0 ? static_cast<float>(grid.weights[cost]) : kFar;
+      map_.quarter[cost] = weight / 4;
+      map_.least = std::min(map_.least, weight);
+      map_.rising = map_.rising && (cost == 0 || map_.quarter[cost] >= map_.quarter[cost - 1]);
     }
   }
 
@@ -68,10 +70,10 @@ class CostWaySearch {
 
  private:
   static constexpr float kFar = std::numeric_limits<float>::infinity();
-  static constexpr int kBlock = 4;              // cells along a block of the coarse grid
-  static constexpr float kMargin = 1.005f;      // of the coarse grid's cheapest way
+  static constexpr float kMargin = 1.01f;       // of the coarse grid's cheapest way
+  static constexpr float kWider = 1.1f;         // how much dearer the ways may be that are looked at next
   static constexpr float kMostSteps = 1 << 18;  // as many of the least weight can be counted in `float`
-  static constexpr int kLeaveOut = 3;           // points of the way down between two that are kept
+  static constexpr int kLeaveOut = 1;           // points of the way down between two that are kept
   static constexpr double kTrusted = 1.001;     // of what the front's way costs
 
   double cost_to_centre(const End &end) const {
@@ -79,74 +81,63 @@ class CostWaySearch {
            grid_.weight(end.cell.row, end.cell.col);
   }
 
-  // Finds the centres from the start to the goal.
+  // Finds points from the start to the goal.
   SearchStatus search(const End &start, const End &goal) {
-    CostCorridor &corridor = memory_.corridor;
-    float bound = 0.0f;
-    // Where blocks hide that a way is closed, smaller ones show it.
-    for (block_ = kBlock; block_ > 1; block_ /= 2) {
-      corridor.begin(map_, block_, start.point, goal.point);
-      SearchStatus status = corridor.reach(patience_);
-      if (status != SearchStatus::kFound) return status;
-      if (!(corridor.estimate() < kFar)) return SearchStatus::kUnreachable;
-      bound = std::max(bound, corridor.estimate() * kMargin);
-      status = spread_within(bound, start.cell, goal.cell);
-      if (status != SearchStatus::kFound || cost_ <= bound) return status;
-      // A way dearer than the corridor was made for may not be the cheapest: look at all that may be cheaper.
-      if (cost_ < kFar) return spread_within(cost_, start.cell, goal.cell);
-    }
-    const SearchStatus status = spread(memory_.fine_field, start.cell, goal.cell);
-    return status != SearchStatus::kFound || cost_ < kFar ? status : SearchStatus::kUnreachable;
-  }
-
-  SearchStatus spread_within(float bound, GridCell start, GridCell goal) {
-    const SearchStatus status = memory_.corridor.widen(bound, patience_);
+    memory_.blocks.begin(map_, start.point, goal.point);
+    const SearchStatus status = memory_.blocks.reach(patience_);
     if (status != SearchStatus::kFound) return status;
-    return bound < kMostSteps * map_.least ? spread(memory_.field, start, goal)
-                                           : spread(memory_.fine_field, start, goal);
+    const float estimate = memory_.blocks.estimate();
+    if (!(estimate < kFar)) return SearchStatus::kUnreachable;
+    return estimate < kMostSteps * map_.least ? spread(memory_.field, start.cell, goal.cell)
+                                              : spread(memory_.fine_field, start.cell, goal.cell);
   }
 
-  // The way over the cells of the corridor, and what it costs by the front.
+  // The way over the cells, and what it costs by the front.
   template <typename Real>
-  SearchStatus spread(FanField<Real> &field, GridCell start, GridCell goal) {
-    using Cell = typename FanField<Real>::Cell;
-    const auto fill = [&](std::int64_t row, std::int64_t col, Cell *cells, std::int64_t stride) {
-      fill_square<Real>(row, col, cells, stride);
+  SearchStatus spread(FrontField<Real> &field, GridCell start, GridCell goal) {
+    const auto fill = [&](std::int64_t row, std::int64_t col, Real *quarters) { fill_square(row, col, quarters); };
+    BlockCosts &blocks = memory_.blocks;
+    // Ways that cost more by what is known wait.
+    float bound = blocks.estimate() * kMargin + map_.least;
+    const auto order = [&](std::int64_t row, std::int64_t col, Real cost) {
+      return cost + blocks.from_square(row, col) <= bound ? cost : FrontField<Real>::kFar;
     };
-    field.begin(grid_.rows, grid_.cols, static_cast<Real>(map_.least), static_cast<Real>(map_.dearest), between_);
+    SearchStatus status = blocks.reach(bound, patience_);
+    if (status != SearchStatus::kFound) return status;
+    field.begin(grid_.rows, grid_.cols, static_cast<Real>(map_.least), between_);
     field.make_ready(start.row, start.col, fill);
     field.make_ready(goal.row, goal.col, fill);
-    field.seed(start.row, start.col, Real(0));
-    const std::int64_t target = field.at(goal.row, goal.col);
-    const SearchStatus status = field.spread(
-        fill, [](std::int64_t, Real) { return true; }, [&](Real reached) { return reached > field.cost(target); },
-        patience_);
-    cost_ = static_cast<float>(field.cost(target));
-    if (status != SearchStatus::kFound || !(cost_ < kFar)) return status;
+    field.seed(start.row, start.col, Real(0), order);
+    while (true) {
+      const auto done = [&](Real cost) { return cost >= field.cost(goal.row, goal.col); };
+      status = field.spread(fill, order, done, patience_);
+      if (status != SearchStatus::kFound) return status;
+      cost_ = static_cast<float>(field.cost(goal.row, goal.col));
+      if (cost_ <= bound || !field.holds()) break;
+      // What waits may be cheaper than what was found.
+      bound = std::min(cost_, bound * kWider);
+      status = blocks.reach(bound, patience_);
+      if (status != SearchStatus::kFound) return status;
+      field.release(order);
+    }
+    if (!(cost_ < kFar)) return SearchStatus::kUnreachable;
     centres_ = Descent<Real>(field, grid_).trace(goal, start);
     std::reverse(centres_.begin(), centres_.end());
     return status;
   }
 
-  // Weights of 8 × 8 cells, closed outside the corridor. With blocks of one cell there is none.
+  // Quarters of the weights of 8 × 8 cells.
   template <typename Real>
-  void fill_square(std::int64_t row, std::int64_t col, typename FanField<Real>::Cell *cells, std::int64_t stride) {
-    constexpr std::int64_t kSquare = FanField<Real>::kSquare;
-    const std::int64_t step = block_ > 1 ? block_ : kSquare;
-    for (std::int64_t r = row; r < row + kSquare; r += step) {
-      for (std::int64_t c = col; c < col + kSquare; c += step) {
-        const bool wanted = r >= 0 && c >= 0 && (block_ == 1 || memory_.corridor.contains(r / block_, c / block_));
-        for (std::int64_t k = 0; k < step; ++k) {
-          auto *to = cells + (r - row + k) * stride + (c - col);
-          const std::int64_t width =
-              wanted && r + k < grid_.rows ? std::clamp<std::int64_t>(grid_.cols - c, 0, step) : 0;
-          const std::uint8_t *costs = width > 0 ? grid_.costs + (r + k) * grid_.cols + c : nullptr;
-          for (std::int64_t n = 0; n < width; ++n) {
-            to[n] = {FanField<Real>::kFar, static_cast<Real>(map_.weight[costs[n]])};
-          }
-          for (std::int64_t n = width; n < step; ++n) to[n] = {FanField<Real>::kFar, FanField<Real>::kFar};
-        }
-      }
+  void fill_square(std::int64_t row, std::int64_t col, Real *quarters) const {
+    constexpr std::int64_t kSide = FrontField<Real>::kSide;
+    const bool outside = row < 0 || col < 0;
+    const std::int64_t rows = outside ? 0 : std::clamp<std::int64_t>(grid_.rows - row, 0, kSide);
+    const std::int64_t cols = outside ? 0 : std::clamp<std::int64_t>(grid_.cols - col, 0, kSide);
+    if (rows < kSide || cols < kSide) std::fill_n(quarters, FrontField<Real>::kCells, FrontField<Real>::kFar);
+    if (cols == 0) return;
+    const std::uint8_t *costs = grid_.costs + row * grid_.cols + col;
+    for (std::int64_t r = 0; r < rows; ++r, costs += grid_.cols, quarters += kSide) {
+      for (std::int64_t c = 0; c < cols; ++c) quarters[c] = static_cast<Real>(map_.quarter[costs[c]]);
     }
   }
 
@@ -171,7 +162,6 @@ class CostWaySearch {
   const Patience &patience_;
   CostWayMemory &memory_;
   CostMap map_;
-  int block_ = kBlock;
   bool between_ = true;
   float cost_ = kFar;
   std::vector<Point> centres_;

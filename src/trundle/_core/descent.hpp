@@ -3,18 +3,20 @@
 
 #include <optional>
 
-#include "fan_field.hpp"
+#include "front_field.hpp"
 #include "line_cost.hpp"
 
 namespace trundle {
 
-// Steps of about one cell against the field's gradient, as the triangles give it that the costs came by, mixed from the
-// four centres around. Where one of these is closed, or the step would touch something, it goes by the cell's own centre.
+
+// Steps against the field's gradient, as the triangles give it that the costs came by, mixed from the four centres around:
+// of two cells where these agree, and else of one. Where one of them is closed, or the step would touch something, it goes
+// by the cell's own centre.
 template <typename Real>
 class Descent {
  public:
   using Point = lines::Point;
-  Descent(FanField<Real> &field, const lines::WeightedGrid &grid) : field_(field), grid_(grid) {}
+  Descent(FrontField<Real> &field, const lines::WeightedGrid &grid) : field_(field), grid_(grid) {}
 
   // Points from one cell's centre to the other's, (x, y) in grid units.
   std::vector<Point> trace(GridCell from, GridCell source) {
@@ -48,7 +50,9 @@ class Descent {
   }
 
  private:
-  static constexpr double kNear = 2.25;
+  static constexpr double kNear = 4.0;      // cells squared
+  static constexpr double kLongStep = 2.0;  // cells
+  static constexpr double kAgreed = 0.99;   // length of the mean of the four directions from where on the step is long
   static constexpr std::int64_t kRow[4] = {0, 1, 0, -1}, kCol[4] = {1, 0, -1, 0};
   struct Direction {
     Real x, y;  // to the far side of the triangle
@@ -65,14 +69,13 @@ class Descent {
 
   // From where a cell's cost came.
   bool downhill(std::int64_t row, std::int64_t col, Direction &direction) {
-    constexpr Real kFar = FanField<Real>::kFar;
+    constexpr Real kFar = FrontField<Real>::kFar;
     if (!(field_.cost_or_far(row, col) < kFar)) return false;
-    const std::int64_t at = field_.at(row, col), s = field_.stride();
-    const Real half = field_.weight(at) / 2;
+    const Real half = field_.weight(row, col) / 2;
     Real best = kFar;
     for (int k = 0; k < 4; ++k) {
-      const std::int64_t straight = kCol[k] + kRow[k] * s;
-      const Real more = field_.cost(at + straight), weight = field_.weight(at + straight);
+      const std::int64_t up = row + kRow[k], right = col + kCol[k];
+      const Real more = field_.cost(up, right), weight = field_.weight(up, right);
       if (!(weight < kFar && (more < kFar || !field_.between()))) continue;
       if (more + half + weight / 2 < best) {
         best = more + half + weight / 2;
@@ -80,16 +83,17 @@ class Descent {
       }
       if (!field_.between()) {
         const int side = (k + 1) & 3;
-        const std::int64_t beside = kCol[side] + kRow[side] * s, corner = straight + beside;
-        const Real cost = field_.cost(at + corner) + Real(1.41421356237309505) * (half + field_.weight(at + corner) / 2);
-        if (!(cost < best && field_.weight(at + beside) < kFar)) continue;
+        const std::int64_t above = up + kRow[side], beside = right + kCol[side];
+        const Real cost =
+            field_.cost(above, beside) + Real(1.41421356237309505) * (half + field_.weight(above, beside) / 2);
+        if (!(cost < best && field_.weight(row + kRow[side], col + kCol[side]) < kFar)) continue;
         best = cost;
         direction = {static_cast<Real>(kCol[k] + kCol[side]), static_cast<Real>(kRow[k] + kRow[side])};
         continue;
       }
       for (const int side : {(k + 1) & 3, (k + 3) & 3}) {
-        const std::int64_t corner = straight + kCol[side] + kRow[side] * s;
-        const Real less = field_.cost(at + corner), beyond = field_.weight(at + corner);
+        const std::int64_t above = up + kRow[side], beside = right + kCol[side];
+        const Real less = field_.cost(above, beside), beyond = field_.weight(above, beside);
         const Real gap = more - less, mean = half + (weight + beyond) / 4;
         if (!(gap > 0 && less < kFar && mean < kFar)) continue;
         Real share = 1, cost = less + Real(1.41421356237309505) * (half + beyond / 2);
@@ -106,7 +110,9 @@ class Descent {
     return best < kFar;
   }
 
-  // One cell down from a point, where nothing is in the way.
+  Real cost_at(const Point &point) { return field_.cost_or_far(floor(point.y), floor(point.x)); }
+
+  // Down from a point, where nothing is in the way.
   std::optional<Point> step(const Point &here) {
     const double u = here.x - 0.5, v = here.y - 0.5;
     const std::int64_t col = floor(u), row = floor(v);
@@ -123,11 +129,13 @@ class Descent {
     }
     const double norm = std::sqrt(x * x + y * y);
     if (!(norm > 0.3)) return std::nullopt;
-    const Point next{here.x + x / norm, here.y + y / norm};
-    if (!(field_.cost_or_far(floor(next.y), floor(next.x)) < FanField<Real>::kFar) || !is_open(here, next)) {
-      return std::nullopt;
+    if (norm > kAgreed) {
+      const Point next{here.x + kLongStep * x / norm, here.y + kLongStep * y / norm};
+      if (cost_at(next) < cost_at(here) && is_open(here, next)) return next;
     }
-    return next;
+    const Point next{here.x + x / norm, here.y + y / norm};
+    if (cost_at(next) < FrontField<Real>::kFar && is_open(here, next)) return next;
+    return std::nullopt;
   }
 
   // Add the next centre that a cell's cost came by, and return its cell, or the same if there is none.
@@ -143,9 +151,8 @@ class Descent {
   // Of the neighbours that cost less than a cell the one to go on by, or the same cell if there is none. Both cells that a
   // cost came by cost less than it, so that this gets to the source.
   GridCell cheaper_neighbour(GridCell cell) {
-    constexpr Real kFar = FanField<Real>::kFar;
-    const std::int64_t at = field_.at(cell.row, cell.col), s = field_.stride();
-    const Real own = field_.cost(at);
+    constexpr Real kFar = FrontField<Real>::kFar;
+    const Real own = field_.cost(cell.row, cell.col);
     Real best = kFar;
     GridCell next = cell;
     for (std::int32_t up = -1; up <= 1; ++up) {
@@ -154,10 +161,11 @@ class Descent {
         if (!(cost < own)) continue;
         const bool diagonal = up != 0 && right != 0;
         if (diagonal) {
-          const bool beside = field_.weight(at + right) < kFar, above = field_.weight(at + up * s) < kFar;
+          const bool beside = field_.weight(cell.row, cell.col + right) < kFar;
+          const bool above = field_.weight(cell.row + up, cell.col) < kFar;
           if (!(field_.between() ? beside || above : beside && above)) continue;
         }
-        const Real mean = (field_.weight(at) + field_.weight(at + up * s + right)) / 2;
+        const Real mean = (field_.weight(cell.row, cell.col) + field_.weight(cell.row + up, cell.col + right)) / 2;
         const Real whole = cost + (diagonal ? Real(1.41421356237309505) : Real(1)) * mean;
         if (whole < best) best = whole, next = {cell.row + up, cell.col + right};
       }
@@ -174,7 +182,7 @@ class Descent {
     line.push_back(centre(next.row, next.col));
   }
 
-  FanField<Real> &field_;
+  FrontField<Real> &field_;
   const lines::WeightedGrid &grid_;
 };
 

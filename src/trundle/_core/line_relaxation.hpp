@@ -43,46 +43,75 @@ inline std::array<Point, 3> choices(const Point &a, const Point &b, const Point 
   const double before = std::max(distance(a, b), kOnBorder), after = std::max(distance(b, c), kOnBorder);
   const double along_x = (b.x - a.x) / before + (c.x - b.x) / after;
   const double along_y = (b.y - a.y) / before + (c.y - b.y) / after;
-  const double scale = offset / std::max(std::hypot(along_x, along_y), kOnBorder);
+  const double scale = offset / std::max(std::sqrt(along_x * along_x + along_y * along_y), kOnBorder);
   const double across_x = -along_y * scale, across_y = along_x * scale;
   return {b, {b.x + across_x, b.y + across_y}, {b.x - across_x, b.y - across_y}};
 }
 
-// Moves the vertices of a line of two pieces or more where that makes it cheaper, and returns what it costs then.
-inline double move_vertices(const WeightedGrid &grid, std::vector<Point> &line, double offset, double cheapest) {
-  constexpr std::size_t kChoices = 3;
-  const std::size_t count = line.size();
-  std::vector<std::array<Point, kChoices>> places(count);
-  std::vector<std::array<std::uint8_t, kChoices>> before(count);
-  places.front().fill(line.front());
-  places.back().fill(line.back());
-  for (std::size_t i = 1; i + 1 < count; ++i) places[i] = choices(line[i - 1], line[i], line[i + 1], offset);
-  std::array<double, kChoices> best{0.0, kInfinity, kInfinity};
-  for (std::size_t i = 1; i < count; ++i) {
-    std::array<double, kChoices> next;
-    next.fill(kInfinity);
-    const std::size_t choices_here = i + 1 < count ? kChoices : 1;
-    for (std::size_t here = 0; here < choices_here; ++here) {
-      for (std::size_t there = 0; there < kChoices; ++there) {
-        const Point &from = places[i - 1][there], &to = places[i][here];
-        const double room = next[here] - best[there];
-        if (!(distance(from, to) * cheapest < room)) continue;
-        const double cost = best[there] + line_cost(grid, from, to, room, cheapest);
-        if (cost < next[here]) {
-          next[here] = cost;
-          before[i][here] = static_cast<std::uint8_t>(there);
+// Moves the vertices of a line of two pieces or more where that makes it cheaper. What the pieces cost is kept for as long
+// as their ends stay.
+class MovingLine {
+ public:
+  MovingLine(const WeightedGrid &grid, std::vector<Point> &line, double offset)
+      : grid_(grid), line_(line), offset_(offset), places_(line.size()), pieces_(line.size()), before_(line.size()),
+        moved_(line.size(), 1) {
+    places_.front().fill(line.front());
+    places_.back().fill(line.back());
+  }
+
+  // Every vertex stays or goes one step; answers what the line costs then.
+  double move() {
+    const std::size_t last = line_.size() - 1;
+    bool was_new = false;  // whether the places of the vertex before are not those of the time before
+    std::array<double, kChoices> best{0.0, kInfinity, kInfinity};
+    for (std::size_t i = 1; i <= last; ++i) {
+      const bool is_new = i < last && (moved_[i - 1] || moved_[i] || moved_[i + 1]);
+      if (is_new) places_[i] = choices(line_[i - 1], line_[i], line_[i + 1], offset_);
+      if (is_new || was_new) weigh(i);
+      was_new = is_new;
+      std::array<double, kChoices> next;
+      next.fill(kInfinity);
+      for (std::size_t here = 0; here < kChoices; ++here) {
+        for (std::size_t there = 0; there < kChoices; ++there) {
+          const double cost = best[there] + pieces_[i][here][there];
+          if (cost < next[here]) next[here] = cost, before_[i][here] = static_cast<std::uint8_t>(there);
         }
       }
+      best = next;
     }
-    best = next;
+    std::size_t choice = 0;
+    for (std::size_t i = last; i > 0; --i) {
+      line_[i] = places_[i][choice];
+      moved_[i] = choice != 0;
+      choice = before_[i][choice];
+    }
+    moved_[0] = 0;
+    return best[0];
   }
-  std::size_t choice = 0;
-  for (std::size_t i = count; i-- > 1;) {
-    line[i] = places[i][choice];
-    choice = before[i][choice];
+
+ private:
+  static constexpr std::size_t kChoices = 3;
+
+  // What the pieces from the places of the vertex before to those of a vertex cost. From one side to the other is left out,
+  // and the line's ends have one place.
+  void weigh(std::size_t i) {
+    for (std::size_t here = 0; here < kChoices; ++here) {
+      for (std::size_t there = 0; there < kChoices; ++there) {
+        const bool is_one = !(here + there == 3 || (i == 1 && there > 0) || (i + 1 == line_.size() && here > 0));
+        pieces_[i][here][there] =
+            is_one ? line_cost(grid_, places_[i - 1][there], places_[i][here], kInfinity, 0.0) : kInfinity;
+      }
+    }
   }
-  return best[0];
-}
+
+  const WeightedGrid &grid_;
+  std::vector<Point> &line_;
+  double offset_;
+  std::vector<std::array<Point, kChoices>> places_;
+  std::vector<std::array<std::array<double, kChoices>, kChoices>> pieces_;  // by the place here and the one before
+  std::vector<std::array<std::uint8_t, kChoices>> before_;
+  std::vector<std::uint8_t> moved_;
+};
 
 inline double cost_of(const WeightedGrid &grid, const std::vector<Point> &line) {
   double cost = 0.0;
@@ -113,8 +142,9 @@ inline double relax_line(const WeightedGrid &grid, std::vector<Point> &line) {
     moved = divide(moved, level.spacing);
     if (moved.size() < 3) continue;
     double last = kInfinity;
+    MovingLine moving(grid, moved, level.offset);
     for (int pass = 0; pass < level.passes; ++pass) {
-      const double now = move_vertices(grid, moved, level.offset, cheapest);
+      const double now = moving.move();
       if (!(now < last * (1.0 - kWorthwhile))) break;
       last = now;
     }

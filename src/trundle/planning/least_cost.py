@@ -29,7 +29,7 @@ class LeastCostPlanner(FootprintPlanner):
     over the cells (fast marching: Tsitsiklis, 1995; Sethian, 1996), in triangles between their centres as in Field D*
     (Ferguson and Stentz, 2006), and the way leads down its costs, to any place in a cell. It is not the exact optimum,
     but mostly within 0.3 % of it. Cells are searched only where the cheapest way may be, by the least weights of blocks
-    of 4 × 4: a way that these take for dearer than another by more than 0.5 % and a block is not found.
+    of 4 × 4: a way that these take for dearer than one that is found is not looked at.
 
     Args:
         neutral_cost: Weight of a free cell.
