@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar, cast
 
@@ -58,7 +59,9 @@ class Registry(Generic[_Made]):
         try:
             return maker(*arguments, **options)
         except TypeError as error:
-            raise InputError(f"{self._kind} {name!r}: {error}") from error
+            foreign = re.search(r"unexpected keyword argument '(\w+)'", str(error))
+            what = f" has no option {foreign[1]!r}" if foreign else f": {error}"
+            raise InputError(f"{self._kind} {name!r}{what}") from error
 
     def take(self, given: str | _Made, method: str, *arguments: object, **options: Any) -> _Made:
         """Make what a name stands for, or take what was made already: anything that has a method of this name.

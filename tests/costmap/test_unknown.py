@@ -156,6 +156,12 @@ def test_other_policies_and_costs_are_refused(options):
         Costmap.from_grid(hall(), SMALL, **{"unknown": "costly", **options})
 
 
+@pytest.mark.parametrize("unknown", [None, "blocked", "free"])
+def test_a_price_of_unknown_cells_is_for_those_that_have_one(unknown):
+    with pytest.raises(InputError, match='unknown_cost is what unknown cells cost where unknown="costly"'):
+        Navigator(hall(), BURGER, unknown=unknown, unknown_cost=120)
+
+
 def test_unseen_cells_belong_to_the_policy():
     data, unseen = np.zeros((4, 4), np.uint8), np.zeros((4, 4), bool)
     with pytest.raises(MapError, match="unseen"):

@@ -113,6 +113,16 @@ def test_maps(blocked):
     refused(lambda: search.update(slice(0, 3), slice(0, 4), blocked))
 
 
+def test_a_mask_that_no_search_looks_at_is_refused():
+    masked = np.ma.masked_array(FREE, FREE.copy())  # pyright: ignore[reportUnknownMemberType]
+    for call in (
+        lambda: GridSearch(masked),
+        lambda: any_angle_path(masked, (0, 0), (1, 1)),
+        lambda: cost_field(masked, (0, 0)),
+    ):
+        assert ".filled(value)" in str(refused(call))
+
+
 @pytest.mark.parametrize("option", [None, "8", 3, 8.5, math.nan, [8], -1])
 def test_search_options(option):
     for make in (

@@ -130,6 +130,8 @@ class Navigator:
                 raise InputError("what unknown cells are is settled in the costmap: Costmap.from_grid(…, unknown=…)")
             self.grid, self.costmap = None, grid
         else:
+            if unknown_cost is not None and unknown != "costly":
+                raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
             self.grid = _load_grid(grid)
             zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
             wanted = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,12 +19,23 @@ Span = slice | tuple[int, int] | int
 """Some rows or columns: a slice, a (first, end) pair, or one of them."""
 
 
+def as_array(values: npt.ArrayLike, what: str) -> npt.NDArray[Any]:
+    """An array as NumPy has it, without a copy where it is one.
+
+    Raises:
+        InputError: If its rows differ in length, or it is a masked array, whose mask a search would not see.
+    """
+    if callable(getattr(values, "filled", None)):
+        raise InputError(f"{what} are masked, which searches do not look at: give them as {what}.filled(value)")
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{what} need shape (rows, cols): {error}") from None
+
+
 def as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
     """Bool or uint8 as uint8, without a copy."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{what} must be an array of bool or uint8: {error}") from error
+    array = as_array(values, what)
     if array.dtype == np.bool_:
         return array.view(np.uint8)
     if array.dtype != np.uint8:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.cells import check_threads
+from trundle.planning.cells import as_array, check_threads
 
 CostArray = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
@@ -74,10 +74,7 @@ def cost_field(
 
 def _as_costs(costs: npt.ArrayLike) -> CostArray:
     """The costs as an array that the kernel takes, checked."""
-    try:
-        array = np.asarray(costs)
-    except ValueError as error:
-        raise InputError(f"costs need shape (rows, cols): {error}") from None
+    array = as_array(costs, "costs")
     if array.ndim != 2 or array.size == 0:
         raise InputError(f"costs need shape (rows, cols) with at least one cell, got {array.shape}")
     if array.dtype == np.bool_:
