@@ -281,6 +281,21 @@ def test_a_wall_thinner_than_the_cells_that_guide_the_search_is_still_a_wall():
             HybridAStarPlanner(minimum_turning_radius=0.2).plan(costmap, Pose2D(1, 2), Pose2D(3.5, 2))
 
 
+@pytest.mark.parametrize("options", KINDS, ids=str)
+@pytest.mark.parametrize("along_x", [True, False])
+@pytest.mark.parametrize("cells", range(4))
+def test_the_guide_leads_round_the_end_of_a_thin_wall_wherever_its_cells_begin(cells, along_x, options):
+    # Cells of the guide are four of the map wide; a wall with its inflation may fill none of them.
+    y = 4.0 + 0.05 * cells
+    block, start, goal = (0, y, 10, y + 0.05), Pose2D(1.5, 1.5, 0.0), Pose2D(2, 6, 1.57)
+    data = room(12, 8, block)
+    if not along_x:
+        data, start, goal = data.T, Pose2D(start.y, start.x, np.pi / 2), Pose2D(goal.y, goal.x, 0.0)
+    costmap = costmap_of(data)
+    path = HybridAStarPlanner(max_expansions=2_000, **options).plan(costmap, start, goal)
+    assert swept_area_blocked(costmap, path) < 1e-6
+
+
 def test_a_gap_that_only_the_inscribed_circle_fits_is_no_way():
     # 0.4 m wide: the circle needs 0.28, the footprint 0.5.
     costmap = costmap_of(room(4, 2, (2.0, 0, 2.3, 0.8), (2.0, 1.2, 2.3, 2)))

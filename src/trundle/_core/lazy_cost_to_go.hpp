@@ -1,10 +1,12 @@
 // What it costs a point to get from a cell to the goal, worked out backwards from the goal only as far as it is asked.
 //
 // A* from the goal towards one place, the start, on cells of `factor` × `factor` cells of the map: a cell costs what its
-// open parts cost on the average, and is closed where it has none. It stops as soon as a cell that is asked for is settled,
-// and goes on from there at the next question. The queue is Dial's (1969), with buckets an eighth of the cheapest step
-// wide: in a wide one what came last goes first, far ahead, and is gone over again and again. Cells are made in blocks of
-// 8 × 8, whose memory is stamped and never cleared.
+// open parts cost on the average, and is closed where it has none. No way leads over a side that is closed from end to
+// end: a straight wall along rows or columns, at least `factor` cells of the map thick, lets none through, even where it
+// fills no cell. It stops as soon as a cell that is asked for is settled, and goes on from there at the next question.
+// The queue is Dial's (1969), with buckets an eighth of the cheapest step wide: in a wide one what came last goes first,
+// far ahead, and is gone over again and again. Cells are made in blocks of 8 × 8, whose memory is stamped and never
+// cleared.
 #pragma once
 
 #include <algorithm>
@@ -69,10 +71,11 @@ class LazyCostToGo {
   static constexpr std::uint8_t kInscribed = 253;
   static constexpr float kClosed = -kUnreachable;  // never reached cheaper
   static constexpr std::size_t kBlock = 8;
+  static constexpr unsigned kUp = 1, kDown = 2, kLeft = 4, kRight = 8;  // sides; up is towards row 0
   static constexpr float kFine = 8.0f;  // buckets to a step of weight 1
 
   struct Slot {
-    float cost, weight;
+    float cost, weight;  // the lowest bits of the weight are the closed sides
   };
   struct Entry {
     std::int32_t row, col;
@@ -113,7 +116,46 @@ class LazyCostToGo {
       }
     }
     if (open == 0) return 0.0f;
-    return 1.0f + per_cost_ * static_cast<float>(sum) / static_cast<float>(open);
+    const float weight = 1.0f + per_cost_ * static_cast<float>(sum) / static_cast<float>(open);
+    const bool whole = open == static_cast<std::uint64_t>((top - row * factor_) * count);
+    return marked(weight, whole ? 0 : closed_sides(row * factor_, top, left, left + count));
+  }
+
+  // Out of line: most cells are open all over, and the loop over them stays small.
+  __attribute__((noinline)) unsigned closed_sides(std::int64_t top, std::int64_t bottom, std::int64_t left,
+                                                  std::int64_t right) const {
+    const std::uint8_t *const first = costs_ + top * map_cols_, *const last = costs_ + (bottom - 1) * map_cols_;
+    unsigned closed = kUp | kDown | kLeft | kRight;
+    for (std::int64_t c = left; c < right; ++c) {
+      closed &= ~((first[c] < kInscribed ? kUp : 0) | (last[c] < kInscribed ? kDown : 0));
+    }
+    for (const std::uint8_t *cells = first; cells <= last; cells += map_cols_) {
+      closed &= ~((cells[left] < kInscribed ? kLeft : 0) | (cells[right - 1] < kInscribed ? kRight : 0));
+    }
+    return closed;
+  }
+
+  static float marked(float weight, unsigned sides) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &weight, 4);
+    bits = (bits & ~15U) | sides;
+    std::memcpy(&weight, &bits, 4);
+    return weight;
+  }
+
+  static unsigned marks_of(float weight) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &weight, 4);
+    return bits & 15U;
+  }
+
+  // Whether closed sides are in the way of a step. Past a corner they are where both cells' are, so that a step which
+  // the map's own cells allow is never barred.
+  static bool is_barred(unsigned here, unsigned there, int rows, int cols) {
+    const unsigned ahead = rows > 0 ? kDown : rows < 0 ? kUp : 0U, back = rows > 0 ? kUp : rows < 0 ? kDown : 0U;
+    const unsigned across = cols > 0 ? kRight : cols < 0 ? kLeft : 0U, home = cols > 0 ? kLeft : cols < 0 ? kRight : 0U;
+    if (rows == 0 || cols == 0) return ((here & (ahead | across)) | (there & (back | home))) != 0;
+    return ((here & ahead) != 0 && (there & back) != 0) || ((here & across) != 0 && (there & home) != 0);
   }
 
   static void add_four(const std::uint8_t *cells, std::uint64_t &sum, std::uint64_t &open) {
@@ -156,10 +198,11 @@ class LazyCostToGo {
       touch(entry.row + 1, entry.col - 1), touch(entry.row + 1, entry.col + 1);
       const std::int64_t stride = block_cols_ * static_cast<std::int64_t>(kBlock);
       Slot *const centre = slots_.data() + here;
+      const unsigned sides = marks_of(slot.weight);
       const auto reach = [&](int rows, int cols, float half) {
         Slot &next = centre[rows * stride + cols];
         const float reached = slot.cost + half * (slot.weight + next.weight);
-        if (!(reached < next.cost)) return;
+        if (!(reached < next.cost) || is_barred(sides, marks_of(next.weight), rows, cols)) return;
         next.cost = reached;
         push(entry.row + rows, entry.col + cols, reached);
       };
