@@ -61,7 +61,8 @@ def one_round(generator: random.Random) -> None:
             continue
         pieces = _core.line_costs(costs, weights, points[:-1].copy(), points[1:].copy())
         assert np.allclose(points[[0, -1]], ends, atol=1e-5)
-        assert math.isclose(cost, pieces.sum(), rel_tol=1e-12, abs_tol=1e-9)
+        # Where a line ends within 1e-9 of a border, which cell that much of it counts to depends on its direction.
+        assert math.isclose(cost, pieces.sum(), rel_tol=1e-12, abs_tol=1e-9 + 2e-9 * weights.max() * len(pieces))
         to_centres = sum(
             math.dist(end, (col + 0.5, row + 0.5)) * weights[costs[row, col]]
             for end, (row, col) in zip(ends.tolist(), (start, goal), strict=True)
