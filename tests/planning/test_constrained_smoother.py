@@ -230,7 +230,7 @@ def test_the_sweep_of_any_smoothed_path_is_free_and_its_curves_drivable(seed, de
     done = smoother.explain(path, costmap)
     assert_contract(costmap, path, done, smoother.settings)
     # A planner looks every 2.5 cm, and a corner may poke into the footprint by less between: then what is kept has it.
-    assert swept_area_blocked(costmap, done.path) <= swept_area_blocked(costmap, path)
+    assert swept_area_blocked(costmap, done.path) <= swept_area_blocked(costmap, path) + 1e-12  # rounding
 
 
 @pytest.mark.slow

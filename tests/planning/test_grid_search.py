@@ -368,7 +368,7 @@ def test_an_end_that_is_no_cell_is_an_input_error(cell):
         (np.zeros((2, 2)), {}, "float64"),
         (np.zeros((2, 2), np.int8), {}, "int8"),
         (np.array([["a"]]), {}, "bool or uint8"),
-        ([[True], [True, False]], {}, "bool or uint8"),
+        ([[True], [True, False]], {}, r"shape \(rows, cols\)"),
         (np.zeros((2, 2), bool), {"connectivity": 6}, "connectivity is 4 or 8"),
         (np.zeros((2, 2), bool), {"method": "jsp"}, "method is one of"),
         (np.zeros((2, 2), bool), {"method": "jps", "connectivity": 4}, "for connectivity 8"),
