@@ -7,11 +7,18 @@ Everything that trundle raises on purpose derives from `TrundleError`. Bad input
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 
 class TrundleError(Exception):
-    """Base of everything that trundle raises on purpose."""
+    """Base of everything that trundle raises on purpose.
+
+    Errors of this kind can be copied and pickled with their attributes, whatever arguments they are made from, so that
+    another process can raise them.
+    """
+
+    def __reduce__(self) -> tuple[Callable[..., TrundleError], tuple[object, ...], dict[str, object]]:
+        return _remake, (type(self), *self.args), dict(self.__dict__)
 
 
 class InputError(TrundleError, ValueError):
@@ -58,11 +65,13 @@ class UnknownNameError(InputError):
     """A name that is in no registry.
 
     Attributes:
+        kind: What a name stands for ("planner").
         name: What was asked for.
         choices: What there is, sorted.
     """
 
     def __init__(self, kind: str, name: str, choices: Iterable[str]) -> None:
+        self.kind = kind
         self.name = name
         self.choices = tuple(sorted(choices))
         nearest = difflib.get_close_matches(name, self.choices, n=1)
@@ -71,10 +80,21 @@ class UnknownNameError(InputError):
 
 
 class MissingExtraError(TrundleError, ImportError):
-    """A library that is needed for this and not installed; the message gives the install line."""
+    """A library that is needed for this and not installed; the message gives the install line.
+
+    Attributes:
+        purpose: What it is needed for.
+        package: What is not installed.
+        install: The line that installs it.
+    """
 
     def __init__(self, purpose: str, package: str, install: str) -> None:
         super().__init__(f"{purpose} needs {package}, which is not installed. Install it with: {install}")
+        self.purpose, self.package, self.install = purpose, package, install
+
+    def __reduce__(self) -> tuple[Callable[..., TrundleError], tuple[object, ...], dict[str, object]]:
+        make, arguments, state = super().__reduce__()
+        return make, arguments, {**state, "msg": self.msg}
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -144,3 +164,8 @@ class PlanningStoppedError(PlanningError):
     ) -> None:
         super().__init__(message, pose=pose, cell=cell)
         self.status = status
+
+
+def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
+    """An error with these `args`, made without `__init__`, which may ask for others; its attributes are set next."""
+    return kind.__new__(kind, *arguments)
