@@ -145,3 +145,21 @@ def idat(stream: bytes) -> bytes:
 def test_damage_is_told(content, message):
     with pytest.raises(MapError, match=message):
         decode_png(content, "a.png")
+
+
+def test_an_image_packed_as_tightly_as_deflate_can_is_read():
+    rows = zlib.compress(bytes(3000 * 3001), 9)
+    content = header(3000, 3000) + samples_of.chunk(b"IDAT", rows) + samples_of.chunk(b"IEND", b"")
+    assert 1000 * len(rows) < 3000 * 3001
+    assert not decode_png(content, "a.png").colour.any()
+
+
+@pytest.mark.parametrize("packed_bytes", [2, 100, 5000])
+def test_a_header_that_claims_more_than_the_data_can_hold_is_refused_before_anything_is_unpacked(packed_bytes):
+    # Deflate packs 1032 to 1 at most. What is unpacked here is no deflate stream, which would be told first.
+    data = samples_of.chunk(b"IDAT", b"\xff" * packed_bytes) + samples_of.chunk(b"IEND", b"")
+    fullest = 1032 * packed_bytes - 1  # a row has a byte more than pixels
+    with pytest.raises(MapError, match="damaged"):
+        decode_png(header(fullest, 1) + data, "a.png")
+    with pytest.raises(MapError, match="truncated"):
+        decode_png(header(fullest + 1, 1) + data, "a.png")

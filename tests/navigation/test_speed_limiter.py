@@ -1,14 +1,16 @@
-"""What a speed mask makes of a whole path, before anything moves."""
+"""What a speed mask makes of a whole path before anything moves, and what it allows on the way to a limit."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
-from trundle.navigation.speed_limiter import fastest_s, limits_along
+from trundle.navigation.speed_limiter import SpeedLimiter, fastest_s, limits_along
 from trundle.path import Path
+from trundle.planning import PathCheck
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -27,3 +29,47 @@ def test_limits_along_are_the_least_at_a_pose_and_beside_it():
     poses = np.array([[0.5, -0.09, 0.0], [0.5, -0.11, 0.0], [0.5, -0.09, math.pi / 2], [1.09, 0.5, -math.pi / 2]])
     limits = limits_along(poses, mask, 1.0)
     assert limits == pytest.approx([0.3, math.inf, math.inf, 0.3])
+
+
+DT = 0.05
+SLOW = 0.2
+QUICK = CARTER.model_copy(update={"limits": CARTER.limits.model_copy(update={"linear_speed": 3.0})})
+ZONE = SpeedMask(
+    OccupancyGrid(np.full((2, 4), 20), 1.0, Pose2D(0.0, -1.0)), unit="absolute", base=0.0, multiplier=SLOW / 20.0
+)
+
+
+def braking_distance(speed, deceleration):
+    """From this speed to the zone's, after one more control period at it [m]."""
+    return speed * DT + (speed**2 - SLOW**2) / (2.0 * deceleration)
+
+
+@pytest.mark.parametrize("follows", [False, True])
+@pytest.mark.parametrize("distance", [0.2, 0.5, 1.0, 2.0, 3.0])
+def test_a_limit_ahead_is_come_down_to_with_half_of_the_deceleration(distance, follows):
+    limiter = SpeedLimiter(ZONE, QUICK)
+    pose, twist = Pose2D(-distance, 0.0), Twist2D(1.0, 0.0)
+    kept = 0.05  # what a limit ahead is looked for every [m], and the step that it is rounded to
+    if follows:
+        limiter.set_path(PathCheck(Path(np.array([[-distance, 0.0, 0.0], [3.0, 0.0, 0.0]]))))
+        kept += 0.1  # beside the path, so also before it
+    allowed = limiter.limit(pose, twist, 0, DT)
+    half = 0.5 * CARTER.limits.linear_acceleration
+    assert distance - kept <= braking_distance(allowed, half) <= distance
+
+
+def test_a_robot_that_keeps_to_what_is_allowed_brakes_with_half_of_its_deceleration():
+    limiter, x, speeds = SpeedLimiter(ZONE, QUICK), -4.0, [3.0]
+    while x < 0.0:
+        speeds.append(min(3.0, limiter.limit(Pose2D(x, 0.0), Twist2D(speeds[-1], 0.0), 0, DT)))
+        x += speeds[-1] * DT
+    assert speeds[-1] == pytest.approx(SLOW, abs=0.15)
+    braking = [before for before, after in itertools.pairwise(speeds) if after < before]
+    seconds = len(braking) * DT
+    assert (braking[0] - speeds[-1]) / seconds == pytest.approx(0.5 * CARTER.limits.linear_acceleration, rel=0.1)
+
+
+def test_within_a_zone_its_limit_holds():
+    limiter = SpeedLimiter(ZONE, QUICK)
+    assert limiter.limit(Pose2D(0.5, 0.0), Twist2D(SLOW, 0.0), 0, DT) == pytest.approx(SLOW)
+    assert limiter.limit(Pose2D(-9.0, 0.0), Twist2D(1.0, 0.0), 0, DT) == math.inf
