@@ -1,8 +1,10 @@
 # make demo   set up, then drive a robot across the built-in warehouse
 # make test   set up, then run the tests
 # make check  lint, types, layers
+# make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make build  rebuild the C++ kernels (an editable install does not do so on import)
 PYTHON ?= python3
+FUZZ_SECONDS ?= 10
 VENV ?= .venv
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
@@ -24,13 +26,17 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 
 SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*.hpp) CMakeLists.txt
 
-.PHONY: demo test check build setup dev clean
+.PHONY: demo test fuzz check build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
 
 test: dev
 	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+fuzz: dev
+	$(BIN)/python -m pytest -n 2 --explore --explore-seconds $(FUZZ_SECONDS)
+	PYTHONPATH=tests $(BIN)/python -W ignore::RuntimeWarning -m fuzz --seconds $(FUZZ_SECONDS) --seed $$(date +%s)
 
 check: dev
 	$(BIN)/ruff check .

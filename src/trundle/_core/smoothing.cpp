@@ -87,9 +87,12 @@ Smoothed write(const Request &request, const std::vector<Piece> &pieces) {
     } else {
       std::vector<Stretch> parts{pieces[i].stretch};
       while (end < pieces.size() && !pieces[end].is_kept()) parts.push_back(pieces[end++].stretch);
-      for_each_pose(from, merged(parts), request.spacing,
+      const std::vector<Stretch> joined = merged(parts);
+      const PlanarPose &to = pieces[end - 1].to;
+      for_each_pose(from, joined, request.spacing,
                     [&](const PlanarPose &pose, bool back) { add(pose, back, false, -1); });
-      const PlanarPose &to = pieces[end - 1].to;  // what has come together in rounding on the way
+      if (joined.empty()) add(to, false, false, -1);
+      // The sum of what was rounded along the parts.
       out.poses[out.poses.size() - 3] = to.x, out.poses[out.poses.size() - 2] = to.y;
       out.poses[out.poses.size() - 1] = to.yaw;
     }

@@ -10,10 +10,17 @@
 
 namespace trundle {
 
-// Parts that go on alike become one.
+// Whether a part is there only by rounding: a curve of several pieces may have one of some nanometres.
+inline bool is_rounding(const Stretch &part) {
+  constexpr double kLength = 1e-6, kTurn = 1e-5;  // [m], [rad]
+  return std::fabs(part.length) < kLength && std::fabs(part.turn) < kTurn;
+}
+
+// Consecutive parts of the same kind and direction become one; those that are there only by rounding are left out.
 inline std::vector<Stretch> merged(const std::vector<Stretch> &parts) {
   std::vector<Stretch> out;
   for (const Stretch &part : parts) {
+    if (is_rounding(part)) continue;
     if (!out.empty()) {
       Stretch &last = out.back();
       const bool same_way = last.length * part.length > 0.0 || (last.length == 0.0 && part.length == 0.0);

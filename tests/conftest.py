@@ -1,0 +1,90 @@
+"""How property tests draw their examples: the same ones on every run, or random ones where `--explore` asks for them.
+
+python -m pytest --explore --explore-seconds 60                        every property test for a minute
+python -m pytest --explore --explore-examples 20000 tests/costmap      until so many examples were tried
+
+A finding prints the arguments; pin it with `@example(…)` beside the test's `@given`.
+"""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+# A slow machine is no fault of the code, and a database of failures would make two runs differ.
+_STEADY: dict[str, Any] = {"deadline": None, "database": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("repeatable", derandomize=True, **_STEADY)
+settings.register_profile("explore", derandomize=False, print_blob=True, **_STEADY)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("exploration of property tests")
+    group.addoption("--explore", action="store_true", help="run only property tests, on random examples")
+    group.addoption("--explore-seconds", type=float, metavar="S", help="time for each test; no limit by default")
+    group.addoption("--explore-examples", type=int, default=20_000, metavar="N", help="for each test; default 20000")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    settings.load_profile("explore" if config.getoption("explore") else "repeatable")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not config.getoption("explore"):
+        return
+    others = [item for item in items if not _is_property(item)]
+    items[:] = [item for item in items if _is_property(item)]
+    config.hook.pytest_deselected(items=others)
+
+
+def _is_property(item: pytest.Item) -> bool:
+    return isinstance(item, pytest.Function) and getattr(item.obj, "is_hypothesis_test", False)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Repeat a property test, whose every round draws other examples, until there are enough of them."""
+    config = pyfuncitem.config
+    if not config.getoption("explore"):
+        return None
+    # Hypothesis calls what stands here for every example.
+    handle: Any = pyfuncitem.obj.hypothesis
+    counter, test = _Counter(), handle.inner_test
+    handle.inner_test = counter.wrap(test)
+    names = pyfuncitem._fixtureinfo.argnames
+    seconds = config.getoption("explore_seconds")
+    until = None if seconds is None else time.monotonic() + seconds
+    try:
+        while counter.count < config.getoption("explore_examples") and (until is None or time.monotonic() < until):
+            pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in names})
+    finally:
+        handle.inner_test = test
+        pyfuncitem.user_properties.append(("examples", counter.count))
+    return True
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    for outcome in ("passed", "failed"):
+        for report in terminalreporter.stats.get(outcome, ()):
+            for name, value in getattr(report, "user_properties", ()):
+                if name == "examples":
+                    terminalreporter.write_line(f"{value} examples, {outcome}: {report.nodeid}")
+
+
+class _Counter:
+    """How often tests were called."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def wrap(self, test: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(test)
+        def counted(*args: Any, **kwargs: Any) -> Any:
+            self.count += 1
+            return test(*args, **kwargs)
+
+        return counted
