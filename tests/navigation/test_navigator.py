@@ -89,14 +89,15 @@ def test_without_a_goal_it_stands_idle():
 
 
 def test_a_goal_without_a_yaw_needs_no_room_to_turn():
-    # A dead end that is too narrow to turn in; yaw 0 would mean to turn round at its end.
+    # A dead end that is too narrow to turn in; yaw 0 means to turn round before it, and to drive in backwards.
     navigator = Navigator(room((-4.9, 0.35, 0.0, 4.9), (-4.9, -4.9, 0.0, -0.35)), "nova_carter")
     navigator.set_goal(-4.0, 0.0)
     drive(navigator, Pose2D(2, 0, 0))
     assert navigator.status is NavigationStatus.ARRIVED
     navigator.set_goal(-4.0, 0.0, 0.0)
     navigator.update(Pose2D(2, 0, 0))
-    assert navigator.status is NavigationStatus.NO_PATH
+    assert navigator.path.planner == "hybrid_astar"
+    assert navigator.path.backward[-1]
 
 
 def test_no_path_is_a_status_of_update_and_an_error_of_plan():

@@ -35,7 +35,7 @@ def plan(
     start: options.Start = None,
     goal: options.Goal = None,
     robot: options.RobotName = "nova_carter",
-    planner: options.PlannerName = "least_cost",
+    planner: options.PlannerName = "auto",
     planner_options: options.PlannerOptions = None,
     partial: Annotated[bool, Parameter(negative="")] = False,
     deadline: float | None = None,
@@ -116,6 +116,7 @@ def plan(
         "cost": path.cost,
         "planning_ms": 1000.0 * navigator.planning_time_s,
         "planner": planner,
+        "found_by": path.planner,
         "smoother": smoother,
         "replans": path.replans,
         "start_snapped_m": path.start_snapped_m,
@@ -134,7 +135,7 @@ def plan(
             "length": f"{path.length:.3f} m",
             "cost": path.cost,
             "time": f"{facts['planning_ms']:.1f} ms",
-            "planner": f"{planner}, planned again {path.replans} times",
+            "planner": f"{path.planner}, planned again {path.replans} times",
             "overlay": target,
         }
     )

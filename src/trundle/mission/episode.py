@@ -35,7 +35,7 @@ class Outcome(StrEnum):
     TIMED_OUT = "timed_out"
     """The time limit was over first."""
     NO_PATH = "no_path"
-    """There is no way from where it was to the goal."""
+    """No path from where it was to the goal was found."""
     ABORTED = "aborted"
     """Stopped from outside (Ctrl-C), or the physics broke down."""
 

@@ -227,7 +227,7 @@ class _Drive:
                 navigator.set_goal(goals[self._reached])
                 continue
             if status is NavigationStatus.NO_PATH:
-                return Outcome.NO_PATH, str(navigator.error or "there is no way to the goal")
+                return Outcome.NO_PATH, str(navigator.error or "no path to the goal was found")
             if status is NavigationStatus.STUCK:
                 return Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s"
             if state.time >= self._info.time_limit_s - 1e-9:

@@ -134,7 +134,7 @@ class Scenario(Config):
     start: Numbers | None = None
     goal: Numbers | None = None
     goals: Annotated[tuple[Numbers, ...], Field(min_length=1)] | None = None
-    planner: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="least_cost")
+    planner: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="auto")
     controller: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="regulated_pure_pursuit")
     smoother: Annotated[Choice | None, BeforeValidator(_name_alone)] = None
     backend: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="mujoco")

@@ -42,7 +42,7 @@ class NavigationStatus(StrEnum):
     STUCK = "stuck"
     """The robot has not got on for too long, though there is a way; it has given up this goal."""
     NO_PATH = "no_path"
-    """There is no way to the goal, from the start or from where the robot was blocked; `Navigator.error` says why."""
+    """No path to the goal was found, from the start or from where the robot was blocked; `Navigator.error` says why."""
 
 
 class Navigator:
@@ -98,7 +98,7 @@ class Navigator:
         grid: OccupancyGrid | Costmap | str | os.PathLike[str],
         robot: Robot | str | os.PathLike[str],
         *,
-        planner: str | Planner = "least_cost",
+        planner: str | Planner = "auto",
         controller: str | Controller = "regulated_pure_pursuit",
         smoother: str | Smoother | None = None,
         planner_options: Mapping[str, Any] | None = None,

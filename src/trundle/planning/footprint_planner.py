@@ -22,7 +22,7 @@ from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.options import check_count, check_number
 from trundle.planning.pose_planner import PosePlanner
-from trundle.planning.query import Query, no_path, still_hits
+from trundle.planning.query import Query, no_path, none_found
 
 
 def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
@@ -152,6 +152,11 @@ class FootprintPlanner(PosePlanner):
             near = min(near, other, key=lambda path: path.remaining_m)
         return near
 
+    def is_near_enough(self, path: Path, costmap: Costmap, start: End, goal: Pose2D) -> bool:
+        """Whether a partial path ends about as near to a goal as the inscribed circle can get."""
+        least = self._place_near(costmap, costmap.data, start, goal).pose.distance_to(goal)
+        return path.remaining_m <= least + _overhang(costmap)
+
     def _attempt(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
         """Plan, check, and plan again around what the footprint hits; `replans` is what came before."""
         costmap, costs = query.costmap, query.costmap.data
@@ -161,7 +166,8 @@ class FootprintPlanner(PosePlanner):
             patience.check()
             way = self._find_way(costmap, costs, query.leave, query.enter, patience)
             if way is None:
-                return _Failure(no_path(query, hit, patience), replans)
+                error = no_path(query, patience) if hit is None else none_found(query, hit, replans)
+                return _Failure(error, replans)
             patience.check()
             vertices, cost = way
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
@@ -171,7 +177,7 @@ class FootprintPlanner(PosePlanner):
             places = places_to_avoid(motions, hits, owners)
             blocked = block(costmap, costs, places, (query.leave.cell, query.enter.cell))
             if replans == last or np.array_equal(blocked, costs):
-                return _Failure(still_hits(query, hits[0], replans), replans)
+                return _Failure(none_found(query, hits[0], replans), replans)
             costs = blocked
             replans += 1
 
@@ -184,7 +190,7 @@ class FootprintPlanner(PosePlanner):
         it may end nearer by more than the footprint reaches past its inscribed circle.
         """
         costs, last = costmap.data, replans + self._max_replans
-        overhang = costmap.circumscribed_radius - costmap.inscribed_radius + costmap.resolution
+        overhang = _overhang(costmap)
         best: Path | None = None
         while True:
             patience.check()
@@ -264,6 +270,11 @@ class FootprintPlanner(PosePlanner):
             status="partial",
             remaining_m=math.dist(last[:2], (goal.x, goal.y)),
         )
+
+
+def _overhang(costmap: Costmap) -> float:
+    """How far [m] the footprint reaches past its inscribed circle, and a cell."""
+    return costmap.circumscribed_radius - costmap.inscribed_radius + costmap.resolution
 
 
 def to_grid(costmap: Costmap, points: FloatArray) -> FloatArray:

@@ -255,11 +255,11 @@ class HybridAStarPlanner(PosePlanner):
         end = query.start if status == _START_CLOSED else query.goal
         where = {"pose": end.pose.as_tuple(), "cell": end.cell}
         if status == _CLOSED_OFF:
-            return no_path(query, None, patience)
+            return no_path(query, patience)
         if status in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED):
             return NoPathError(f"no path {query.ends}: {self._why_not(status, expansions)}", **where)
-        why = f"{self.settings.max_expansions} nodes were expanded (max_expansions)"
-        return PlanningStoppedError(f"no path {query.ends} found yet when {why}", **where, status="exhausted")
+        limit = f"{self.settings.max_expansions} expansions (max_expansions)"
+        return PlanningStoppedError(f"no path {query.ends}: none found within {limit}", **where, status="exhausted")
 
     def _why_not(self, status: int, expansions: int) -> str:
         settings = self.settings

@@ -13,6 +13,7 @@ PLANNERS: Registry[Planner] = Registry(
     "planner",
     "trundle.planners",
     {
+        "auto": "trundle.planning.auto:AutoPlanner",
         "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
         "astar": "trundle.planning.astar:AStarPlanner",
         "jps": "trundle.planning.jps:JpsPlanner",

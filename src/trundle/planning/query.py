@@ -9,7 +9,7 @@ import numpy as np
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.errors import NoPathError, PlanningError
+from trundle.errors import NoPathError, PlanningStoppedError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End, place_to_turn
@@ -61,32 +61,29 @@ def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
     return int(row), int(col)
 
 
-def still_hits(query: Query, hit: FloatArray, replans: int) -> PlanningError:
-    """The error for a footprint that hits something at a pose (x, y, yaw) however often it was planned again."""
+def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedError:
+    """The error for a footprint that hits something on every path tried, on the last one at a pose (x, y, yaw).
+
+    That there is no path is not known then: others were not tried, nor any that is driven backwards.
+    """
     x, y, yaw = hit.tolist()
-    return PlanningError(
-        f"no path {query.ends}: planned {replans + 1} times, and the footprint still hits something at "
-        f"({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
+    return PlanningStoppedError(
+        f"no path {query.ends}: none found within {replans + 1} plan{'s' if replans else ''}; the footprint hits "
+        f"something on each, on the last at ({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°); planner auto or hybrid_astar "
+        "also searches paths that are driven backwards",
         pose=(x, y, yaw),
         cell=cell_at(query.costmap, x, y),
+        status="exhausted",
     )
 
 
-def no_path(query: Query, hit: FloatArray | None, patience: Patience) -> NoPathError:
-    """The error for ends that no way joins; `hit` is the pose where the footprint hit something on the last one.
+def no_path(query: Query, patience: Patience) -> NoPathError:
+    """The error for ends that no path of the inscribed circle joins.
 
     Raises:
         PlanningStoppedError: If patience ends before the reason is known.
     """
     costmap, start, goal = query.costmap, query.leave, query.enter
-    if hit is not None:
-        x, y, yaw = hit.tolist()
-        return NoPathError(
-            f"no path {query.ends}: on every way that is wide enough for the robot's inscribed circle its footprint "
-            f"hits something, on the last one at ({x:.2f}, {y:.2f}, {math.degrees(yaw):.0f}°)",
-            pose=(x, y, yaw),
-            cell=cell_at(costmap, x, y),
-        )
     # For a point, with as few steps as possible through what is too narrow for the robot.
     weights = np.ones(256, dtype=np.uint16)
     weights[INSCRIBED], weights[LETHAL:] = 10_000, 0

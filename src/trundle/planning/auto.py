@@ -1,0 +1,94 @@
+"""`AutoPlanner`: least cost, and a search of poses where that finds nothing; by name `auto`, the default everywhere."""
+
+from __future__ import annotations
+
+from typing import Unpack
+
+from trundle.costmap import Costmap
+from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.planning.cancellation import Patience
+from trundle.planning.ends import End
+from trundle.planning.footprint_planner import FootprintOptions
+from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
+from trundle.planning.options import check_flag
+from trundle.planning.pose_planner import PosePlanner
+from trundle.planning.query import Query
+
+
+class AutoPlanner(PosePlanner):
+    """Plans by `least_cost`, and where that finds no path by `hybrid_astar`, with turns in place and then without.
+
+    `least_cost` plans for a point and checks the footprint afterwards, so it fails where the robot has to reverse out
+    of its start or into its goal. `hybrid_astar` searches poses, and drives backwards where it must. `Path.planner` and
+    `Path.cost` are those of the planner that found the path. A goal is moved, within its tolerance, only where no
+    planner gets to it as it is.
+
+    Where all fail, the error is a `NoPathError` if the inscribed circle cannot get there, or if a search of poses ended
+    because it had tried all of them; otherwise a `PlanningStoppedError`. With `allow_partial` the path is given that
+    ends nearest to the goal.
+
+    Args:
+        neutral_cost: Of `LeastCostPlanner`.
+        cost_weight: Of `LeastCostPlanner`.
+        options: Those of `FootprintPlanner`. Tolerances, `spacing` and `allow_partial` hold for each planner, and
+            `deadline_s` for all together.
+
+    Raises:
+        InputError: If an option is out of range.
+    """
+
+    def __init__(
+        self,
+        *,
+        neutral_cost: float = NEUTRAL_COST,
+        cost_weight: float = COST_WEIGHT,
+        **options: Unpack[FootprintOptions],
+    ) -> None:
+        strict = options.copy()
+        allow_partial = check_flag("allow_partial", strict.pop("allow_partial", False))
+        self._least_cost = LeastCostPlanner(neutral_cost=neutral_cost, cost_weight=cost_weight, **strict)
+        super().__init__(
+            start_tolerance=self._least_cost._start_tolerance,
+            goal_tolerance=self._least_cost._goal_tolerance,
+            allow_partial=allow_partial,
+            deadline_s=self._least_cost._deadline_s,
+        )
+        spacing = {"spacing": options["spacing"]} if "spacing" in options else {}
+        self._searches = [HybridAStarPlanner(in_place=in_place, **spacing) for in_place in (True, False)]
+        self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
+
+    def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
+        moved: Path | None = None
+        failures: list[PlanningError] = []
+        for planner in (self._least_cost, *self._searches):
+            try:
+                path = planner._plan_to(query, goal, patience)
+            except PlanningError as error:
+                if _is_out_of_patience(error):
+                    raise
+                failures.append(error)
+                if planner is self._least_cost and isinstance(error, NoPathError):
+                    break  # not even the inscribed circle gets there
+            else:
+                if path.goal_snapped_m == query.goal.snapped_m:
+                    return path
+                moved = path
+        if moved is not None:
+            return moved
+        if self._allow_partial:
+            return self._plan_near(query.costmap, query.start, goal, patience)
+        raise next((error for error in failures if isinstance(error, NoPathError)), failures[-1])
+
+    def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
+        path = self._least_cost._plan_near(costmap, start, goal, patience)
+        if self._nearing is None or self._least_cost.is_near_enough(path, costmap, start, goal):
+            return path
+        other = self._nearing._plan_near(costmap, start, goal, patience)
+        return other if other.remaining_m < path.remaining_m - costmap.resolution else path
+
+
+def _is_out_of_patience(error: PlanningError) -> bool:
+    return isinstance(error, PlanningStoppedError) and error.status != "exhausted"
