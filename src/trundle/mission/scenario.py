@@ -18,7 +18,7 @@ from trundle.files import write_text
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.episode import Episode, Goal
-from trundle.mission.run import Observer, run
+from trundle.mission.loop import Observer, run
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
 from trundle.robots import Robot, is_robot_file

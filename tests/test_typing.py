@@ -1,0 +1,45 @@
+"""The README's Python passes mypy and pyright, and no public name of a package is hidden by a module of that name."""
+
+import importlib
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import trundle
+
+ROOT = Path(__file__).parents[1]
+SNIPPETS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
+# What the reader has already.
+YOUR_ROBOT = "def pose_of_my_robot() -> trundle.Pose2D:\n    return trundle.Pose2D(0.0, 0.0)\n\n\n"
+CHECKERS = {"mypy": ("mypy", "--strict"), "pyright": ("pyright", "--pythonpath", sys.executable)}
+
+
+@pytest.mark.parametrize("checker", CHECKERS)
+def test_the_readmes_python_is_typed_correctly_and_a_wrong_type_is_found(tmp_path: Path, checker: str) -> None:
+    first, *others = SNIPPETS
+    start = first.index("\n", first.index("import trundle")) + 1
+    snippet = "\n".join([first[:start] + "\n\n" + YOUR_ROBOT + first[start:], *others])
+    (tmp_path / "right.py").write_text(snippet)
+    (tmp_path / "wrong.py").write_text(snippet + "\nlength: str = episode.metrics.distance_m\n")
+    done = subprocess.run(
+        [sys.executable, "-m", *CHECKERS[checker], "right.py", "wrong.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    errors = [line for line in done.stdout.splitlines() if " error: " in line]
+    assert len(errors) == 1, done.stdout + done.stderr
+    assert "wrong.py" in errors[0]
+
+
+def test_no_public_name_is_the_name_of_a_module_beside_it() -> None:
+    names = ["trundle", *(found.name for found in pkgutil.walk_packages(trundle.__path__, "trundle.") if found.ispkg)]
+    for name in names:
+        package = importlib.import_module(name)
+        modules = {found.name for found in pkgutil.iter_modules(package.__path__)}
+        assert not modules & set(getattr(package, "__all__", ())), name
