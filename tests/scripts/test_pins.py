@@ -31,3 +31,12 @@ def test_development_requirements_are_those_of_the_project() -> None:
         [sys.executable, str(ROOT / "scripts" / "requirements.py"), "dev"], capture_output=True, text=True, check=True
     )
     assert done.stdout.split() == [item.replace(" ", "") for item in PROJECT["dependency-groups"]["dev"]]
+
+
+def test_the_doctors_line_installs_the_engine_that_is_pinned() -> None:
+    assert f"pip install {lines('constraints.txt')[0]}" in (ROOT / "src/trundle/doctor/machine.py").read_text()
+
+
+def test_the_readme_installs_from_its_folder_with_extras_that_there_are() -> None:
+    (extras,) = re.findall(r'^pip install "\.\[([a-z,]+)\]"', (ROOT / "README.md").read_text(), flags=re.MULTILINE)
+    assert set(extras.split(",")) <= set(PROJECT["project"]["optional-dependencies"])
