@@ -233,7 +233,7 @@ def test_a_byte_order_mark_is_skipped(tmp_path):
     ("content", "message"),
     [
         (b"", "image file is empty"),
-        (b"GIF89a", "not a PNG or PNM"),
+        (b"GIF89a", "not a PNG, PNM"),
         (b"\x89PNG\r\n\x1a\n", "truncated"),
         (PGM[:-1], "truncated"),
         (b"P2 20000 20001 255\n", "more than a map may have"),

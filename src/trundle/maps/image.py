@@ -5,24 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 
 from trundle.errors import MapError
-from trundle.maps import pnm
+from trundle.maps import bmp, pnm
 from trundle.maps.grid import MAX_CELLS
 from trundle.maps.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16
 _PNG_EXTRA_BYTES = 16_000_000
+_TRAILING_BYTES = 1 << 16  # padding and colour profiles behind the pixels
 _MAX_DECODED_BYTES = 4 * MAX_CELLS
 
 
 def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
-    """Read a PNG or PNM image.
+    """Read a PNG, PNM or BMP image.
 
     Args:
         path: The file; its suffix does not matter.
         max_cells: The most pixels to accept.
 
     Raises:
-        MapError: If the file cannot be read, is no PNG or PNM, is too large, truncated or damaged.
+        MapError: If the file cannot be read, is no PNG, PNM or BMP, is too large, truncated or damaged.
     """
     try:
         if not path.is_file():
@@ -37,6 +38,8 @@ def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
         raise MapError(f"cannot read {path}: {error.strerror or error}") from error
     if head[:2] in pnm.MAGIC:
         return pnm.decode_pnm(content, str(path))
+    if head.startswith(bmp.SIGNATURE):
+        return bmp.decode_bmp(content, str(path))
     from trundle.maps import png
 
     return png.decode_png(content, str(path))
@@ -47,13 +50,18 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
     if head[:2] in pnm.MAGIC:
         header = pnm.parse_header(head, name)
         limit = header.offset + header.raster_bytes
+    elif head.startswith(bmp.SIGNATURE):
+        header = bmp.parse_header(head, name)
+        # Runs take at most two bytes a pixel and two at the end of each row.
+        packed = 2 * (header.width + 1) * header.height
+        limit = header.offset + max(packed if header.is_packed else 0, header.raster_bytes) + _TRAILING_BYTES
     else:
         from trundle.maps import png
 
         if not head:
             raise MapError(f"{name}: the image file is empty")
         if not head.startswith(png.SIGNATURE):
-            raise MapError(f"{name}: not a PNG or PNM (PGM) image; convert it to PNG")
+            raise MapError(f"{name}: not a PNG, PNM (PGM) or BMP image; convert it to PNG")
         header = png.parse_header(head, name)
         limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
     cells = header.width * header.height

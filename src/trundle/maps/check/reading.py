@@ -19,7 +19,7 @@ from trundle.maps.ros_reader import find_image
 from trundle.maps.ros_writer import FREE_THRESH
 from trundle.maps.ros_yaml import RosMapDescription
 
-_SUFFIXES = (".png", ".pgm", ".pnm", ".ppm")
+_SUFFIXES = (".png", ".pgm", ".pnm", ".ppm", ".bmp")
 
 
 class Reading(NamedTuple):
