@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import struct
@@ -146,17 +147,25 @@ def _load_scene(path: Path) -> Any:
         raise WorldError(f"{path}: {size} bytes is more than a mesh file may have ({MAX_BYTES})")
     if path.suffix.lower() in _GLTF:
         _check_gltf_extensions(path)
+    if path.suffix.lower() == ".dae":
+        _check_collada_reader()
     options = {"split_objects": True} if path.suffix.lower() == ".obj" else {}
     try:
         return cast("Any", trimesh).load_scene(str(path), process=False, **options)
     except Exception as error:  # readers of broken files raise whatever the bytes lead them into
-        if isinstance(error, ImportError) and error.name == "collada":
-            install = 'pip install "trundle[mesh]"'
-            raise MissingExtraError(f"reading {path.suffix} files", "pycollada", install) from error
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         if isinstance(error, ImportError):  # it wants a library that guesses how bytes are meant as text
             reason = "it is not UTF-8 text"
         raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
+
+
+def _check_collada_reader() -> None:
+    """Refuse COLLADA where trimesh has no reader for it: its own errors do not say which library it wants."""
+    try:
+        importlib.import_module("collada")
+    except ImportError as error:
+        install = 'pip install "trundle[mesh]"'
+        raise MissingExtraError("reading .dae files", "pycollada", install) from error
 
 
 def _check_gltf_extensions(path: Path) -> None:

@@ -139,7 +139,10 @@ def _prepare_urdf(
         where = f"{path}:{cast('XmlElement', element).line}"
         found = find_uri(uri, path.parent, folders)
         if found is None or not found.is_file():
-            raise error(f"{where}: the mesh {uri!r} was not found in {describe_search(folders)}; name it with paths=…")
+            raise error(
+                f"{where}: the mesh {uri!r} was not found; searched: {describe_search(folders)}. Name its folder with "
+                "--paths FOLDER (paths=…)"
+            )
         key = found.resolve()
         if key not in names:
             stem = f"{len(names)}-{found.stem}"

@@ -131,3 +131,56 @@ def test_a_broken_world_is_bad_input(trundle, field):
     assert done.code == 2
     assert "SDF version '9.9' is not known" in done.err
     np.testing.assert_equal(len(done.err.strip().splitlines()), 1)
+
+
+def test_models_are_found_in_the_folders_of_paths_by_every_verb(trundle, field, tmp_path):
+    posts = field.read_text().replace("<world name='field'>", "<model name='posts'><static>1</static>")
+    (tmp_path / "mine" / "posts").mkdir(parents=True)
+    (tmp_path / "mine" / "posts" / "model.sdf").write_text(posts.replace("</world>", "</model>"))
+    field.write_text("<sdf version='1.7'><world name='field'><include><uri>model://posts</uri></include></world></sdf>")
+    robot = ("--robot", "jackal")
+    ends = ("--start", "-1,1,0", "--goal", "3,1", "--backend", "kinematic", "--no-video", "-o", "out", "--json")
+    for verb in (
+        ("map", "build", field, *robot, "--json"),
+        ("map", "check", "map.yaml", "--world", field, "--json"),
+        ("drive", "jackal", "--world", field, "--start", "-1,1", "--command", "0.2,0,0.1", "--json"),
+        ("view", "jackal", "--world", field, "--start", "-1,1", "--size", "160x90", "-o", "v.png", "--json"),
+        ("run", field, *robot, *ends),
+        ("export", field, "-o", "field.glb", "--json"),
+    ):
+        refused = trundle(*verb)
+        assert refused.code == 2, verb
+        assert "'model://posts' was not found" in refused.err
+        done = trundle(*verb, "--paths", f"{tmp_path / 'none'}:{tmp_path / 'mine'}")
+        assert done.code == 0, done.err
+    again = trundle("run", "out/scenario.yaml", "--no-video", "-o", "again", "--json")
+    assert again.code == 0, again.err
+
+
+def test_paths_that_nothing_uses_are_refused(trundle, field):
+    done = trundle("drive", "jackal", "--command", "0.2,0,0.1", "--paths", "mine")
+    assert done.code == 2
+    assert "--paths is for files that name others" in done.err
+    done = trundle("map", "build", field, "--paths", "a", "--set", "paths=b")
+    assert done.code == 2
+    assert "not both" in done.err
+
+
+def test_the_meshes_of_a_robot_are_found_in_the_folders_of_paths(trundle, box_bot, tmp_path):
+    (tmp_path / "mine" / "bot").mkdir(parents=True)
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    (tmp_path / "mine" / "bot" / "hull.obj").write_text(corners)
+    hull = '<mesh filename="package://bot/hull.obj" scale="0.1 0.1 0.1"/>'
+    box_bot.write_text(
+        box_bot.read_text().replace(
+            "<inertial><origin",
+            f"<collision><origin xyz='0 0 0.1'/><geometry>{hull}</geometry></collision><inertial><origin",
+            1,
+        )
+    )
+    refused = trundle("drive", box_bot, "--command", "0.4,0,0.1")
+    assert refused.code == 2
+    assert "--paths FOLDER" in refused.err
+    with pytest.warns(RobotWarning):
+        done = trundle("drive", box_bot, "--command", "0.4,0,0.1", "--paths", tmp_path / "mine", "--json")
+    assert done.code == 0, done.err

@@ -358,7 +358,7 @@ def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<sdf version='1.3'><world name='w'/></sdf>", "SDF version '1.3' is not known; 1.4 to 1.11 are read"),
+        ("<sdf version='1.1'><world name='w'/></sdf>", "SDF version '1.1' is not known; 1.2 to 1.12 are read"),
         ("<sdf version='2.0'><world name='w'/></sdf>", "SDF version '2.0' is not known"),
         ("<sdf><world name='w'/></sdf>", "<sdf> has no version"),
         ("<gazebo/>", "starts with <sdf version=…>, this one with <gazebo>"),

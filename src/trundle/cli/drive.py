@@ -55,6 +55,7 @@ def drive(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -86,14 +87,14 @@ def drive(
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
     isaac.check_window(view, backend)
-    machine = Robot.load(robot)
+    machine = Robot.load(robot, paths=options.join_paths(paths))
     if teleop and not view:
         check_terminal()
     if backend == "mujoco":
         import_engine()
     log = DriveLog()
     with ExitStack() as stack:
-        kept = options.parse_settings(settings, exclude)
+        kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
         place = stack.enter_context(isaac.open_place(world, settings=kept, seed=seed, backend=backend, given=given))
         pose = sources.start_pose(place, start)
         if like is not None:

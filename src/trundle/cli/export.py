@@ -58,6 +58,7 @@ def export(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -92,7 +93,7 @@ def export(
         "robot_usd": robot_usd,
     }
     given = {name: value for name, value in given.items() if value is not None}
-    thing = load_source(source, form, seed=seed, settings=options.parse_settings(settings, exclude))
+    thing = load_source(source, form, seed=seed, settings=sources.read_settings(source, settings, exclude, paths))
     facts: dict[str, object]
     if isinstance(thing, Robot):
         _check_uses(given, "robot", form)

@@ -52,6 +52,7 @@ def build(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -85,12 +86,13 @@ def build(
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
     from trundle.robots import Robot
 
-    low, high = Robot.load(robot).z_range
+    low, high = Robot.load(robot, paths=options.join_paths(paths)).z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
     area, seeds = _parse_bounds(bounds), _parse_free(free)
     heights = HeightField.load(floor) if floor is not None else None
     scene = isaac.find_environment(world, assets_root)
-    place = sources.load_world(str(scene or world), seed=seed, settings=options.parse_settings(settings, exclude))
+    kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
+    place = sources.load_world(str(scene or world), seed=seed, settings=kept)
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     grid = OccupancyGrid.from_world(
         place,

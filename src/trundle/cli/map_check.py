@@ -43,6 +43,7 @@ def check(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     compat: options.Compat = None,
     json: options.Json = False,
 ) -> int:
@@ -69,8 +70,8 @@ def check(
 
     first = options.parse_pose("--start", start) if start else None
     goals = [options.parse_pose("--goal", text) for text in goal or []]
-    machine = Robot.load(robot) if robot is not None else None
-    given = options.parse_settings(settings, exclude)
+    machine = Robot.load(robot, paths=options.join_paths(paths)) if robot is not None else None
+    given = sources.read_settings(world, settings, exclude, paths, robot=robot)
     place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -101,6 +102,17 @@ Exclude = Annotated[
     ),
 ]
 
+Paths = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--paths",
+        negative="",
+        metavar="FOLDER",
+        help="Where models and packages that a world's or a robot's file names are looked for, after its own folder; "
+        "repeat it, or write : between several.",
+    ),
+]
+
 
 def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: int) -> list[float]:
     """Read finite numbers with commas between them; `form` is what the message asks for."""
@@ -148,6 +160,11 @@ def parse_settings(texts: list[str] | None, exclude: list[str] | None = None) ->
             raise InputError("give --exclude or --set exclude=, not both")
         settings["exclude"] = ",".join(exclude)
     return settings
+
+
+def join_paths(folders: list[str] | None) -> str:
+    """The folders of `--paths` as one text."""
+    return os.pathsep.join(folders or ())
 
 
 def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path:

@@ -46,6 +46,7 @@ def run(
     seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     compat: options.Compat = None,
     unknown: options.Unknown = None,
     unknown_cost: options.UnknownCost = None,
@@ -92,7 +93,9 @@ def run(
         goals = [options.parse_goal("--goal", text) for text in goal]
         changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
     source = isaac.world_of(source, backend, isaac_options)
-    scenario = isaac.adapt(_read(source, options.parse_settings(settings, exclude), changes), isaac_options)
+    scenario = isaac.adapt(
+        _read(source, sources.read_settings(source, settings, exclude, paths), changes), isaac_options
+    )
     return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trundle.cli.options import parse_pose
+from trundle.cli.options import join_paths, parse_pose, parse_settings
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -91,6 +91,34 @@ def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int
     if settings:
         raise InputError("--set and --exclude are for worlds: give --world as well")
     return World(name="empty", solids=())
+
+
+def read_settings(
+    world: str | None,
+    settings: list[str] | None,
+    exclude: list[str] | None,
+    paths: list[str] | None,
+    *,
+    robot: str | None = None,
+) -> dict[str, bool | int | float | str]:
+    """Read what --set, --exclude and --paths say of a world; the robot's file may use --paths as well, or instead.
+
+    Raises:
+        InputError: If the folders of --paths are of no use to either.
+    """
+    from trundle.robots import is_robot_file
+    from trundle.worlds.load import takes_paths
+
+    given = parse_settings(settings, exclude)
+    if not paths:
+        return given
+    if world is not None and takes_paths(world):
+        if "paths" in given:
+            raise InputError("give --paths or --set paths=, not both")
+        given["paths"] = join_paths(paths)
+    elif robot is None or not is_robot_file(robot):
+        raise InputError("--paths is for files that name others: a world's SDF, MJCF or URDF, or a robot's file")
+    return given
 
 
 def start_pose(world: World, text: str | None) -> Pose2D:

@@ -39,6 +39,7 @@ def view(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose window, or renderer.")] = "mujoco",
     json: options.Json = False,
@@ -59,14 +60,13 @@ def view(
     from trundle.robots import Robot
 
     given = isaac.simulator_options(isaac_options, backend)
-    machine = Robot.load(robot)
+    machine = Robot.load(robot, paths=options.join_paths(paths))
     width, height = parse_size(size)
     camera = camera or ("robot" if world is None else "overview")
     if backend == "mujoco":
         import_engine()
-    with isaac.open_place(
-        world, settings=options.parse_settings(settings, exclude), seed=seed, backend=backend, given=given
-    ) as place:
+    kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
+    with isaac.open_place(world, settings=kept, seed=seed, backend=backend, given=given) as place:
         pose = sources.start_pose(place, start)
         in_window = out is None and not json
         if backend == isaac.BACKEND:

@@ -145,12 +145,16 @@ class Robot(Config):
     map_height_band: tuple[float, float] | None = None
 
     @classmethod
-    def load(cls, name_or_path: str | os.PathLike[str] | Robot) -> Robot:
+    def load(cls, name_or_path: str | os.PathLike[str] | Robot, *, paths: Folders = ()) -> Robot:
         """Load a robot by catalogue name, or from a YAML, URDF or MJCF file.
 
         A YAML may have a key `model`, the path of a URDF or MJCF file from the YAML's folder: then everything else is
         read from that, and what the YAML says goes before it. A URDF or MJCF file alone is read as `from_model` reads
         it, with the wheels' joints found by their names.
+
+        Args:
+            name_or_path: Its name, or the file.
+            paths: Folders in which a file's package:// names are looked for, after those above it.
 
         Raises:
             UnknownNameError: If it is neither a known name nor a path; the nearest name is offered.
@@ -162,7 +166,7 @@ class Robot(Config):
         if text in _catalogue():
             return _load_file(_catalogue()[text])
         if is_robot_file(text):
-            return _load_file(Path(text))
+            return _load_file(Path(text), split_folders(paths))
         if text in _PLUGINS.names():
             return _load_plugin(text)
         raise UnknownNameError("robot", text, robot_names())
@@ -299,9 +303,9 @@ def _catalogue() -> dict[str, Path]:
     return {path.stem: path for path in folder.glob("*.yaml")}
 
 
-def _load_file(path: Path) -> Robot:
+def _load_file(path: Path, paths: tuple[Path, ...] = ()) -> Robot:
     if path.suffix.lower() in MODEL_SUFFIXES:
-        return Robot.from_model(path)
+        return Robot.from_model(path, paths=paths)
     try:
         node = compose(path)
         settings = plain_value(node, str(path))
@@ -317,7 +321,7 @@ def _load_file(path: Path) -> Robot:
     if not isinstance(folders, list):
         raise RobotError(f"{path}: paths must be a list of folders, got {folders!r}")
     found = tuple(path.parent / str(folder) for folder in folders)
-    return _make(read_robot(path.parent / model, settings, found), str(path))
+    return _make(read_robot(path.parent / model, settings, (*found, *paths)), str(path))
 
 
 def _make(settings: dict[str, Plain], where: str) -> Robot:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 LOADERS = {
     ".sdf": "trundle.worlds.sdf:load_sdf",
     ".world": "trundle.worlds.sdf:load_sdf",
+    ".xacro": "trundle.worlds.sdf:load_sdf",
     ".xml": "trundle.worlds.mjcf:load_mjcf",
     ".mjcf": "trundle.worlds.mjcf:load_mjcf",
     ".urdf": "trundle.worlds.mjcf:load_mjcf",
@@ -61,8 +62,7 @@ def load_world(path: str | os.PathLike[str], /, **options: Any) -> World:
         )
     if not file.is_file():
         raise WorldError(f"{file}: {'this is a folder' if file.is_dir() else 'there is no such file'}")
-    module, _, name = target.partition(":")
-    load = cast("Any", getattr(importlib.import_module(module), name))
+    load = _loader(target)
     exclude = options.pop("exclude", ())
     known = _keywords(load)
     check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude"])))
@@ -73,6 +73,12 @@ def load_world(path: str | os.PathLike[str], /, **options: Any) -> World:
     takes_looks = "geometry" in known and options.get("geometry") != "visual"
     _check_extent(file, world, 'what is seen and does not collide needs geometry="visual"' if takes_looks else "")
     return world
+
+
+def takes_paths(text: str) -> bool:
+    """Whether a text names a file that may name others, so that its loader takes folders to look in."""
+    target = LOADERS.get(Path(text).suffix.lower())
+    return target is not None and "paths" in _keywords(_loader(target))
 
 
 def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
@@ -102,6 +108,11 @@ def check_options(where: str, owner: str, given: Iterable[str], known: Sequence[
             nearest = difflib.get_close_matches(name, known, n=1)
             hint = f" (did you mean {nearest[0]!r}?)" if nearest else ""
             raise InputError(f"{where}: {name!r} is no option for {owner}{hint}; there are: {', '.join(known)}")
+
+
+def _loader(target: str) -> Any:
+    module, _, name = target.partition(":")
+    return getattr(importlib.import_module(module), name)
 
 
 def _keywords(load: Any) -> list[str]:

@@ -1,4 +1,4 @@
-"""Worlds in SDF, Gazebo's format: versions 1.4 to 1.11, read with a parser of our own."""
+"""Worlds in SDF, Gazebo's format: versions 1.2 to 1.12, read with a parser of our own."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from trundle.uris import Folders, split_folders
 from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.load import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
+from trundle.worlds.sdf_models import find_model_file, is_plain_floor, is_sun, read_plain_floor
 from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
 from trundle.worlds.sdf_values import (
     Place,
@@ -27,6 +28,7 @@ from trundle.worlds.sdf_values import (
     read_pose,
     read_text,
     read_version,
+    refuse_macros,
 )
 from trundle.worlds.shapes import Names, is_floor, make_solids
 from trundle.worlds.world import World
@@ -53,15 +55,16 @@ def load_sdf(
 
     Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
     materials. A plane that faces up at z = 0 or below is the floor, any other a rectangle of its size. A <state>,
-    lights, plugins and actors are not looked at. Nested models, includes by path, merged ones too, and poses in named
-    frames are followed.
+    lights and plugins are not looked at, actors are left out with a warning. Nested models, includes by path, merged
+    ones too, and poses in named frames are followed; Gazebo's `Ground Plane` and `Sun` need no files.
 
     Args:
         path: The file.
         geometry: Whether solids are what collides or what is seen.
         movable: Take models that are not static too, where they stand; else they are left out, with a warning.
         missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
-        paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own.
+        paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own
+            and before those that Gazebo's and ROS's environment variables name; see `trundle.uris.find_uri`.
         world: Name of the <world>, where a file has several; none means the first.
         exclude: What to leave out, see `World.load`. What is missing or wrong in a shape that is left out by its name
             does not matter, and a missing model can be left out by the name that it would have.
@@ -120,6 +123,8 @@ class _Reader:
         place = Place(path)
         root = read_xml(path, error=WorldError)
         read_version(place, root)
+        if path.suffix.lower() == ".xacro":
+            refuse_macros(place, root)
         worlds = children(root, "world")
         if world is not None:
             worlds = [element for element in worlds if element.get("name") == world]
@@ -132,6 +137,7 @@ class _Reader:
         for frame in children(home, "frame"):
             _add_frame(place, frame, scope)
         self.skipped += [f"<{element.tag}>" for element in children(home, "population", "road")]
+        self.skipped += [f"the actor {actor.get('name', '')!r}" for actor in children(home, "actor")]
         solids: list[Solid] = []
         for model in models:
             solids += self._place_model(model, scope, Pose3D(), "")
@@ -200,24 +206,21 @@ class _Reader:
         self, place: Place, element: XmlElement, *, static: bool, nesting: int
     ) -> tuple[_Model, PoseIn] | None:
         uri = read_text(place, element, "uri")
-        file = _model_file(self.files.find(uri, place.file.parent))
-        if file is None:
-            called = (element.findtext("name") or "").strip() or uri.rstrip("/").rpartition("/")[2]
-            if self.leave_out.takes_name(f"{place.model}::{called}" if place.model else called):
-                return None
-            message = (
-                f"{place.file}:{element.line}: the model {uri!r} was not found in {self.files.searched()}; give the "
-                "folder with paths=…"
-            )
-            if self.missing == "error":
-                raise MissingFileError(message)
-            self.skipped.append(f"the model {uri!r}")
+        file = find_model_file(self.files.find(uri, place.file.parent))
+        if file is None and is_plain_floor(uri):
+            inside, root = Place(place.file, place.model), read_plain_floor(place.file)
+        elif file is None:
+            if not is_sun(uri):
+                self._miss(place, element, uri)
             return None
-        inside = Place(file, place.model)
-        root = read_xml(file, error=WorldError)
-        read_version(inside, root)
+        else:
+            inside = Place(file, place.model)
+            root = read_xml(file, error=WorldError)
+            read_version(inside, root)
         found = child(root, "model")
         if found is None:
+            if children(root, "light", "actor"):
+                return None  # nothing that a robot could touch
             inside.fail(root, "an included file needs a <model>")
         name = (element.findtext("name") or "").strip() or read_name(inside, found)
         static = static or read_flag(place, element, "static", default=False)
@@ -230,6 +233,17 @@ class _Reader:
             model.scope.placement_frame = frame
         own = read_pose(place, element)
         return model, own if own.element is not None else replace(read_pose(inside, found), frame="")
+
+    def _miss(self, place: Place, element: XmlElement, uri: str) -> None:
+        """An included model that is not there: refuse it, or remember that it was left out."""
+        called = (element.findtext("name") or "").strip() or uri.rstrip("/").rpartition("/")[2]
+        if self.leave_out.takes_name(f"{place.model}::{called}" if place.model else called):
+            return
+        if self.missing == "error":
+            raise MissingFileError(
+                f"{place.file}:{element.line}: the model {uri!r} was not found; {self.files.advise()}"
+            )
+        self.skipped.append(f"the model {uri!r}")
 
     def _place_model(self, model: _Model, outer: Scope, pose_outer: Pose3D, prefix: str) -> list[Solid]:
         path = "::".join(filter(None, (prefix, model.name)))
@@ -298,19 +312,6 @@ def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:
 def _child_of(joint: XmlElement) -> str:
     element = child(joint, "child")
     return "" if element is None else (element.text or "").strip()
-
-
-def _model_file(path: Path | None) -> Path | None:
-    """The SDF file of a model: the file itself, or that of its folder, as its model.config says."""
-    if path is None or path.is_file():
-        return path
-    config = path / "model.config"
-    if config.is_file():
-        named = [(item.text or "").strip() for item in read_xml(config, error=WorldError).iter("sdf")]
-        files = [path / name for name in named if name and (path / name).is_file()]
-        if files:
-            return files[-1]
-    return path / "model.sdf" if (path / "model.sdf").is_file() else None
 
 
 def _shorten(names: list[str], most: int = 5) -> str:

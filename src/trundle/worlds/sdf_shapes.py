@@ -63,9 +63,12 @@ class Files:
             self._meshes[key] = read_mesh(path)
         return self._meshes[key]
 
-    def searched(self) -> str:
-        """Where it looked, for messages."""
-        return describe_search(self.folders)
+    def advise(self) -> str:
+        """Where it looked, and what to do about what was not found, for messages."""
+        return (
+            f"searched: {describe_search(self.folders)}. Name its folder with --paths FOLDER (paths=…), or leave out "
+            "what is missing with --set missing=skip"
+        )
 
 
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
@@ -157,8 +160,7 @@ def _mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
     path = files.find(uri, place.file.parent)
     if path is None or not path.is_file():
         raise MissingFileError(
-            f"{place.file}:{element.line}: model {place.model!r}: the mesh {uri!r} was not found in "
-            f"{files.searched()}; give the folder with paths=…"
+            f"{place.file}:{element.line}: model {place.model!r}: the mesh {uri!r} was not found; {files.advise()}"
         )
     scale = child(element, "scale")
     x, y, z = (1.0, 1.0, 1.0) if scale is None else read_numbers(place, scale, 3)

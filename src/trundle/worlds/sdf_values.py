@@ -11,8 +11,11 @@ from trundle.errors import WorldError
 from trundle.geometry import Pose3D
 from trundle.xmlfile import XmlElement
 
-VERSIONS = tuple(f"1.{minor}" for minor in range(4, 12))
+VERSIONS = tuple(f"1.{minor}" for minor in range(2, 13))
 """Versions of SDF that are read."""
+
+_NOT_LOOKED_AT = ("plugin", "gui", "scene", "physics", "light", "sensor", "actor", "state", "visual")
+_HARMLESS_MACROS = ("xacro:arg", "xacro:property", "xacro:if", "xacro:unless")
 
 FAR = 1e7
 """Numbers beyond this [m] are mistakes."""
@@ -70,6 +73,23 @@ def read_version(place: Place, root: XmlElement) -> None:
     if version not in VERSIONS:
         what = f"SDF version {version!r} is not known" if version else "<sdf> has no version"
         place.fail(root, f"{what}; {VERSIONS[0]} to {VERSIONS[-1]} are read")
+
+
+def refuse_macros(place: Place, root: XmlElement) -> None:
+    """Refuse macros of xacro in what is read; conditions on plugins and the like do not matter."""
+    advice = f"expand the file first: xacro {place.file.name} > world.sdf"
+    pending = [root]
+    while pending:
+        element = pending.pop()
+        if element.tag.startswith("xacro:"):
+            used = next((item for item in element.iter() if item.tag in ("model", "include")), None)
+            if used is not None or element.tag not in _HARMLESS_MACROS:
+                place.fail(element, f"<{element.tag}> is not read here; {advice}")
+        elif element.tag not in _NOT_LOOKED_AT:
+            texts = [element.text or "", *element.attrib.values()]
+            if any("${" in text or "$(" in text for text in texts):
+                place.fail(element, f"<{element.tag}> has an expression of xacro; {advice}")
+            pending += list(reversed(cast("list[XmlElement]", list(element))))
 
 
 def read_name(place: Place, element: XmlElement) -> str:

@@ -1,0 +1,59 @@
+"""Models that an SDF world includes: which file of a folder is the model, and those that need no file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from urllib.parse import unquote
+
+from trundle.errors import WorldError
+from trundle.worlds.sdf_values import VERSIONS
+from trundle.xmlfile import XmlElement, parse_xml, read_xml
+
+_PLAIN_FLOOR = b"""
+<sdf version='1.6'><model name='ground_plane'><static>true</static><link name='link'><collision name='collision'>
+<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model></sdf>
+"""
+"""What Gazebo's `Ground Plane` is."""
+
+
+def find_model_file(path: Path | None) -> Path | None:
+    """The SDF file of a model: the file itself, or of a folder the newest that its model.config names and we read."""
+    if path is None or path.is_file():
+        return path
+    config = path / "model.config"
+    if config.is_file():
+        named: list[tuple[int, Path]] = []
+        for element in read_xml(config, error=WorldError).iter("sdf"):
+            file, version = path / (element.text or "").strip(), element.get("version", "").strip()
+            if file.is_file():
+                named.append((VERSIONS.index(version) if version in VERSIONS else -1, file))
+        if named:
+            # Of equally new ones the last, as Gazebo takes it.
+            return max(reversed(named), key=lambda entry: entry[0])[1]
+    return path / "model.sdf" if (path / "model.sdf").is_file() else None
+
+
+def is_plain_floor(uri: str) -> bool:
+    """Whether a URI is that of Gazebo's `Ground Plane`, by model:// or of Fuel."""
+    return _plain_name(uri) == "ground plane"
+
+
+def is_sun(uri: str) -> bool:
+    """Whether a URI is that of Gazebo's `Sun`, a light."""
+    return _plain_name(uri) == "sun"
+
+
+def read_plain_floor(file: Path) -> XmlElement:
+    """Gazebo's `Ground Plane`, as if it stood in a file."""
+    return parse_xml(file, _PLAIN_FLOOR, error=WorldError)
+
+
+def _plain_name(uri: str) -> str:
+    """The name of the model in a URI, in lower case with spaces; nothing where it is no model's."""
+    path = re.sub(r"/(\d+|tip)$", "", unquote(uri).strip().rstrip("/"))
+    scheme, mark, rest = path.partition("://")
+    words = rest.split("/")
+    if not mark or (scheme == "model" and len(words) != 1) or (scheme != "model" and "models" not in words):
+        return ""
+    return words[-1].lower().replace("_", " ")
