@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from trundle.errors import OutputError
 
 
 @contextmanager
-def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Iterator[Path]:
     """Give a temporary path of the same suffix beside `target`; rename it over `target` when the block ends well.
+
+    A file that is replaced keeps its permissions.
+
+    Args:
+        target: What is to be written.
+        durable: Return only when the file and its name are on the disk, so that a power cut does not undo it.
 
     Raises:
         OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
@@ -27,23 +34,69 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())
+        temporary.chmod(_permissions(path))
+        if durable:
+            _sync(temporary)
         temporary.replace(path)
+        if durable:
+            sync_folder(path.parent)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
 
 
-def write_bytes(target: str | os.PathLike[str], content: bytes) -> None:
-    """Write a whole file, or leave what was there."""
-    with atomic_path(target) as temporary:
+def write_bytes(target: str | os.PathLike[str], content: bytes, *, durable: bool = False) -> None:
+    """Write a whole file, or leave what was there; see `atomic_path`."""
+    with atomic_path(target, durable=durable) as temporary:
         temporary.write_bytes(content)
 
 
-def write_text(target: str | os.PathLike[str], content: str) -> None:
-    """Write a whole text file in UTF-8, or leave what was there."""
-    write_bytes(target, content.encode())
+def write_new_bytes(target: str | os.PathLike[str], content: bytes) -> bool:
+    """Write a file whole and onto the disk, unless there is one of that name.
+
+    Returns:
+        Whether it was written; False where the name is taken.
+
+    Raises:
+        OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
+    """
+    path = Path(target)
+    temporary: Path | None = None
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+        temporary = Path(name)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fchmod(handle, 0o666 & ~_umask())
+            os.fsync(handle)
+        try:
+            path.hardlink_to(temporary)  # Unlike a rename, it fails where the name is taken.
+        except FileExistsError:
+            return False
+        except OSError:  # A file system without links.
+            if path.exists():
+                return False
+            temporary.replace(path)
+        sync_folder(path.parent)
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+    return True
+
+
+def write_text(target: str | os.PathLike[str], content: str, *, durable: bool = False) -> None:
+    """Write a whole text file in UTF-8, or leave what was there; see `atomic_path`."""
+    write_bytes(target, content.encode(), durable=durable)
+
+
+def sync_folder(folder: str | os.PathLike[str]) -> None:
+    """Put a folder's names on the disk: what was created, renamed or deleted in it."""
+    with suppress(OSError):  # a file system that cannot do it for folders, as some over a network
+        _sync(Path(folder))
 
 
 def make_folder(target: str | os.PathLike[str]) -> Path:
@@ -60,6 +113,22 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
     return folder
+
+
+def _permissions(path: Path) -> int:
+    """Those of the file that is replaced, or those that a new file gets."""
+    try:
+        return stat.S_IMODE(path.stat().st_mode)
+    except FileNotFoundError:
+        return 0o666 & ~_umask()
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def _umask() -> int:

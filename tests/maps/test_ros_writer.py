@@ -123,16 +123,3 @@ def test_what_cannot_be_saved_leaves_nothing(tmp_path, name, options, message):
 def test_a_folder_that_is_not_there_is_an_output_error(tmp_path):
     with pytest.raises(OutputError, match="cannot write"):
         RAMP.save(tmp_path / "nowhere" / "map.yaml")
-
-
-def test_a_failure_leaves_both_old_files_whole(tmp_path, monkeypatch):
-    RAMP.save(tmp_path / "map.yaml")
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-
-    def fail(*_: object) -> None:
-        raise OutputError("disk full")
-
-    monkeypatch.setattr("trundle.maps.ros_writer.write_bytes", fail)
-    with pytest.raises(OutputError):
-        RAMP.save(tmp_path / "map.yaml", mode="raw")
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -173,6 +173,9 @@ class OccupancyGrid(GridFrame):
     ) -> None:
         """Write a ROS map: the YAML file at `path`, and its image of the same name beside it.
 
+        Where that name is taken, the image gets one from its content, and the YAML says which. Writing the YAML is the
+        last step, so that a kill leaves the old map or the new one; then the old map's image is deleted.
+
         Args:
             path: Ends in .yaml or .yml; or in .map for a MovingAI map, which says only what is free and what is not.
             mode: "trinary" keeps occupied, free and unknown; "scale" adds shades between; "raw" keeps every value.
@@ -180,7 +183,7 @@ class OccupancyGrid(GridFrame):
 
         Raises:
             MapError: If the mode, the format or the file name cannot be used.
-            OutputError: If the folder cannot be written to. No half file is left.
+            OutputError: If the folder cannot be written to. An old map stays as it was.
         """
         from trundle.maps.ros_writer import save_map
 

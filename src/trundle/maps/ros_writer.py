@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.files import atomic_path, write_bytes
 from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.map_files import save_pair
 from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table
 from trundle.maps.values import VALUES, Cells, count_values, round_trinary
 
@@ -53,8 +53,6 @@ def save_map(
         raise MapError(f"image_format is {image_format!r}, it must be png or pgm")
     if mode == "scale" and image_format == "pgm":
         raise MapError("mode scale needs transparency for unknown cells, which PGM has not; save as png")
-    image = target.with_suffix(f".{image_format}")
-    text = _compose_yaml(grid, image.name, mode)
     samples = compute_samples(grid, mode)
     if image_format == "pgm":
         from trundle.maps.pnm import encode_pgm
@@ -64,10 +62,7 @@ def save_map(
         from trundle.maps.png import encode_png
 
         content = encode_png(samples)
-    # A full disk is met before either is replaced.
-    with atomic_path(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-        write_bytes(image, content)
+    save_pair(target, f".{image_format}", content, lambda image: _compose_yaml(grid, image, mode))
 
 
 def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:

@@ -144,7 +144,7 @@ class Trajectory:
         """
         content = io.BytesIO()
         np.savez_compressed(content, **{name: getattr(self, name) for name in self.columns()})
-        write_bytes(path, content.getvalue())
+        write_bytes(path, content.getvalue(), durable=True)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:

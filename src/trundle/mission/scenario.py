@@ -204,7 +204,9 @@ class Scenario(Config):
         for key in ("world", "planner", "controller", "smoother", "backend"):
             if key in settings:
                 settings[key] = _shorten(settings[key])
-        write_text(path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True))
+        write_text(
+            path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True), durable=True
+        )
 
     def prepare(self) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
