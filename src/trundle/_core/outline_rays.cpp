@@ -32,22 +32,12 @@ void each_ray_within(double first, double step, std::ptrdiff_t count, double low
   }
 }
 
-}  // namespace
-
-// Distances from (x, y) along `count` rays at `first + i * step` to the nearest segment (x0, y0, x1, y1) or disc
-// (x, y, radius), infinity where there is none within `reach`. From inside a disc the rays meet its rim.
-static nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,
-                                                        double first, double step, std::int64_t count, double reach) {
-  if (segments.shape(1) != 4) throw std::invalid_argument("segments need shape (N, 4)");
-  if (discs.shape(1) != 3) throw std::invalid_argument("discs need shape (N, 3)");
-  if (count < 1 || count > 1'000'000) throw std::invalid_argument("count must be 1 to 1,000,000 rays");
-  if (!(step > 0.0) || !(step * static_cast<double>(count - 1) <= kTurn * (1.0 + 1e-9)))
-    throw std::invalid_argument("the rays must be spaced evenly over one turn at most");
-  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(first) || !std::isfinite(reach) || reach < 0.0)
-    throw std::invalid_argument("the origin, the first angle and the reach must be finite");
-  nb::gil_scoped_release released;
-  const auto rays = static_cast<std::size_t>(count);
-  std::vector<double> out(rays, kInfinity), cosines(rays), sines(rays);
+// Into one element of `out` for each ray, which hold infinity.
+void cast(const In<double, 2> &segments, const In<double, 2> &discs, double x, double y, double first, double step,
+          double reach, std::vector<double> &out) {
+  const std::size_t rays = out.size();
+  const auto count = static_cast<std::ptrdiff_t>(rays);
+  std::vector<double> cosines(rays), sines(rays);
   for (std::size_t i = 0; i < rays; ++i) {
     const double angle = first + static_cast<double>(i) * step;
     cosines[i] = std::cos(angle);
@@ -86,6 +76,27 @@ static nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, 
   }
   for (double &distance : out)
     if (distance > reach) distance = kInfinity;
+}
+
+}  // namespace
+
+// Distances from (x, y) along `count` rays at `first + i * step` to the nearest segment (x0, y0, x1, y1) or disc
+// (x, y, radius), infinity where there is none within `reach`. From inside a disc the rays meet its rim.
+static nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,
+                                                        double first, double step, std::int64_t count, double reach) {
+  if (segments.shape(1) != 4) throw std::invalid_argument("segments need shape (N, 4)");
+  if (discs.shape(1) != 3) throw std::invalid_argument("discs need shape (N, 3)");
+  if (count < 1 || count > 1'000'000) throw std::invalid_argument("count must be 1 to 1,000,000 rays");
+  if (!(step > 0.0) || !(step * static_cast<double>(count - 1) <= kTurn * (1.0 + 1e-9)))
+    throw std::invalid_argument("the rays must be spaced evenly over one turn at most");
+  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(first) || !std::isfinite(reach) || reach < 0.0)
+    throw std::invalid_argument("the origin, the first angle and the reach must be finite");
+  const auto rays = static_cast<std::size_t>(count);
+  std::vector<double> out(rays, kInfinity);
+  {
+    nb::gil_scoped_release released;
+    cast(segments, discs, x, y, first, step, reach, out);
+  }
   return to_numpy(std::move(out), {rays});
 }
 

@@ -1,0 +1,186 @@
+"""One call of each kernel on a small input, and a program that makes them from several threads at once.
+
+    python -m support.kernel_calls NAME ...
+
+prints each name whose answers were the same in all threads as in one.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from trundle import _core
+
+THREADS, CALLS = 4, 150
+RNG = np.random.default_rng(0)
+SIDE = 24
+BLOCKED = np.ascontiguousarray(RNG.random((SIDE, SIDE)) < 0.2, dtype=np.uint8)
+BLOCKED[0], BLOCKED[-1], BLOCKED[:, 0], BLOCKED[:, -1] = 0, 0, 0, 0
+COSTS = np.where(BLOCKED, 254, 0).astype(np.uint8)
+START, GOAL = (0, 0), (SIDE - 1, SIDE - 1)
+ENDS = np.array([START] * 4), np.array([GOAL] * 4)
+LINE_WEIGHTS = np.where(np.arange(256) < 253, 1.0, 0.0)
+OUTLINE = np.array([(0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1)])
+POSES = np.column_stack([RNG.uniform(0, 2.4, (20, 2)), RNG.uniform(-3, 3, 20)])
+OPEN = np.zeros((SIDE, SIDE), np.uint8)
+UNKNOWN = np.where(BLOCKED, 100, -1).astype(np.int8)
+BAND = 0.1, 0.6, 0.1, 1e-6  # heights, resolution, depth
+VERTICES = np.array([(x, y, z) for x in (0.31, 1.27) for y in (0.33, 1.42) for z in (0.0, 0.8)])
+FACES = np.array(
+    [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
+     (1, 5, 7), (1, 7, 3)], dtype=np.int32
+)  # fmt: skip
+MESH = VERTICES, FACES, np.eye(3, 4)
+HEIGHTS = np.zeros((2, 2)), 2.0 * SIDE, -1.0, -1.0, 0.1, SIDE, SIDE
+HYBRID = {
+    "radius": 0.3,
+    "reverse": True,
+    "in_place": False,
+    "reverse_penalty": 2.0,
+    "change_cost": 0.3,
+    "turn_cost": 0.5,
+    "cost_weight": 2.0,
+    "heuristic_weight": 1.2,
+    "cell_size": 0.1,
+}
+SMOOTH = {
+    "radius": 0.4,
+    "reverse_penalty": 2.0,
+    "change_cost": 0.3,
+    "turn_cost": 0.5,
+    "cost_weight": 4.0,
+    "curve_weight": 0.1,
+    "cost_tolerance": 0.02,
+    "step": 0.03,
+    "spacing": 0.05,
+}
+GRID = _core.BinaryGrid(BLOCKED, 8, "jps")
+LEAST_COST = _core.LeastCost(LINE_WEIGHTS)
+HYBRID_ASTAR = _core.HybridAStar(**HYBRID)
+SMOOTHER = _core.PathSmoother()
+
+
+def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
+    """What a kernel returns, and what it made of its first argument."""
+    cells = cells.copy()
+    return kernel(cells, *arguments), cells
+
+
+def updated() -> Any:
+    grid = _core.BinaryGrid(OPEN, 8, "auto")
+    grid.update(0, 0, BLOCKED)
+    return grid.find_way(START, GOAL, None, None)
+
+
+def guided() -> Any:
+    grid = _core.BinaryGrid(BLOCKED, 8, "jps")
+    for row, col in grid.begin_landmarks(4).tolist():
+        _, lengths = _core.cost_field(COSTS, np.array([(row, col)]), 8, 1, None, None)
+        assert lengths is not None
+        grid.add_landmark((row, col), lengths)
+    return grid.landmarks, grid.find_way(START, GOAL, None, None)
+
+
+def planes() -> Any:
+    return _core.floor_planes(*HEIGHTS)
+
+
+# What each of them calls is in its name.
+CALLS_OF: dict[str, Callable[[], Any]] = {
+    "BinaryGrid": lambda: _core.BinaryGrid(BLOCKED, 8, "jps_plus").bytes,
+    "BinaryGrid.find_way": lambda: GRID.find_way(START, GOAL, 10.0, None),
+    "BinaryGrid.find_point_way": lambda: GRID.find_point_way(START, GOAL, False, 10.0, None),
+    "BinaryGrid.find_ways": lambda: GRID.find_ways(*ENDS, 2, 10.0, None),
+    "BinaryGrid.find_point_ways": lambda: GRID.find_point_ways(*ENDS, True, 2, 10.0, None),
+    "BinaryGrid.settle_ends": lambda: GRID.settle_ends(*ENDS, 1.0, 1.0, True),
+    "BinaryGrid.update": updated,
+    "BinaryGrid.begin_landmarks": lambda: _core.BinaryGrid(BLOCKED, 8, "jps").begin_landmarks(8),
+    "BinaryGrid.add_landmark": guided,
+    "BinaryGrid.landmarks": lambda: GRID.landmarks,
+    "BinaryGrid.method": lambda: GRID.method,
+    "BinaryGrid.clutter": lambda: GRID.clutter,
+    "BinaryGrid.bytes": lambda: GRID.bytes >= 0,
+    "walk_corners": lambda: _core.walk_corners(np.array([(0, 0), (20, 20), (20, 3)], np.int32)),
+    "label_components": lambda: _core.label_components(BLOCKED, True),
+    "mark_gaps": lambda: _core.mark_gaps(BLOCKED, 6.0),
+    "cost_field": lambda: _core.cost_field(COSTS, np.array([GOAL]), 8, 2, 10.0, None),
+    "footprint_collides": lambda: _core.footprint_collides(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES),
+    "footprint_clearance": lambda: _core.footprint_clearance(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES, 1.0),
+    "grid_search": lambda: _core.grid_search(
+        COSTS, np.where(np.arange(256) < 253, 1, 0).astype(np.uint16), START, GOAL, 8, 10.0, None
+    ),
+    "cast_grid_rays": lambda: _core.cast_grid_rays(BLOCKED, 12.0, 0.5, np.linspace(0.0, 6.0, 40), 30.0),
+    "HybridAStar": lambda: _core.HybridAStar(**HYBRID).bytes,
+    "HybridAStar.plan": lambda: HYBRID_ASTAR.plan(
+        OPEN, 0.1, OUTLINE, np.array([0.5, 0.5, 0.0]), np.array([1.8, 1.8, 2.0]), False, 0.02, 0.05, 500, 10.0, None
+    ),
+    "HybridAStar.bytes": lambda: HYBRID_ASTAR.bytes >= 0,
+    "inflate": lambda: _core.inflate(UNKNOWN, np.arange(10, 0, -1, dtype=np.uint8)),
+    "flood_free": lambda: marked(_core.flood_free, UNKNOWN, np.array([START])),
+    "flood_largest": lambda: marked(_core.flood_largest, UNKNOWN),
+    "floor_planes": planes,
+    "line_costs": lambda: _core.line_costs(COSTS, LINE_WEIGHTS, POSES[:, :2].copy(), POSES[::-1, :2].copy()),
+    "shortcut": lambda: _core.shortcut(COSTS, LINE_WEIGHTS, np.array([(0.5, 0.5), (5.5, 0.5), (5.5, 8.5)])),
+    "LeastCost": lambda: _core.LeastCost(LINE_WEIGHTS).bytes,
+    "LeastCost.find": lambda: LEAST_COST.find(COSTS, START, GOAL, np.array([(0.5, 0.5), (23.5, 23.5)]), 10.0, None),
+    "LeastCost.bytes": lambda: LEAST_COST.bytes >= 0,
+    "cast_outline_rays": lambda: _core.cast_outline_rays(
+        np.array([(2.0, -1.0, 2.0, 1.0)]), np.array([(-2.0, 0.0, 0.5)]), 0.0, 0.0, 0.0, 0.1, 60, 10.0
+    ),
+    "png_unfilter": lambda: _core.png_unfilter(np.full((8, 9), 4, np.uint8), 1),
+    "raster_hexahedra": lambda: marked(_core.raster_hexahedra, UNKNOWN, VERTICES[np.newaxis], *BAND, False),
+    "raster_discs": lambda: marked(_core.raster_discs, UNKNOWN, np.array([(1.0, 1.0, 0.5)]), *BAND[2:], False),
+    "raster_cylinders": lambda: marked(
+        _core.raster_cylinders, UNKNOWN, np.array([(1.0, 1.0, 0.3, 0.6, 0.0, 0.8, 0.2, 1.0)]), *BAND, False
+    ),
+    "raster_mesh": lambda: marked(_core.raster_mesh, UNKNOWN, *MESH, *BAND, False, True),
+    "raster_thin_faces": lambda: marked(_core.raster_thin_faces, UNKNOWN, *MESH, *BAND),
+    "raster_mesh_over_floor": lambda: marked(_core.raster_mesh_over_floor, UNKNOWN, planes(), *MESH, *BAND, False),
+    "raster_thin_faces_over_floor": lambda: marked(_core.raster_thin_faces_over_floor, UNKNOWN, planes(), *MESH, *BAND),
+    "shortest_curves": lambda: _core.shortest_curves(POSES[:10], POSES[10:], 0.4, True),
+    "PathSmoother": _core.PathSmoother,
+    "PathSmoother.smooth": lambda: SMOOTHER.smooth(
+        OPEN, 0.1, OUTLINE, np.array([(0.5, 0.5, 0.0), (1.0, 0.5, 0.0), (1.5, 0.7, 0.0)]), OPEN[0, :2], **SMOOTH
+    ),
+    "draw_triangles": lambda: _core.draw_triangles(
+        np.array([[(-1.0, -1.0, 2.0), (1.0, -1.0, 2.0), (0.0, 1.0, 3.0)]]), 32, 24, 20.0, 0.1, True
+    ),
+}
+
+
+def is_same(a: Any, b: Any) -> bool:
+    if isinstance(a, tuple):
+        return len(a) == len(b) and all(is_same(own, other) for own, other in zip(a, b, strict=True))
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+    return a == b or type(a) is type(b) is _core.PathSmoother or (a != a and b != b)
+
+
+def call_from_threads(call: Callable[[], Any]) -> bool:
+    """Whether every thread got what one alone gets, beside one that keeps the interpreter busy."""
+    expected = call()
+    same: list[bool] = []
+
+    def repeat() -> None:
+        same.extend(is_same(expected, call()) for _ in range(CALLS))
+
+    threads = [threading.Thread(target=repeat) for _ in range(THREADS)]
+    for thread in threads:
+        thread.start()
+    number = 0.0
+    while any(thread.is_alive() for thread in threads):
+        number = math.sqrt(number + 1.0)
+    return len(same) == THREADS * CALLS and all(same)
+
+
+if __name__ == "__main__":
+    sys.setswitchinterval(1e-6)
+    for name in sys.argv[1:]:
+        if call_from_threads(CALLS_OF[name]):
+            print(name, flush=True)  # noqa: T201
