@@ -49,7 +49,9 @@ def assert_drivable(costmap, path, start, goal, *, radius=0.4, in_place=False, f
         assert (np.abs(np.sin(turns[moving] / 2)) <= lengths[moving] / (2 * radius) + 1e-7).all()
     chord = np.arctan2(steps[moving, 1], steps[moving, 0])
     ahead = path.poses[:-1][moving, 2] + turns[moving] / 2 + np.where(path.backward[moving], np.pi, 0.0)
-    assert np.abs(np.remainder(chord - ahead + np.pi, 2 * np.pi) - np.pi).max(initial=0.0) < 1e-4
+    askew = np.abs(np.remainder(chord - ahead + np.pi, 2 * np.pi) - np.pi)
+    # The goal is given exactly; rounding along the path shows as an angle where the last leg is short.
+    assert ((askew < 1e-4) | (askew * lengths[moving] < 2e-6)).all()
     assert not path.backward[~moving].any()
     if forward_only:
         assert not path.backward.any()
@@ -118,6 +120,7 @@ def test_paths_round_walls_are_free_drivable_and_end_where_asked(options, footpr
     yaw=st.floats(-3.0, 3.0),
 )
 @example(seed=228, density=0.01953125, kind={}, yaw=1.0)  # a piece of a curve of 18 nm, driven backwards
+@example(seed=1851, density=0.0078125, kind={"motion_model": "dubins", "in_place": True}, yaw=-0.015625)  # 0.5 mm
 @settings(deadline=None, max_examples=40)
 def test_paths_among_random_blocks_are_free_and_drivable(seed, density, kind, yaw):
     rng = np.random.default_rng(seed)
