@@ -8,7 +8,7 @@ import pytest
 
 from trundle.errors import InputError, RobotError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
-from trundle.robots import Robot
+from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.model import build_spec
@@ -139,14 +139,52 @@ def test_a_start_inside_a_solid_shows_in_the_state(solid, backend):
         assert not simulator.reset(Pose2D(0.0, 0.0)).contacts
 
 
-def test_odometry_follows_the_wheels_and_a_wall_fools_it():
+def test_odometry_follows_the_wheels_and_a_slippery_floor_fools_it():
     wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((0.5, 0.0, 0.5)))
     with MujocoSimulator(World("w", (wall,)), CARTER) as simulator:
+        for side in ("left", "right"):
+            simulator.model.geom_friction[simulator.model.geom(f"robot:wheel_{side}").id, 0] = 0.2
         last = drive(simulator, Twist2D(0.4, 0.0), 3.0)[-1]
         assert last.pose.x < 0.4
         assert last.odometry.x > 0.9
         turned = 0.14 * (last.wheel_positions.left + last.wheel_positions.right) / 2.0
         assert last.odometry.x == pytest.approx(turned, abs=0.01)
+
+
+def test_wheels_that_grip_stop_at_a_wall():
+    wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((0.5, 0.0, 0.5)))
+    with MujocoSimulator(World("w", (wall,)), CARTER) as simulator:
+        last = drive(simulator, Twist2D(0.4, 0.0), 3.0)[-1]
+    assert last.wheel_speeds.left == pytest.approx(0.0, abs=0.01)
+    assert last.odometry.x == pytest.approx(last.pose.x, abs=0.01)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("name", robot_names())
+def test_a_robot_that_pushes_a_wall_is_not_thrown_back(name, sign):
+    robot = Robot.load(name)
+    start = max(sign * robot.outline[:, 0]) + 0.05
+    wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((sign * (start + 0.1), 0.0, 0.5)))
+    with MujocoSimulator(World("w", (wall,)), robot) as simulator:
+        height = float(simulator.data.qpos[2])
+        speed = sign * robot.limits.linear_speed
+        touched = False
+        for step in range(500):
+            state = simulator.step(Twist2D(speed if step < 400 else 0.0, 0.0), 0.005)
+            touched = touched or bool(state.contacts)
+            if touched:
+                assert sign * simulator.data.qvel[0] > -0.1
+                assert 0.05 - sign * state.pose.x < 0.001
+                assert simulator.data.qpos[2] - height < 0.0005
+    assert touched
+
+
+def test_a_wheel_that_meets_a_kerb_below_the_chassis_touches_it_and_does_not_climb():
+    kerb = Solid("kerb", Box((0.2, 4.0, 0.05)), Pose3D((0.5, 0.0, 0.025)))
+    with MujocoSimulator(World("w", (kerb,)), CARTER) as simulator:
+        states = drive(simulator, Twist2D(0.4, 0.0), 3.0)
+    assert {contact.part for state in states for contact in state.contacts} == {"wheel_left", "wheel_right"}
+    assert states[-1].pose.x < 0.4
 
 
 def test_odometry_is_good_where_nothing_is_in_the_way():

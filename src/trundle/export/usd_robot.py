@@ -25,6 +25,7 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.robots import Robot
 from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import BASE, GROUP_COLLIDERS
+from trundle.sim.mujoco.world_parts import SOLIDS_TYPE
 from trundle.solids import Mesh
 from trundle.worlds.affine import pose_of
 
@@ -86,6 +87,8 @@ class _Writer:
         first = int(model.body_geomadr[body])
         for geom in range(first, first + int(model.body_geomnum[body])):
             is_collider = int(model.geom_group[geom]) == GROUP_COLLIDERS
+            if is_collider and int(model.geom_contype[geom]) == SOLIDS_TYPE:
+                continue  # What wheels meet solids with; in USD their treads do.
             name = model.geom(geom).name.partition(":")[2] or f"{model.body(body).name}_look"
             self._add_geom(f"{path}/{names.take(f'{name}_collider' if is_collider else name)}", geom, is_collider)
 

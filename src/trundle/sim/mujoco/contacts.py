@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 
 from trundle.sim.cells import CellNames
+from trundle.sim.mujoco.robot_parts import part_of
 from trundle.sim.mujoco.world_parts import FLOOR, solid_of
 from trundle.sim.simulator import Contact
 from trundle.worlds import World
@@ -31,6 +32,6 @@ class ContactReader:
                 continue
             own, other = sorted(pair, key=lambda geom: self._model.geom_bodyid[geom] == 0)
             x, y, _ = data.contact.pos[index].tolist()
-            part = self._model.geom(own).name.removeprefix("robot:")
+            part = part_of(self._model.geom(own).name)
             name = self._cells.name(solid_of(self._model.geom(other).name), x, y)
             touched.setdefault((part, name), Contact(part, name, x, y))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -10,7 +11,7 @@ import numpy as np
 from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
 from trundle.sim.mujoco.robot_looks import add_looks, add_prism_mesh
-from trundle.sim.mujoco.world_parts import ROBOT_TYPE
+from trundle.sim.mujoco.world_parts import FLOOR_TYPE, SOLIDS_TYPE
 from trundle.sim.ramp import Motion
 
 BASE = "base_link"
@@ -20,9 +21,20 @@ GRAVITY = 9.81
 # Rubber on concrete.
 _WHEEL_FRICTION = 1.0
 _CASTER_FRICTION = 0.7
+_CHASSIS_FRICTION = 0.8
+
+_GUARD = ":guard"
+_GUARD_SCALE = 0.98
+"""A wheel meets solids as an ellipsoid so much smaller than its tread, so that a chassis as long meets them first."""
+
+_HOLD = 0.65
+"""Share of the traction that a servo answers a wheel with that is held; above it the wheels of a robot that pushes a
+wall slip, climb and throw it back."""
 # As stiff as the timestep allows: wheels that sink into the floor roll on a smaller radius.
 _STIFF_SOLREF = (0.01, 1.0)
 _STIFF_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+# As hard to push in, and slow to come out again: what reached into a wall within one step is not thrown back.
+_BUMPER_SOLREF = (0.01, 4.0)
 _SOFT_SOLREF = (0.02, 1.0)
 _SOFT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
 
@@ -34,27 +46,30 @@ class Servo:
     Attributes:
         gain: Torque per speed error [N·m·s/rad].
         torque: Largest torque [N·m].
+        error: Largest speed error [rad/s] that is answered in full.
         armature: Inertia of the motor at the wheel's axle [kg·m²].
     """
 
     gain: float
     torque: float
+    error: float
     armature: float
 
     @classmethod
     def of(cls, robot: Robot) -> Servo:
         """Choose the settings for a robot."""
         inertia = robot.total_mass * robot.drive.wheel_radius**2
-        return cls(
-            gain=180.0 * inertia,
-            torque=4.0 * _WHEEL_FRICTION * robot.total_mass * GRAVITY * robot.drive.wheel_radius / 2.0,
-            armature=0.045 * inertia,
-        )
+        gain = 180.0 * inertia
+        traction = _WHEEL_FRICTION * robot.total_mass * GRAVITY * robot.drive.wheel_radius / 2.0
+        return cls(gain=gain, torque=4.0 * traction, error=_HOLD * traction / gain, armature=0.045 * inertia)
 
 
 @dataclass(frozen=True, slots=True)
 class FeedForward:
     """Tells the wheels' servos the torque that a change of speed needs, so that they need no speed error to find it.
+
+    A wheel that is held, which turns slower or faster than it was told by more than the servo's largest error, gets the
+    torque of that error and no feed-forward: what does not accelerate needs none.
 
     Attributes:
         mass: Of the whole robot [kg].
@@ -64,6 +79,7 @@ class FeedForward:
         radius: Of a wheel [m].
         track: Distance between the wheels [m].
         gain: Of the servos [N·m·s/rad].
+        error: Largest speed error [rad/s] that they answer in full.
         timestep: [s].
     """
 
@@ -74,6 +90,7 @@ class FeedForward:
     radius: float
     track: float
     gain: float
+    error: float
     timestep: float
 
     @classmethod
@@ -85,6 +102,7 @@ class FeedForward:
         mujoco.mj_fullM(model, data, inertia)
         base = int(model.body(BASE).dofadr[0])
         wheel = int(model.joint(robot.drive.left_joint).dofadr[0])
+        servo = Servo.of(robot)
         return cls(
             mass=float(inertia[base, base]),
             moment=float(inertia[base + 5, base + 5]),
@@ -92,12 +110,13 @@ class FeedForward:
             wheel=float(inertia[wheel, wheel]),
             radius=robot.drive.wheel_radius,
             track=robot.drive.track_width,
-            gain=Servo.of(robot).gain,
+            gain=servo.gain,
+            error=servo.error,
             timestep=float(model.opt.timestep),
         )
 
-    def control(self, before: Motion, now: Motion) -> tuple[float, float]:
-        """Speeds [rad/s] to set the left and right servo to, in the step that goes from one motion to the next."""
+    def free(self, before: Motion, now: Motion) -> tuple[float, float]:
+        """Speeds [rad/s] to set the servos to, in the step from one motion to the next, where both wheels follow."""
         v_rate, w_rate = (now.v - before.v) / self.timestep, (now.w - before.w) / self.timestep
         # Newton and Euler at base_link, whose origin is not the centre of mass.
         force = self.mass * v_rate - self.arm * now.w * now.w
@@ -106,6 +125,26 @@ class FeedForward:
         left = along - across + self.wheel * (now.left - before.left) / self.timestep
         right = along + across + self.wheel * (now.right - before.right) / self.timestep
         return now.left + left / self.gain, now.right + right / self.gain
+
+    def held(self, free: float, told: float, speed: float) -> float:
+        """Speed [rad/s] to set a servo to.
+
+        The error is limited, and not the torque: MuJoCo damps a servo at its limit of torque no more, and it chatters.
+
+        Args:
+            free: Where the wheel follows, from `free`.
+            told: What the wheel was told for the step before.
+            speed: What it has.
+        """
+        error = told - speed
+        if -self.error <= error <= self.error:
+            return free
+        return speed + math.copysign(self.error, error)
+
+
+def part_of(geom: str) -> str:
+    """Name of the robot's part that a geom belongs to."""
+    return geom.removeprefix("robot:").removesuffix(_GUARD)
 
 
 def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
@@ -150,7 +189,9 @@ def _add_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> Non
     base.inertia = inertia
     base.explicitinertial = True
     outline, low, high = robot.outline, robot.body.clearance, robot.body.height
-    geom = _add_collider(base, "robot:chassis", mujoco.mjtGeom.mjGEOM_BOX, (0.1, 0.1, 0.1), friction=0.3, priority=0)
+    size = (0.1, 0.1, 0.1)
+    geom = _add_collider(base, "robot:chassis", mujoco.mjtGeom.mjGEOM_BOX, size, friction=_CHASSIS_FRICTION)
+    geom.solref = _BUMPER_SOLREF
     corner, opposite = outline.min(axis=0), outline.max(axis=0)
     if len(outline) == 4 and bool(((outline == corner) | (outline == opposite)).all()):
         geom.size = (*((opposite - corner) / 2.0), (high - low) / 2.0)
@@ -168,7 +209,15 @@ def _add_wheel(base: mujoco.MjsBody, robot: Robot, side: str, sign: float, joint
     body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 1.0, 0.0), armature=servo.armature)
     # An ellipsoid touches at one point, in the middle: a wide cylinder scrubs on a line, and yaw is 12 % short.
     size = (drive.wheel_radius, drive.wheel_width / 2.0, drive.wheel_radius)
-    _add_collider(body, f"robot:wheel_{side}", mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_WHEEL_FRICTION)
+    name = f"robot:wheel_{side}"
+    tread = _add_collider(body, name, mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_WHEEL_FRICTION)
+    tread.contype = FLOOR_TYPE
+    # A wheel that grips what it runs into climbs it.
+    size = (_GUARD_SCALE * drive.wheel_radius, drive.wheel_width / 2.0, _GUARD_SCALE * drive.wheel_radius)
+    guard = _add_collider(body, f"{name}{_GUARD}", mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=0.0)
+    guard.contype = SOLIDS_TYPE
+    guard.condim = 1
+    guard.solref = _BUMPER_SOLREF
 
 
 def _add_swivel_caster(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
@@ -210,23 +259,22 @@ def _add_collider(
     size: tuple[float, float, float],
     *,
     friction: float,
-    priority: int = 1,
 ) -> mujoco.MjsGeom:
     """Add an unseen geom that meets the world and nothing of the robot.
 
-    Of two geoms of equal priority the larger friction counts; wheels and casters are of a higher one, so theirs does.
+    Of two geoms of equal priority the larger friction counts; the robot's are of a higher one, so theirs does.
     """
     return body.add_geom(
         name=name,
         type=kind,
         size=size,
         friction=(friction, 0.005, 0.0001),
-        priority=priority,
+        priority=1,
         condim=3,
         solref=_STIFF_SOLREF,
         solimp=_STIFF_SOLIMP,
         mass=0.0,
-        contype=ROBOT_TYPE,
+        contype=FLOOR_TYPE | SOLIDS_TYPE,
         conaffinity=0,
         group=GROUP_COLLIDERS,
         rgba=(0.9, 0.3, 0.2, 0.4),

@@ -129,16 +129,21 @@ class MujocoSimulator:
         since = self._steps * self._timestep
         motions = self._ramp.advance(command, count_steps(dt, self._timestep))
         touched: dict[tuple[str, str], Contact] = {}
-        model, data, control, qpos = self.model, self.data, self.data.ctrl, self.data.qpos
+        model, data, control = self.model, self.data, self.data.ctrl
+        qpos, qvel = data.qpos, data.qvel
         contact = data.contact  # A view that follows the data; making one anew costs as much as reading it.
         step, told = mujoco.mj_step, self._told
         left_address, right_address = self._wheel_qpos
+        left_speed, right_speed = self._wheel_qvel
+        drive, free = self._feed_forward, (0.0, 0.0)
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
         steady = False
         for motion in motions:
             if motion is not told or not steady:
-                control[0], control[1] = self._feed_forward.control(told, motion)
+                free = drive.free(told, motion)
             steady = motion is told
+            control[0] = drive.held(free[0], told.left, qvel[left_speed])
+            control[1] = drive.held(free[1], told.right, qvel[right_speed])
             told = motion
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))

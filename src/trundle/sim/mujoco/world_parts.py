@@ -22,9 +22,10 @@ GROUP_CELLS = 1
 GROUP_PIECES = 3
 """Pieces of meshes collide and are not shown, as the robot's colliders."""
 
-# The robot's colliders are of type 1 and answer nothing; the world answers type 1 and is of no type. So the robot meets
-# the world, and neither meets itself.
-ROBOT_TYPE = 1
+# The robot's colliders are of these types and answer nothing; the world answers them and is of no type. So the robot
+# meets the world, and neither meets itself. The floor's type is MuJoCo's default: an exported robot stands on any.
+FLOOR_TYPE = 1
+SOLIDS_TYPE = 2
 
 
 def add_floor(spec: mujoco.MjSpec) -> None:
@@ -49,7 +50,7 @@ def add_floor(spec: mujoco.MjSpec) -> None:
         size=(0.0, 0.0, 0.05),
         material="world:floor",
         contype=0,
-        conaffinity=ROBOT_TYPE,
+        conaffinity=FLOOR_TYPE,
         group=GROUP_WORLD,
     )
 
@@ -119,7 +120,7 @@ def _add_pieces(spec: mujoco.MjSpec, name: str, pieces: Pieces) -> None:
     first_box = len(pieces.hulls) - pieces.boxes
     for index, (corners, _) in enumerate(pieces.hulls):
         piece = f"{name}{PIECE}{index}"
-        geom = spec.worldbody.add_geom(name=piece, contype=0, conaffinity=ROBOT_TYPE, group=GROUP_PIECES)
+        geom = spec.worldbody.add_geom(name=piece, contype=0, conaffinity=SOLIDS_TYPE, group=GROUP_PIECES)
         if index < first_box:
             _add_mesh(spec, piece, corners)
             geom.type = mujoco.mjtGeom.mjGEOM_MESH
@@ -167,6 +168,6 @@ def _add_geom(spec: mujoco.MjSpec, solid: Solid, kind: mujoco.mjtGeom, size: lis
         quat=solid.pose.quaternion,
         rgba=solid.color,
         contype=0,
-        conaffinity=ROBOT_TYPE,
+        conaffinity=SOLIDS_TYPE,
         group=GROUP_WORLD,
     )
