@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from trundle.control import create_controller
 from trundle.errors import NoPathError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -134,19 +135,60 @@ def test_where_the_planner_sees_a_way_that_cannot_be_driven_the_robot_is_stuck()
 
 
 def blocked_after(commands, twist=None):
-    """Which of the commands a watch at 20 Hz finds blocked, by index."""
+    """Which of the commands a watch at 20 Hz finds blocked, by index; without a twist the robot does as it is told."""
     watch = BlockWatch(0.05)
-    return [i for i, (v, w) in enumerate(commands) if watch.is_blocked(Twist2D(v, w), twist or Twist2D())]
+    told = [Twist2D(v, w) for v, w in commands]
+    return [i for i, command in enumerate(told) if watch.is_blocked(command, twist or command)]
 
 
 def test_standing_and_swaying_are_blocks_after_half_a_second():
     assert blocked_after([(0.0, 0.0)] * 20) == [9, 19]
     assert blocked_after([(0.0, 0.1), (0.0, -0.1)] * 10) == [9, 19]
     assert blocked_after([(0.0, 0.1), (0.0, 0.0), (0.0, -0.05)] * 4) == [9]
+    assert blocked_after([(0.05, 0.0), (-0.05, 0.0)] * 10) == [9, 19]
 
 
 def test_driving_turning_on_and_coasting_are_none():
-    assert blocked_after([(0.05, 0.0)] * 40) == []
-    assert blocked_after([(0.0, 0.05)] * 40) == []
-    assert blocked_after([(0.0, 0.0)] * 40, Twist2D(0.02, 0.0)) == []
-    assert blocked_after(([(0.0, 0.0)] * 9 + [(0.1, 0.0)]) * 4) == []
+    assert blocked_after([(0.05, 0.0)] * 50) == []
+    assert blocked_after([(0.0, 0.05)] * 50) == []
+    assert blocked_after([(0.0, 0.0)] * 50, Twist2D(0.02, 0.0)) == []
+    assert blocked_after([(0.0, 0.0)] * 50, Twist2D(0.0, -0.05)) == []
+    assert blocked_after(([(0.0, 0.0)] * 9 + [(0.1, 0.0)]) * 5) == []
+    # Braking, and driving off backwards: where the robot turns round it is where it was before.
+    assert blocked_after([(0.1 * k, 0.0) for k in range(10, -10, -1)]) == []
+
+
+@pytest.mark.parametrize("creeping", [(1e-4, 0.0), (-1e-4, 0.0), (0.0, 1e-3), (1e-4, -1e-3)])
+def test_creeping_is_a_block_as_standing_is(creeping):
+    assert blocked_after([creeping] * 20) == [9, 19]
+
+
+@pytest.mark.parametrize("command", [(0.5, 0.0), (0.0, 0.5), (-0.5, 0.1)])
+def test_a_robot_that_does_not_do_what_it_is_told_has_two_seconds(command):
+    assert blocked_after([command] * 80, Twist2D()) == [39, 79]
+    assert blocked_after([command] * 80, Twist2D(1e-4, 1e-3)) == [39, 79]
+
+
+@pytest.mark.parametrize("creep", [0.0, 1e-4])
+def test_a_controller_that_creeps_before_a_block_is_planned_again_like_one_that_stops(creep):
+    class Creeping:
+        """Does not drive the first path that it is given, and every other one."""
+
+        def __init__(self, inner):
+            self.inner, self.paths = inner, 0
+
+        def set_path(self, path):
+            self.paths += 1
+            self.inner.set_path(path)
+
+        def compute_velocity(self, pose, twist, costmap, dt):
+            drives = self.paths > 1
+            return self.inner.compute_velocity(pose, twist, costmap, dt) if drives else Twist2D(creep, 0.0)
+
+    robot = Robot.load("nova_carter")
+    controller = Creeping(create_controller("regulated_pure_pursuit", robot))
+    navigator = Navigator(hall(), robot, controller=controller)
+    with simulate(World.from_map(hall()), robot, backend="kinematic") as sim:
+        episode = run(sim, navigator, (3.0, 4.0, 0.0), (6.0, 4.0), time_limit_s=60.0)
+    assert episode.outcome is Outcome.ARRIVED
+    assert episode.metrics.replans == 1

@@ -146,23 +146,11 @@ def test_a_blocked_robot_replans_backs_up_and_at_last_gives_up_without_touching(
     assert (np.maximum.accumulate(driven) - driven).max() > 0.2
 
 
-class StandingController:
-    """Never moves the robot, and never says (0, 0) either."""
-
-    def set_path(self, path):
-        pass
-
-    def compute_velocity(self, pose, twist, costmap, dt):
-        return Twist2D(0.0, 1e-3)
-
-
-def test_a_robot_that_gets_nowhere_is_stuck_after_the_allowance():
-    navigator = Navigator(
-        room(), CARTER, controller=StandingController(), progress_checker=ProgressChecker(movement_time_allowance=2.0)
-    )
+def test_a_robot_whose_wheels_slip_is_stuck_after_the_allowance():
+    navigator = Navigator(room(), CARTER, progress_checker=ProgressChecker(movement_time_allowance=2.0))
     navigator.set_goal(3, 0)
     for _ in range(60):
-        navigator.update((0, 0, 0), Twist2D())
+        navigator.update((0, 0, 0), Twist2D(0.3, 0.0))
     assert navigator.status is NavigationStatus.STUCK
 
 

@@ -1,18 +1,23 @@
-"""`BlockWatch`: whether the commands of a controller lead a robot nowhere."""
+"""`BlockWatch`: whether a robot gets nowhere."""
 
 from __future__ import annotations
 
 from trundle.geometry import Twist2D
 
 _AFTER_S = 0.5
-_STANDING_MPS = 0.01
+_AT_LATEST_S = 2.0
+_DISTANCE_M = 0.005
+_ANGLE_RAD = 0.01
 
 
 class BlockWatch:
-    """A robot is blocked while it is told to stand, or to turn in place this way and that, for half a second.
+    """A robot is blocked that moves by less than 5 mm and turns by less than 0.01 rad in half a second.
 
-    Turning in place that leads on goes one way: the angles told add up to more than half of what they are without
-    their signs.
+    Where its commands ask for more than that, it has two seconds: some robots are slow to start. Turning this way and
+    that is not turning: angles count where they add up to more than half of what they are without their signs.
+
+    How far the robot moves is summed up from its twist. Poses may be noisy, and the noise of one that stands adds up to
+    more than 5 mm.
 
     Args:
         dt: Control period [s].
@@ -23,21 +28,48 @@ class BlockWatch:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew."""
+        """Begin to watch from here."""
         self._seconds = 0.0
-        self._turn = 0.0
-        self._turning = 0.0
+        self._driven, self._turned = _Sum(), _Sum()
+        self._told_driven, self._told_turned = _Sum(), _Sum()
 
     def is_blocked(self, command: Twist2D, twist: Twist2D) -> bool:
-        """Take in one command and how the robot moves meanwhile; whether it has got nowhere for half a second."""
-        if command.v != 0.0 or abs(twist.v) >= _STANDING_MPS:
+        """Take in one command and how the robot moves meanwhile; whether it has got nowhere so far."""
+        self._seconds += self._dt
+        self._driven.add(twist.v * self._dt)
+        self._turned.add(twist.w * self._dt)
+        self._told_driven.add(command.v * self._dt)
+        self._told_turned.add(command.w * self._dt)
+        if self._driven.farthest >= _DISTANCE_M:
             self.reset()
             return False
-        self._seconds += self._dt
-        self._turn += command.w
-        self._turning += abs(command.w)
         if self._seconds < _AFTER_S - 1e-9:
             return False
-        turns_on = abs(self._turn) > 0.5 * self._turning
+        turns = self._turned.leads_on
+        asked = self._told_driven.farthest >= _DISTANCE_M or self._told_turned.leads_on
+        if not turns and asked and self._seconds < _AT_LATEST_S - 1e-9:
+            return False
         self.reset()
-        return not turns_on
+        return not turns
+
+
+class _Sum:
+    """Distances [m] or angles [rad], one after the other.
+
+    Attributes:
+        farthest: The largest that their sum has been, without its sign.
+    """
+
+    def __init__(self) -> None:
+        self.farthest = 0.0
+        self._total = self._unsigned = 0.0
+
+    def add(self, part: float) -> None:
+        self._total += part
+        self._unsigned += abs(part)
+        self.farthest = max(self.farthest, abs(self._total))
+
+    @property
+    def leads_on(self) -> bool:
+        """Whether these angles add up to one worth it."""
+        return abs(self._total) >= _ANGLE_RAD and abs(self._total) > 0.5 * self._unsigned
