@@ -49,7 +49,7 @@ def in_warehouse(robot: trundle.Robot):
 
 def drive(make, seed: int, robot: trundle.Robot, backend: str) -> tuple[Episode, str]:
     world, grid, note = make(seed)
-    navigator = trundle.Navigator(grid, robot)
+    navigator = trundle.Navigator(grid, robot, planning_deadline_s=None)
     start, goal = sample_mission(navigator.costmap, seed)
     with trundle.simulate(world, robot, backend=backend) as sim:
         episode = trundle.run(sim, navigator, start, goal, seed=seed)

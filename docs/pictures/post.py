@@ -114,7 +114,9 @@ def drive_as_the_post(track_width: float) -> Episode:
     """Drive with the post's planner and follower, and wheels commanded with some track."""
     place, robot = make_place(), post_robot()
     options = {"lookahead_dist": POST_LOOKAHEAD}
-    navigator = trundle.Navigator(place.grid, robot, planner="blog", controller="blog", controller_options=options)
+    navigator = trundle.Navigator(
+        place.grid, robot, planner="blog", controller="blog", controller_options=options, planning_deadline_s=None
+    )
     with OtherTrack(place.world, robot, track_width) as simulator:
         name = f"the post's planner and follower, wheel base {track_width:g} m"
         return trundle.run(simulator, navigator, START_POSE, GOAL, name=name)
@@ -123,7 +125,7 @@ def drive_as_the_post(track_width: float) -> Episode:
 def drive_as_trundle(**controller_options: float) -> Episode:
     """Drive as `trundle run` does by itself, but for options of the controller."""
     place, robot = make_place(), Robot.load("nova_carter")
-    navigator = trundle.Navigator(place.grid, robot, controller_options=controller_options)
+    navigator = trundle.Navigator(place.grid, robot, controller_options=controller_options, planning_deadline_s=None)
     with trundle.simulate(place.world, robot) as simulator:
         return trundle.run(simulator, navigator, START_POSE, GOAL, name="trundle's own")
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Generic, TypeVar, cast
 
 from trundle.errors import InputError, UnknownNameError
@@ -77,3 +78,20 @@ class Registry(Generic[_Made]):
         if options:
             raise InputError(f"{', '.join(options)}: options are for a {self._kind} by name; this one is made already")
         return given
+
+
+def keywords_taken(function: Callable[..., object], names: Iterable[str]) -> frozenset[str]:
+    """Which of these keywords a function of another package takes; all of them where it takes `**kwargs`.
+
+    For adapters around what was written for an older seam. One whose signature Python cannot tell, such as a compiled
+    function, is taken to follow the present one.
+    """
+    wanted = frozenset(names)
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return wanted
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
+        return wanted
+    by_keyword = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return wanted & {parameter.name for parameter in parameters if parameter.kind in by_keyword}

@@ -102,6 +102,13 @@ def test_without_opengl_the_video_is_drawn_and_the_packages_are_named(
     assert trundle("run", room_map, *SHORT, "--quiet").err == ""
 
 
+def test_a_planning_deadline_is_an_outcome(trundle: Trundle, room_map: Path) -> None:
+    done = trundle("run", room_map, *ENDS, *QUICK, "--planning-deadline", "1e-9", "--json", "--out", "a")
+    assert done.code == 1
+    assert done.json["outcome"] == "planning_timed_out"
+    assert "planning_deadline_s: 1.0e-09" in Path("a/scenario.yaml").read_text()
+
+
 def test_a_time_limit_is_an_outcome(trundle: Trundle, room_map: Path) -> None:
     done = trundle("run", room_map, *ENDS, *QUICK, "--time-limit", "1", "--json")
     assert done.code == 1
@@ -164,6 +171,7 @@ def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Pat
         (("warehouse", "--goal", "900,900", "--start", "0,0", "--backend", "kinematic"), "outside"),
         (("warehouse", "--time-limit", "-3"), "time_limit_s"),
         (("warehouse", "--time-limit", "nan"), "time_limit_s"),
+        (("warehouse", "--planning-deadline", "0"), "planning_deadline_s"),
     ],
 )
 def test_bad_input_leaves_nothing(trundle: Trundle, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:

@@ -288,3 +288,12 @@ def test_the_default_time_limit_allows_for_a_speed_mask(tmp_path):
     # 8.8 m at 0.08 m/s take 110 s, which is more than 60 s and four times 12 s.
     assert episode.outcome is Outcome.ARRIVED
     assert episode.metrics.time_s > 109.0
+
+
+def test_a_run_has_no_planning_deadline_unless_the_scenario_asks_for_one(tmp_path):
+    assert Scenario.make(**SMALL).planning_deadline_s is None
+    hasty = Scenario.make(**SMALL, backend="kinematic", planning_deadline_s=1e-9)
+    hasty.save(tmp_path / "hasty.yaml")
+    assert Scenario.load(tmp_path / "hasty.yaml").planning_deadline_s == 1e-9
+    with hasty.build() as mission:
+        assert mission.run().outcome is Outcome.PLANNING_TIMED_OUT

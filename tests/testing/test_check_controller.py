@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,38 @@ class Vandal(Standing):
         return Twist2D()
 
 
+class WithoutLimit:
+    """A good controller, of before there were speed limits."""
+
+    def __init__(self, robot):
+        self.inner = create_controller("regulated_pure_pursuit", robot)
+        self.set_path, self.compute_velocity = self.inner.set_path, self.inner.compute_velocity
+
+
+class HalfLimited(WithoutLimit):
+    """Slows down for a limit, and drives faster than it."""
+
+    def set_speed_limit(self, limit):
+        self.inner.set_speed_limit(1.5 * limit)
+
+
+class NeverFree(WithoutLimit):
+    """Keeps the lowest limit for ever."""
+
+    limit = math.inf
+
+    def set_speed_limit(self, limit):
+        self.limit = min(limit, self.limit)
+        self.inner.set_speed_limit(self.limit)
+
+
+class Stopped(WithoutLimit):
+    """Does not drive at all where there is a limit."""
+
+    def set_speed_limit(self, limit):
+        self.inner.set_speed_limit(math.inf if limit == math.inf else 0.0)
+
+
 @pytest.mark.parametrize(
     ("broken", "promise"),
     [
@@ -52,6 +86,10 @@ class Vandal(Standing):
         (Restless, "without a path stands"),
         (Speeding, "keeps the speed limits"),
         (Vandal, "leaves the costmap as it is"),
+        (WithoutLimit, "has set_speed_limit"),
+        (HalfLimited, "keeps a speed limit"),
+        (NeverFree, "taken away"),
+        (Stopped, "it stood"),
     ],
 )
 def test_a_controller_that_breaks_a_promise_is_told_which(broken, promise):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from trundle.costmap import Costmap
-from trundle.errors import NoPathError
+from trundle.errors import NoPathError, PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning import create_planner
@@ -28,16 +28,18 @@ class StraightPlanner:
 class ForgetfulPlanner(LeastCostPlanner):
     """Leaves out the goal's yaw."""
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False):
-        return super().plan(costmap, start, Pose2D(goal.x, goal.y, 0.123))
+    def plan(self, costmap, start, goal, **keywords):
+        return super().plan(costmap, start, Pose2D(goal.x, goal.y, 0.123), **keywords)
 
 
 class LooseErrorPlanner(LeastCostPlanner):
     """Says the same of everything that goes wrong."""
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False):
+    def plan(self, costmap, start, goal, **keywords):
         try:
-            return super().plan(costmap, start, goal)
+            return super().plan(costmap, start, goal, **keywords)
+        except PlanningStoppedError:
+            raise
         except Exception as error:
             raise NoPathError("no") from error
 
@@ -47,8 +49,8 @@ class MoodyPlanner(LeastCostPlanner):
 
     calls = 0
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False):
-        path = super().plan(costmap, start, goal)
+    def plan(self, costmap, start, goal, **keywords):
+        path = super().plan(costmap, start, goal, **keywords)
         self.calls += 1
         return Path(np.repeat(path.poses, self.calls, axis=0))
 
@@ -56,13 +58,52 @@ class MoodyPlanner(LeastCostPlanner):
 class WritingPlanner(LeastCostPlanner):
     """Scribbles on the costmap."""
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False):
-        path = super().plan(costmap, start, goal)
+    def plan(self, costmap, start, goal, **keywords):
+        path = super().plan(costmap, start, goal, **keywords)
         data = costmap.data
         data.flags.writeable = True
         data[30, 30] = 17
         data.flags.writeable = False
         return path
+
+
+class OlderPlanner(LeastCostPlanner):
+    """Takes none of the keywords."""
+
+    def plan(self, costmap, start, goal):
+        return super().plan(costmap, start, goal)
+
+
+class UnstoppablePlanner(LeastCostPlanner):
+    """Does not look whether it is cancelled."""
+
+    def plan(self, costmap, start, goal, *, goal_yaw_free=False, deadline_s=None, cancel=None):
+        return super().plan(costmap, start, goal, goal_yaw_free=goal_yaw_free, deadline_s=deadline_s)
+
+
+class StrayingPlanner(LeastCostPlanner):
+    """Where the yaw is free, the place is as well."""
+
+    def plan(self, costmap, start, goal, *, goal_yaw_free=False, **keywords):
+        place = start if goal_yaw_free else goal
+        return super().plan(costmap, start, place, goal_yaw_free=goal_yaw_free, **keywords)
+
+
+class HastyPlanner(LeastCostPlanner):
+    """Gives something else where it has little time."""
+
+    def plan(self, costmap, start, goal, *, deadline_s=None, **keywords):
+        path = super().plan(costmap, start, goal, **keywords)
+        return path if deadline_s is None else Path(np.repeat(path.poses, 2, axis=0))
+
+
+class WrongStatusPlanner(LeastCostPlanner):
+    """Says that its time was up when it was cancelled."""
+
+    def plan(self, costmap, start, goal, *, cancel=None, **keywords):
+        if cancel is not None and cancel.cancelled:
+            raise PlanningStoppedError("stopped")
+        return super().plan(costmap, start, goal, cancel=cancel, **keywords)
 
 
 @pytest.mark.parametrize(
@@ -73,6 +114,11 @@ class WritingPlanner(LeastCostPlanner):
         (LooseErrorPlanner, "must raise OutsideMapError"),
         (MoodyPlanner, "two different paths"),
         (WritingPlanner, "must not change the costmap"),
+        (OlderPlanner, "must take the keywords goal_yaw_free, deadline_s, cancel"),
+        (UnstoppablePlanner, "cancelled already must raise"),
+        (StrayingPlanner, "it must end at"),
+        (HastyPlanner, "a deadline that is far off changes the path"),
+        (WrongStatusPlanner, "status 'cancelled'"),
     ],
 )
 def test_a_planner_that_breaks_a_promise_is_told_which(planner, message):

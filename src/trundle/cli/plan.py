@@ -91,6 +91,7 @@ def plan(
         unknown=unknown,
         unknown_cost=unknown_cost,
         smoother=smoother,
+        planning_deadline_s=None,
         keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
         speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
     )

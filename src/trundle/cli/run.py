@@ -53,6 +53,7 @@ def run(
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     time_limit: float | None = None,
+    planning_deadline: float | None = None,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -69,6 +70,8 @@ def run(
         source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name, or a world's file. With
             --backend isaac also an environment of Isaac Sim whose file is at hand.
         time_limit: Simulated time after which the run is stopped [s].
+        planning_deadline: Real time that a plan may take [s], three times at most; left out: as long as it takes, so
+            that a run is the same however busy the machine is.
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
         out: Folder to write into; left out: a new one under runs.
@@ -87,6 +90,7 @@ def run(
         "keepout": None if keepout is None else str(keepout),
         "speed_mask": None if speed_mask is None else str(speed_mask),
         "time_limit_s": time_limit,
+        "planning_deadline_s": planning_deadline,
     }
     changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}
     if goal:

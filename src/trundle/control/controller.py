@@ -24,13 +24,19 @@ CONTROLLERS: Registry[Controller] = Registry(
 class Controller(Protocol):
     """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`.
 
-    It may also have `set_speed_limit(limit)`, by which a `Navigator` tells it before each command how fast it may drive
-    now [m/s], infinity for as fast as it likes; the navigator slows the commands of one that has not.
+    One of another package without `set_speed_limit` works as well: `create_controller` wraps it.
     """
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
         ...
+
+    def set_speed_limit(self, limit: float) -> None:
+        """Drive no faster than this [m/s] from now on; infinity takes the limit away.
+
+        A `Navigator` with a speed mask calls it before each command. The default does nothing: the navigator slows
+        commands that are too fast, on the same arc.
+        """
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         """Return the command for the next control period of `dt` [s].
@@ -55,8 +61,33 @@ def controller_names() -> list[str]:
 def create_controller(controller: str | Controller, robot: Robot, **options: Any) -> Controller:
     """Make a controller for a robot from its name and options, or take one as it is.
 
+    One that has no `set_speed_limit` is wrapped, so that it can be used like any other.
+
     Raises:
         UnknownNameError: If there is no controller of that name.
         InputError: If it does not take these options, or is no controller.
     """
-    return CONTROLLERS.take(controller, "compute_velocity", robot, **options)
+    made = CONTROLLERS.take(controller, "compute_velocity", robot, **options)
+    return made if callable(getattr(made, "set_speed_limit", None)) else OlderController(made)
+
+
+class OlderController(Controller):
+    """A controller without `set_speed_limit` behind the whole seam, with the default for that.
+
+    Args:
+        controller: What drives.
+
+    Attributes:
+        controller: The same.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+
+    def set_path(self, path: Path) -> None:
+        """Follow this path from now on; see `Controller`."""
+        self.controller.set_path(path)
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
+        """Return the command for the next control period; see `Controller`."""
+        return self.controller.compute_velocity(pose, twist, costmap, dt)

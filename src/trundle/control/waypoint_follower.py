@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from trundle.control.controller import Controller
 from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
@@ -11,7 +12,7 @@ from trundle.path import Path
 from trundle.robots import Robot
 
 
-class BlogFollower:
+class BlogFollower(Controller):
     """Drives at the first path point beyond the lookahead, turning in proportion to its bearing; stops at the last.
 
     It checks no footprint and turns to no final yaw.

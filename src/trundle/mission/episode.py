@@ -36,6 +36,8 @@ class Outcome(StrEnum):
     """The time limit was over first."""
     NO_PATH = "no_path"
     """No path from where it was to the goal was found."""
+    PLANNING_TIMED_OUT = "planning_timed_out"
+    """Planning was not done by its deadline, three times in a row; whether there is a path is not known."""
     ABORTED = "aborted"
     """Stopped from outside (Ctrl-C), or the physics broke down."""
 

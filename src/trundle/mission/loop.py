@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import time as clock
@@ -12,7 +13,13 @@ from typing import Protocol, cast, runtime_checkable
 import numpy as np
 
 from trundle.costmap import Costmap
-from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError, SimulationError
+from trundle.errors import (
+    BlockedPoseError,
+    OutsideMapError,
+    PlanningError,
+    ScenarioError,
+    SimulationError,
+)
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
@@ -228,6 +235,8 @@ class _Drive:
                 continue
             if status is NavigationStatus.NO_PATH:
                 return Outcome.NO_PATH, str(navigator.error or "no path to the goal was found")
+            if status is NavigationStatus.PLANNING_TIMED_OUT:
+                return Outcome.PLANNING_TIMED_OUT, f"given up at {_words(state.pose)}: {navigator.error}"
             if status is NavigationStatus.STUCK:
                 return Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s"
             if state.time >= self._info.time_limit_s - 1e-9:
@@ -349,8 +358,8 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
     """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
 
     Returns:
-        The plans, as far as there are any, and why there is no path to the first goal, if so. The first goal and its
-        plan stay in the navigator.
+        The plans, as far as there are any, and why there is no path to the first goal, if so; not where planning only
+        took too long, as the navigator tries again. The first goal and its plan stay in the navigator.
     """
     plans: list[Path] = []
     unreachable: PlanningError | None = None
@@ -362,7 +371,8 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
         except PlanningError as error:
             if _is_bad_input(error, goal, first=index == 0):
                 raise
-            unreachable = error if index == 0 else unreachable
+            if index == 0 and not navigator.waits_to_plan:
+                unreachable = error
             here = Pose2D.of(goal)
         else:
             plans.append(path)
@@ -370,7 +380,8 @@ def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tu
     if len(goals) > 1:
         navigator.set_goal(goals[0])
         if unreachable is None:
-            navigator.plan(start)
+            with contextlib.suppress(PlanningError):  # the navigator tries again
+                navigator.plan(start)
     return plans, unreachable
 
 

@@ -119,6 +119,8 @@ class Scenario(Config):
         cost_scaling_factor: Of the costmap [1/m]; none means the default.
         control_frequency: Commands per second of simulated time [Hz].
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
+        planning_deadline_s: How long a plan may take [s] of the computer's time, as in `Navigator`; none means as long
+            as it takes, and that the run is the same on a busy computer.
     """
 
     name: str | None = None
@@ -144,6 +146,7 @@ class Scenario(Config):
     cost_scaling_factor: Positive | None = None
     control_frequency: Positive = 20.0
     time_limit_s: Positive | None = None
+    planning_deadline_s: Positive | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -232,6 +235,7 @@ class Scenario(Config):
             control_frequency=self.control_frequency,
             unknown=self.unknown,
             unknown_cost=self.unknown_cost,
+            planning_deadline_s=self.planning_deadline_s,
             keepout=None if self.keepout is None else KeepoutMask.load(self.keepout, compat=self.compat),
             speed_mask=None if self.speed_mask is None else SpeedMask.load(self.speed_mask, compat=self.compat),
         )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import numbers
 import os
@@ -14,11 +13,12 @@ from typing import Any, cast
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import can_stop
 from trundle.costmap import Costmap, UnknownPolicy
-from trundle.errors import InputError, PlanningError
+from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
@@ -36,13 +36,15 @@ class NavigationStatus(StrEnum):
     DRIVING = "driving"
     """It is on the way."""
     BLOCKED = "blocked"
-    """Every way on would touch something; it is planning anew or backing up."""
+    """Every way on would touch something, or planning takes long; it plans again, backs up, or waits to plan again."""
     ARRIVED = "arrived"
     """The robot stands at the goal."""
     STUCK = "stuck"
     """The robot has not got on for too long, though there is a way; it has given up this goal."""
     NO_PATH = "no_path"
     """No path to the goal was found, from the start or from where the robot was blocked; `Navigator.error` says why."""
+    PLANNING_TIMED_OUT = "planning_timed_out"
+    """Planning was not done by its deadline, three times in a row; whether there is a path is not known."""
 
 
 class Navigator:
@@ -75,6 +77,10 @@ class Navigator:
         replan_interval_s: After so long [s] it looks for a better path; none means only where the path is blocked.
         replan_margin: By what share of the old path's cost from here a new one must be cheaper to replace it, where
             both are weighed as in `PathCheck.cost_from`.
+        planning_deadline_s: How long a plan may take [s] of the computer's time. After that the robot waits for 1 s and
+            tries again, three times at most. While the robot moves, a plan may take a quarter of it; where that is
+            not enough, or the last plan took longer, the robot is stopped first. None means as long as it takes, so
+            that a run does not depend on how busy the computer is.
 
     Attributes:
         robot: The robot.
@@ -115,6 +121,7 @@ class Navigator:
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
         replan_interval_s: float | None = None,
         replan_margin: float = 0.1,
+        planning_deadline_s: float | None = 2.0,
     ) -> None:
         if not (_is_number(control_frequency) and control_frequency > 0.0):
             raise InputError(f"control_frequency must be a positive number of hertz, got {control_frequency!r}")
@@ -153,13 +160,12 @@ class Navigator:
         self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
         self.planner = create_planner(planner, **(planner_options or {}))
         self.smoother = None if smoother is None else create_smoother(smoother, **(smoother_options or {}))
-        self._plans_free_yaw = "goal_yaw_free" in inspect.signature(self.planner.plan).parameters
         self.controller = create_controller(controller, self.robot, **(controller_options or {}))
-        self._set_speed_limit = getattr(self.controller, "set_speed_limit", None)
         self.goal_checker = goal_checker or GoalChecker()
         self.progress_checker = progress_checker or ProgressChecker()
         self.dt = 1.0 / control_frequency
         self._recovery = Recovery(self.dt)
+        self._tries = PlanningTries(planning_deadline_s)
         self.replan_interval_s = replan_interval_s
         self.replan_margin = replan_margin
         self.reset()
@@ -210,6 +216,11 @@ class Navigator:
         """The same before it was smoothed, as the planner gave it."""
         return None if self._followed is None else self._followed.planned
 
+    @property
+    def waits_to_plan(self) -> bool:
+        """Whether there is a plan to be made before the robot drives on: one that was not done by its deadline."""
+        return self._tries.pending
+
     def _forget_progress(self) -> None:
         self._followed: FollowedPath | None = None
         self._checked = self.costmap
@@ -222,6 +233,7 @@ class Navigator:
         self._time = 0.0
         self._command = _STAND
         self._recovery.reset()
+        self._tries.reset()
 
     # Driving --------------------------------------------------------------------------------------------------------
 
@@ -232,21 +244,29 @@ class Navigator:
             InputError: If there is no goal.
             PlanningError: If there is no path.
         """
-        followed = self._call_planner(Pose2D.of(start))
+        followed = self._call_planner(Pose2D.of(start), _STAND)
         self._take(followed)
         return followed.path
 
-    def _call_planner(self, start: Pose2D) -> FollowedPath:
+    def _call_planner(self, start: Pose2D, twist: Twist2D) -> FollowedPath:
         if self._goal is None:
             raise InputError("there is no goal to plan to; call set_goal first")
-        options = {"goal_yaw_free": True} if self._any_yaw and self._plans_free_yaw else {}
         self._planned_at, self._checked = self._time, self.costmap
+        deadline_s = self._tries.deadline_s(twist)
         began = clock.perf_counter()
         try:
-            path = self.planner.plan(self.costmap, start, self._goal, **options)
+            path = self.planner.plan(
+                self.costmap, start, self._goal, goal_yaw_free=self._any_yaw, deadline_s=deadline_s
+            )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
+        except PlanningStoppedError as error:
+            if error.status == "timeout":
+                self._tries.time_out(twist, self._time)
+            raise
         finally:
-            self.planning_time_s += clock.perf_counter() - began
+            seconds = clock.perf_counter() - began
+            self.planning_time_s += seconds
+        self._tries.succeed(seconds)
         return FollowedPath(path, smooth)
 
     def _take(self, followed: FollowedPath) -> None:
@@ -281,19 +301,16 @@ class Navigator:
         if self.goal_checker.is_reached(pose, twist, self._goal, any_yaw=self._any_yaw):
             self.status = NavigationStatus.ARRIVED
             return _STAND
-        if self._followed is None:
-            try:
-                self.plan(pose)
-            except PlanningError as error:
-                self.error = error
-                self.status = NavigationStatus.NO_PATH
-                return _STAND
+        if (self._followed is None or self._tries.pending) and not self._plan_first(pose, twist):
+            return _STAND
         if not self.progress_checker.is_moving_on(pose, self._time):
             self.status = NavigationStatus.STUCK
             return _STAND
         followed = cast("FollowedPath", self._followed)
         followed.advance(pose)
-        self._reconsider(followed, pose)
+        self._reconsider(followed, pose, twist)
+        if self._tries.pending:
+            return _STAND
         self._limit_speed(pose, twist)
         if self._recovery.is_backing_up:
             return self._slow_down(self._back_up(pose, twist))
@@ -303,14 +320,13 @@ class Navigator:
     # Speed limits ---------------------------------------------------------------------------------------------------
 
     def _limit_speed(self, pose: Pose2D, twist: Twist2D) -> None:
-        """Hand the speed that the mask allows to the controller, where it takes one."""
+        """Hand the speed that the mask allows to the controller."""
         if self._limiter is None:
             return
         index = 0 if self._followed is None else self._followed.index
         backwards = self._recovery.is_backing_up
         self.speed_limit = self._limiter.limit(pose, twist, index, self.dt, backwards=backwards)
-        if self._set_speed_limit is not None:
-            self._set_speed_limit(self.speed_limit)
+        self.controller.set_speed_limit(self.speed_limit)
 
     def _slow_down(self, command: Twist2D) -> Twist2D:
         """The same arc within the speed limit, whatever the controller made of that."""
@@ -321,7 +337,7 @@ class Navigator:
 
     # Planning again -------------------------------------------------------------------------------------------------
 
-    def _reconsider(self, followed: FollowedPath, pose: Pose2D) -> None:
+    def _reconsider(self, followed: FollowedPath, pose: Pose2D, twist: Twist2D) -> None:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""
         if self._recovery.is_backing_up:
             return
@@ -333,20 +349,51 @@ class Navigator:
         blocked = followed.is_blocked(self.costmap)
         if not blocked:
             self.error = None
-        if blocked or due:
-            self._replan(pose, only_if_cheaper=not blocked)
+        if blocked:
+            self._replan(pose, twist)
+        elif due and not self._tries.stops_first(twist):
+            self._look_for_better(pose, twist)
 
-    def _replan(self, pose: Pose2D, *, only_if_cheaper: bool = False) -> bool:
+    def _plan_first(self, pose: Pose2D, twist: Twist2D) -> bool:
+        """Make the plan that the robot waits for; whether it may drive on."""
+        if not self._attempt(pose, twist) and self._followed is None:
+            self.status = NavigationStatus.NO_PATH
+            return False
+        return not self._tries.pending
+
+    def _replan(self, pose: Pose2D, twist: Twist2D) -> bool:
         self.replans += 1
+        return self._attempt(pose, twist)
+
+    def _attempt(self, pose: Pose2D, twist: Twist2D) -> bool:
+        """Plan now, or leave the plan pending until the robot stands or a pause is over; False if there is no path."""
+        if self._tries.must_wait(twist, self._time):
+            return True
         try:
-            followed = self._call_planner(pose)
+            followed = self._call_planner(pose, twist)
         except PlanningError as error:
             self.error = error
-            return False
+            if not self._tries.pending:
+                return False
+            self.progress_checker.reset()
+            self.status = NavigationStatus.PLANNING_TIMED_OUT if self._tries.all_spent else NavigationStatus.BLOCKED
+            return True
         self.error = None
-        if not only_if_cheaper or self._is_cheaper(followed, pose):
-            self._take(followed)
+        self._take(followed)
         return True
+
+    def _look_for_better(self, pose: Pose2D, twist: Twist2D) -> None:
+        """Plan again, and follow the new path if it is cheaper by the margin."""
+        self.replans += 1
+        try:
+            followed = self._call_planner(pose, twist)
+        except PlanningError as error:
+            self.error = error
+            self._tries.settle()
+            return
+        self.error = None
+        if self._is_cheaper(followed, pose):
+            self._take(followed)
 
     def _is_cheaper(self, other: FollowedPath, pose: Pose2D) -> bool:
         """Whether a new path from here is cheaper by the margin than what is left of the old one."""
@@ -369,7 +416,7 @@ class Navigator:
             return _STAND
         self.status = NavigationStatus.BLOCKED
         self.progress_checker.reset()
-        if self._recovery.backs_up_first or not self._replan(pose):
+        if self._recovery.backs_up_first or not self._replan(pose, twist):
             self._recovery.start_backing_up()
         return _STAND
 
@@ -380,11 +427,18 @@ class Navigator:
         if clear and self._recovery.is_backing_up:
             return command
         self._recovery.stop_backing_up()
-        self._replan(pose)
+        self._replan(pose, twist)
         return _STAND
 
 
-_FINAL = frozenset({NavigationStatus.ARRIVED, NavigationStatus.STUCK, NavigationStatus.NO_PATH})
+_FINAL = frozenset(
+    {
+        NavigationStatus.ARRIVED,
+        NavigationStatus.STUCK,
+        NavigationStatus.NO_PATH,
+        NavigationStatus.PLANNING_TIMED_OUT,
+    }
+)
 
 
 def _is_number(value: object) -> bool:

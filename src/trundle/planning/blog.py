@@ -11,7 +11,7 @@ from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, check_limits
+from trundle.planning.cancellation import Cancellation, check_limits, sooner
 from trundle.planning.ends import begin_plan
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
@@ -45,16 +45,17 @@ class BlogPlanner:
         start: Pose2D,
         goal: Pose2D,
         *,
+        goal_yaw_free: bool = False,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
 
-        For the arguments and errors see `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a
-        `BlockedPoseError`.
+        It ends with the goal's yaw, also where `goal_yaw_free` says that any will do. For the arguments and errors see
+        `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a `BlockedPoseError`.
         """
-        own = self._deadline_s if deadline_s is None else deadline_s
-        start, goal, patience = begin_plan(costmap, start, goal, own, cancel)
+        check_limits(deadline_s, cancel)
+        start, goal, patience = begin_plan(costmap, start, goal, sooner(deadline_s, self._deadline_s), cancel)
         first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, goal, "goal")
         _check_free(costmap, start, first, "start")
         if not self._allow_partial:

@@ -78,6 +78,12 @@ class Patience:
         return PlanningStoppedError(f"{self._what} when {why}", pose=self._pose, cell=self._cell, status=status)
 
 
+def sooner(deadline_s: float | None, other_s: float | None) -> float | None:
+    """The shorter of two deadlines [s]; none where neither is given."""
+    given = [seconds for seconds in (deadline_s, other_s) if seconds is not None]
+    return min(given, default=None)
+
+
 def check_limits(deadline_s: float | None, cancel: Cancellation | None) -> npt.NDArray[np.uint8] | None:
     """The flag of a cancellation, for the kernels, if there is one.
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
@@ -63,15 +61,12 @@ def plan_many(
         except InputError as error:
             raise InputError(f"query {index}: {error}") from error
     count = check_threads(threads)
-    takes = inspect.signature(chosen.plan).parameters
     patience = Patience(deadline_s, cancel, f"not all of {len(queries)} paths were planned")
 
     def plan(query: tuple[Pose2D, Pose2D]) -> Path | PlanningError:
-        limits: dict[str, Any] = {"deadline_s": patience.seconds, "cancel": cancel}
-        given = {name: value for name, value in limits.items() if value is not None and name in takes}
         try:
             patience.check()
-            return chosen.plan(costmap, *query, **given)
+            return chosen.plan(costmap, *query, deadline_s=patience.seconds, cancel=cancel)
         except PlanningError as error:
             return error
 

@@ -7,6 +7,8 @@ from typing import Any, Protocol, runtime_checkable
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.path import Path
+from trundle.planning.cancellation import Cancellation
+from trundle.planning.older_planner import adapt_planner
 from trundle.registry import Registry
 
 PLANNERS: Registry[Planner] = Registry(
@@ -28,17 +30,36 @@ PLANNERS: Registry[Planner] = Registry(
 
 @runtime_checkable
 class Planner(Protocol):
-    """Finds a way. It keeps no state that changes an answer: the same question gives the same path.
+    """Finds a path. It keeps no state that changes an answer: the same question gives the same path.
 
-    `plan` may also take the keyword `goal_yaw_free=True`, by which a `Navigator` says that any yaw will do at the goal.
+    A planner of another package whose `plan` takes fewer of the keywords works as well: `create_planner` wraps it, and
+    asks it without those; one that takes `**kwargs` is handed all of them.
     """
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+    def plan(
+        self,
+        costmap: Costmap,
+        start: Pose2D,
+        goal: Pose2D,
+        *,
+        goal_yaw_free: bool = False,
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
+
+        Args:
+            costmap: What to stay clear of.
+            start: Where the robot stands.
+            goal: Where it shall stand.
+            goal_yaw_free: Any yaw will do at the goal.
+            deadline_s: Give up after this time [s]; none means as long as it takes. A search bounded by other means,
+                such as its expansions, gives the same path whatever the machine is doing; this one is a safety net.
+            cancel: Give up when this says so.
 
         Raises:
             PlanningError: If there is no path, never an empty path; `OutsideMapError`, `BlockedPoseError` and
-                `NoPathError` say which kind.
+                `NoPathError` say which kind, and `PlanningStoppedError` that it gave up.
         """
         ...
 
@@ -51,8 +72,10 @@ def planner_names() -> list[str]:
 def create_planner(planner: str | Planner, **options: Any) -> Planner:
     """Make a planner from its name and options, or take one as it is.
 
+    One whose `plan` does not take all keywords of `Planner` is wrapped, so that it can be asked like any other.
+
     Raises:
         UnknownNameError: If there is no planner of that name.
         InputError: If it does not take these options, or is no planner.
     """
-    return PLANNERS.take(planner, "plan", **options)
+    return adapt_planner(PLANNERS.take(planner, "plan", **options))

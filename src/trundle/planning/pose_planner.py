@@ -8,7 +8,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, Patience, check_limits
+from trundle.planning.cancellation import Cancellation, Patience, check_limits, sooner
 from trundle.planning.ends import End, begin_plan, find_end
 from trundle.planning.options import check_flag, check_number
 from trundle.planning.query import Query
@@ -54,7 +54,7 @@ class PosePlanner(ABC):
             goal: Where it shall stand.
             goal_yaw_free: End with the yaw that the robot arrives with (of `hybrid_astar` one of 16), not with the
                 goal's.
-            deadline_s: Give up after this time [s], in place of the planner's own.
+            deadline_s: Give up after this time [s]; the planner's own deadline holds as well.
             cancel: Give up when this says so.
 
         Raises:
@@ -65,8 +65,8 @@ class PosePlanner(ABC):
             PlanningStoppedError: If it gave up: out of time, cancelled, or out of expansions.
             InputError: If an argument is none of these.
         """
-        own = self._deadline_s if deadline_s is None else deadline_s
-        start, goal, patience = begin_plan(costmap, start, goal, own, cancel)
+        check_limits(deadline_s, cancel)
+        start, goal, patience = begin_plan(costmap, start, goal, sooner(deadline_s, self._deadline_s), cancel)
         first = find_end(costmap, start, "start", self._start_tolerance, patience=patience)
         try:
             last = find_end(

@@ -18,6 +18,8 @@ from trundle.testing.conformance import expect
 
 _DT = 0.05
 _SECONDS = 90.0
+_FIRST_SECONDS = 3.0
+_LIMIT_SHARE = 0.3
 
 
 def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None = None) -> None:
@@ -25,7 +27,8 @@ def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None
 
     It stands without a path; follows a straight and a bent path to their ends in an open room, each time anew;
     answers finite twists within the robot's speed limits; changes nothing that it is given; gives the same answers to
-    the same questions; and leaves one controller's path to that controller.
+    the same questions; leaves one controller's path to that controller; and takes a speed limit, which it keeps or
+    leaves to the navigator, and forgets once it is taken away.
 
     Args:
         make: Makes the controller for a robot.
@@ -47,6 +50,37 @@ def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None
     one.set_path(_path((0, 0), (3, 0)))
     command = other.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
     expect(command == Twist2D(), f"two controllers share no path; found: {command}")
+    _check_speed_limit(make, driven, costmap)
+
+
+def _check_speed_limit(make: Callable[[Robot], Controller], robot: Robot, costmap: Costmap) -> None:
+    path = _path((0, 0), (3, 0))
+    setter = getattr(make(robot), "set_speed_limit", None)
+    expect(callable(setter), "a controller has set_speed_limit(limit); to have it do nothing, derive from Controller")
+    free = _first_commands(make(robot), path, robot, costmap)
+    limited = make(robot)
+    limited.set_speed_limit(_LIMIT_SHARE * robot.limits.linear_speed)
+    commands = _first_commands(limited, path, robot, costmap)
+    fastest = max(abs(command.v) for command in commands)
+    kept = fastest <= _LIMIT_SHARE * robot.limits.linear_speed + 1e-9
+    expect(kept or commands == free, f"a controller keeps a speed limit, or answers as without; found: {fastest} m/s")
+    expect(any(command != Twist2D() for command in commands), "a controller drives within a speed limit; it stood")
+    limited.set_speed_limit(math.inf)
+    expect(
+        _first_commands(limited, path, robot, costmap) == free,
+        "a controller whose speed limit is taken away answers as one that never had one; found: other commands",
+    )
+
+
+def _first_commands(controller: Controller, path: Path, robot: Robot, costmap: Costmap) -> list[Twist2D]:
+    """What it answers in the first seconds on a path, driven ideally."""
+    controller.set_path(path)
+    pose, twist, commands = path.start, Twist2D(), list[Twist2D]()
+    for _ in range(round(_FIRST_SECONDS / _DT)):
+        commands.append(controller.compute_velocity(pose, twist, costmap, _DT))
+        twist = robot.limits.approach(twist, commands[-1], _DT)
+        pose = twist.integrate(pose, _DT)
+    return commands
 
 
 def _open_room(robot: Robot) -> Costmap:

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from trundle.costmap import LETHAL, Costmap
-from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningError
+from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningError, PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
-from trundle.planning import Planner
+from trundle.planning import Cancellation, Planner
 from trundle.testing.conformance import ConformanceError, expect
 
 _FOOTPRINT = np.array([[0.15, 0.15], [-0.25, 0.15], [-0.25, -0.15], [0.15, -0.15]])
 _RESOLUTION = 0.1
 _NEAR = 1e-6
+_KEYWORDS = ("goal_yaw_free", "deadline_s", "cancel")
+_LONG_S, _SHORT_S = 3600.0, 1e-9
 
 
 def check_planner(planner: Planner | Callable[[], Planner]) -> None:
@@ -26,7 +29,9 @@ def check_planner(planner: Planner | Callable[[], Planner]) -> None:
     On a small map of two rooms and a closed chamber: a path starts at the start and ends at the goal, is finite and
     never goes through occupied or unknown cells; the same question gives the same path, asked again and asked of a
     second planner; the costmap stays as it is; a goal outside the map, in an obstacle, in unknown space or out of
-    reach is a typed error, and never an empty path.
+    reach is a typed error, and never an empty path. `plan` takes the keywords of the seam: with `goal_yaw_free` a path
+    still ends at the goal; a deadline that is not reached changes nothing, and one that has passed gives a
+    `PlanningStoppedError` or the same path; what is cancelled already gives that error.
 
     Args:
         planner: A planner, or a class or function that makes one without arguments.
@@ -43,6 +48,7 @@ def check_planner(planner: Planner | Callable[[], Planner]) -> None:
         _check_path(path, costmap, start, goal)
         _check_same(path, _plan(instance, costmap, start, goal), "asked twice, it gives two different paths")
         _check_same(path, _plan(make(), costmap, start, goal), "two planners of the same kind give different paths")
+        _check_keywords(instance, costmap, start, goal, path)
     for start, goal, kinds, what in _REFUSALS:
         _check_refusal(instance, costmap, start, goal, kinds, what)
     start, goal = _QUESTIONS[0]
@@ -92,13 +98,37 @@ def _as_factory(planner: Planner | Callable[[], Planner]) -> Callable[[], Planne
     return planner
 
 
-def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **keywords: Any) -> Path:
     try:
-        path = planner.plan(costmap, start, goal)
+        path = planner.plan(costmap, start, goal, **keywords)
     except PlanningError as error:
         raise ConformanceError(f"no path from {start} to {goal}, where there is one: {error}") from error
+    except TypeError as error:
+        raise ConformanceError(f"plan() must take the keywords {', '.join(_KEYWORDS)}: {error}") from error
     expect(isinstance(path, Path), f"plan() must return a Path, got {type(path).__name__}")
     return path
+
+
+def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, path: Path) -> None:
+    """Check `goal_yaw_free`, `deadline_s` and `cancel` with a question whose `path` is known."""
+    free = _plan(planner, costmap, start, goal, goal_yaw_free=True)
+    _check_path(free, costmap, start, Pose2D(goal.x, goal.y, free.goal.yaw))
+    patient = _plan(planner, costmap, start, goal, deadline_s=_LONG_S, cancel=Cancellation())
+    _check_same(path, patient, "a deadline that is far off changes the path")
+    try:
+        hasty = planner.plan(costmap, start, goal, deadline_s=_SHORT_S)
+    except PlanningStoppedError as error:
+        expect(error.status == "timeout", f"at its deadline the error has the status 'timeout', not {error.status!r}")
+    else:
+        _check_same(path, hasty, "a deadline that has passed changes the path")
+    cancel = Cancellation()
+    cancel.cancel()
+    try:
+        planner.plan(costmap, start, goal, cancel=cancel)
+    except PlanningStoppedError as error:
+        expect(error.status == "cancelled", f"what is cancelled has the status 'cancelled', not {error.status!r}")
+    else:
+        raise ConformanceError("a plan that is cancelled already must raise PlanningStoppedError, and it gave a path")
 
 
 def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:

@@ -1,0 +1,58 @@
+"""`OlderPlanner`: a planner that takes only some keywords of the `Planner` seam, behind the whole of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from trundle.costmap import Costmap
+from trundle.geometry import Pose2D
+from trundle.path import Path
+from trundle.planning.cancellation import Cancellation, Patience
+from trundle.registry import keywords_taken
+
+if TYPE_CHECKING:
+    from trundle.planning.planner import Planner
+
+_KEYWORDS = ("goal_yaw_free", "deadline_s", "cancel")
+
+
+class OlderPlanner:
+    """Hands a planner the keywords that its `plan` takes.
+
+    Without `goal_yaw_free` its paths end with the goal's own yaw. Without `deadline_s` or `cancel` it stops for neither
+    once it has begun.
+
+    Args:
+        planner: What plans.
+        taken: Which of the keywords it takes.
+
+    Attributes:
+        planner: The same.
+    """
+
+    def __init__(self, planner: Planner, taken: frozenset[str]) -> None:
+        self.planner = planner
+        self._taken = taken
+
+    def plan(
+        self,
+        costmap: Costmap,
+        start: Pose2D,
+        goal: Pose2D,
+        *,
+        goal_yaw_free: bool = False,
+        deadline_s: float | None = None,
+        cancel: Cancellation | None = None,
+    ) -> Path:
+        """Plan from `start` to `goal`; see `Planner`."""
+        Patience(deadline_s, cancel, "no path found yet").check()
+        given: dict[str, Any] = {"goal_yaw_free": goal_yaw_free, "deadline_s": deadline_s, "cancel": cancel}
+        return self.planner.plan(
+            costmap, start, goal, **{name: value for name, value in given.items() if name in self._taken}
+        )
+
+
+def adapt_planner(planner: Planner) -> Planner:
+    """The planner itself where its `plan` takes every keyword of the seam, else an `OlderPlanner` around it."""
+    taken = keywords_taken(planner.plan, _KEYWORDS)
+    return planner if len(taken) == len(_KEYWORDS) else OlderPlanner(planner, taken)

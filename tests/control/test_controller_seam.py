@@ -1,0 +1,79 @@
+"""Controllers of other packages behind the seam, as they are and through the adapter."""
+
+import math
+
+import numpy as np
+import pytest
+
+from trundle.control import Controller, controller_names, create_controller
+from trundle.control.controller import OlderController
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid, SpeedMask
+from trundle.navigation import Navigator
+from trundle.robots import Robot
+
+CARTER = Robot.load("nova_carter")
+
+
+class Older:
+    """Without set_speed_limit."""
+
+    def set_path(self, path):
+        self.path = path
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        return Twist2D(0.6, 0.3)
+
+
+class Wrapper:
+    """Hands on whatever it is asked."""
+
+    def __init__(self, inner):
+        self._inner = inner
+
+    def __getattr__(self, name):
+        return getattr(self._inner, name)
+
+
+def limited(controller):
+    """What a navigator with a limit of 0.2 m/s tells the robot first."""
+    mask = SpeedMask(OccupancyGrid(np.full((4, 6), 20, np.int8), 1.0), "absolute", multiplier=0.01)
+    grid = OccupancyGrid(np.zeros((80, 120), np.int8), 0.05)
+    navigator = Navigator(grid, CARTER, controller=controller, speed_mask=mask)
+    navigator.set_goal(5.0, 2.0)
+    return navigator.update((2.0, 2.0, 0.0), Twist2D())
+
+
+@pytest.mark.parametrize("name", controller_names())
+def test_our_controllers_need_no_adapter(name):
+    controller = create_controller(name, CARTER)
+    assert not isinstance(controller, OlderController)
+    assert isinstance(controller, Controller)
+    controller.set_speed_limit(math.inf)
+
+
+def test_an_older_controller_works_behind_the_whole_seam():
+    older = Older()
+    controller = create_controller(older, CARTER)
+    assert isinstance(controller, OlderController)
+    assert isinstance(controller, Controller)
+    assert controller.controller is older
+    command = limited(older)
+    assert (command.v, command.w) == pytest.approx((0.2, 0.1))
+    assert older.path.goal.distance_to(Pose2D(5.0, 2.0)) < 1e-6
+
+
+def test_a_wrapper_hands_the_limit_on():
+    inner = create_controller("regulated_pure_pursuit", CARTER)
+    wrapper = Wrapper(inner)
+    assert create_controller(wrapper, CARTER) is wrapper
+    assert limited(wrapper).v == pytest.approx(0.2)
+
+
+def test_a_class_that_derives_from_the_seam_has_the_default():
+    class Derived(Older, Controller):
+        pass
+
+    derived = Derived()
+    assert create_controller(derived, CARTER) is derived
+    assert limited(derived).v == pytest.approx(0.2)

@@ -1,0 +1,134 @@
+"""Planners of other packages behind the seam, as they are and through adapters."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from trundle.costmap import Costmap
+from trundle.errors import InputError, PlanningStoppedError
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.navigation import Navigator
+from trundle.path import Path
+from trundle.planning import Cancellation, create_planner, plan_many, planner_names
+from trundle.planning.least_cost import LeastCostPlanner
+from trundle.planning.older_planner import OlderPlanner
+from trundle.robots import Robot
+
+CARTER = Robot.load("nova_carter")
+START, GOAL = Pose2D(2.0, 2.0), Pose2D(4.0, 2.0)
+EVERY = {"goal_yaw_free": True, "deadline_s": 5.0, "cancel": Cancellation()}
+
+
+def room():
+    data = np.zeros((100, 140), np.int8)
+    data[[0, -1], :] = data[:, [0, -1]] = 100
+    return OccupancyGrid(data, 0.05)
+
+
+def straight(start, goal):
+    return Path(np.array([start.as_tuple(), goal.as_tuple()]))
+
+
+class Plain:
+    """As planners were before there were keywords."""
+
+    def plan(self, costmap, start, goal):
+        return straight(start, goal)
+
+
+class FreeYaw:
+    """With one of the keywords, given by place or by name."""
+
+    def plan(self, costmap, start, goal, goal_yaw_free=False):
+        self.given = {"goal_yaw_free": goal_yaw_free}
+        return straight(start, goal)
+
+
+class Stoppable:
+    def plan(self, costmap, start, goal, *, deadline_s=None, cancel=None):
+        self.given = {"deadline_s": deadline_s, "cancel": cancel}
+        return straight(start, goal)
+
+
+class Wrapper:
+    """Hands everything on to a planner of ours."""
+
+    def __init__(self):
+        self.inner, self.given = LeastCostPlanner(), {}
+
+    def plan(self, *arguments, **kwargs):
+        self.given = kwargs
+        return self.inner.plan(*arguments, **kwargs)
+
+
+def costmap():
+    return Costmap.from_grid(room(), CARTER)
+
+
+@pytest.mark.parametrize("name", planner_names())
+def test_our_planners_take_every_keyword_and_need_no_adapter(name):
+    planner = create_planner(name)
+    assert not isinstance(planner, OlderPlanner)
+    path = planner.plan(costmap(), START, GOAL, **EVERY)
+    assert path.goal.distance_to(GOAL) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("make", "handed_on"), [(Plain, ()), (FreeYaw, ("goal_yaw_free",)), (Stoppable, ("deadline_s", "cancel"))]
+)
+def test_an_older_planner_is_handed_the_keywords_that_it_takes(make, handed_on):
+    older = make()
+    planner = create_planner(older)
+    assert isinstance(planner, OlderPlanner)
+    assert planner.planner is older
+    assert planner.plan(costmap(), START, GOAL, **EVERY).goal == GOAL
+    assert getattr(older, "given", {}) == {name: EVERY[name] for name in handed_on}
+
+
+def test_a_wrapper_with_kwargs_is_handed_all_of_them():
+    wrapper = Wrapper()
+    assert create_planner(wrapper) is wrapper
+    navigator = Navigator(room(), CARTER, planner=wrapper)
+    navigator.set_goal(4.0, 3.5)
+    path = navigator.plan((2.0, 2.0, 0.0))
+    assert wrapper.given["goal_yaw_free"] is True
+    assert wrapper.given["deadline_s"] == 2.0
+    # It ends as it arrives: without the keyword it would have turned to a yaw of 0.
+    assert path.goal.yaw == pytest.approx(np.arctan2(1.5, 2.0))
+
+
+def test_a_wrapper_made_by_a_decorator_shows_what_it_wraps():
+    class Decorated:
+        @functools.wraps(Plain.plan)
+        def plan(self, *arguments, **keywords):
+            return Plain.plan(self, *arguments, **keywords)
+
+    assert create_planner(Decorated()).plan(costmap(), START, GOAL, **EVERY).goal == GOAL
+
+
+@pytest.mark.parametrize("older", [Plain(), FreeYaw(), Stoppable()])
+def test_an_older_planner_plans_for_a_navigator_and_for_many(older):
+    navigator = Navigator(room(), CARTER, planner=older)
+    navigator.set_goal(4.0, 2.0)
+    assert navigator.plan(START).goal == GOAL
+    assert navigator.planner_name == type(older).__name__
+    assert [path.goal for path in plan_many(older, costmap(), [START], [GOAL], deadline_s=60.0)] == [GOAL]
+
+
+def test_an_older_planner_is_not_begun_when_it_is_cancelled_already():
+    cancel = Cancellation()
+    cancel.cancel()
+    with pytest.raises(PlanningStoppedError, match="cancelled") as raised:
+        create_planner(Plain()).plan(costmap(), START, GOAL, cancel=cancel)
+    assert raised.value.status == "cancelled"
+    with pytest.raises(InputError, match="deadline_s"):
+        create_planner(Plain()).plan(costmap(), START, GOAL, deadline_s=-1.0)
+
+
+def test_a_planner_whose_signature_cannot_be_told_is_asked_as_the_seam_says():
+    class Compiled:
+        plan = type("Opaque", (), {"__call__": lambda self, *_, **given: given, "__signature__": "none"})()
+
+    assert create_planner(Compiled()).plan(None, None, None, **EVERY) == EVERY
