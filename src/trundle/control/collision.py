@@ -10,7 +10,12 @@ from trundle.costmap import NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
 from trundle.robots import Limits
 
+FOOTPRINT_PADDING_M = 0.01
+"""Distance [m] that the footprint is to keep while it drives, where it has it."""
+
 _SUBSTEP_S = 0.05
+_NEAREST_M = 0.1  # clearances beyond this are as good
+_AS_CLEAR_M = 1e-6
 
 
 def stopping_poses(
@@ -48,14 +53,30 @@ def can_stop(
     command: Twist2D,
     dt: float,
     *,
-    outline: FloatArray | None = None,
+    padded: FloatArray,
 ) -> bool:
-    """Whether a robot can drive `command` for `dt` [s] and then brake without touching something on the way.
+    """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free all the way.
 
-    `outline` [m], shape (N, 2), stands for the costmap's footprint where it is given, e.g. a padded one.
+    Where the padded outline touches something at `pose` already, a command does that touches nothing with the footprint
+    itself and never brings it nearer to anything than it is: otherwise the robot could not get away from there.
+
+    Args:
+        costmap: Where it drives.
+        limits: Of the robot.
+        pose: Where it is, map frame.
+        twist: How it moves, base_link.
+        command: What it would be told.
+        dt: For how long [s].
+        padded: The footprint's outline [m], base_link, with the distance that it is to keep, shape (N, 2).
     """
-    poses = stopping_poses(pose, twist, command, limits, dt)
-    return not costmap.footprint_collides(np.array(poses), outline=outline).any()
+    poses = np.array([pose.as_tuple(), *stopping_poses(pose, twist, command, limits, dt)])
+    hits = costmap.footprint_collides(poses, outline=padded)
+    if not hits[1:].any():
+        return True
+    if not hits[0]:
+        return False
+    clearances = costmap.clearance(poses, cap=_NEAREST_M)
+    return bool(clearances.min() > 0.0 and clearances[1:].min() >= clearances[0] - _AS_CLEAR_M)
 
 
 def cost_under(costmap: Costmap, x: float, y: float) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from trundle.control.collision import can_stop, cost_under
+from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, cost_under
 from trundle.control.sections import Section, Vertex, changes_direction, cut_sections, path_vertices
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
@@ -61,7 +61,7 @@ class PursuitSettings:
     approach_velocity_scaling_dist: float = 0.6
     min_approach_linear_velocity: float = 0.05
     approach_deceleration: float = 0.5
-    footprint_padding: float = 0.01
+    footprint_padding: float = FOOTPRINT_PADDING_M
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -318,7 +318,7 @@ class RegulatedPurePursuit:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
         if self._inflation_covers_stop(costmap) and cost_under(costmap, pose.x, pose.y) == 0:
             return True
-        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, outline=self._outline)
+        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._outline)
 
     def _inflation_covers_stop(self, costmap: Costmap) -> bool:
         limits = self._robot.limits

@@ -11,10 +11,10 @@ from enum import StrEnum
 from typing import Any, cast
 
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
-from trundle.control.collision import can_stop
+from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, UnknownPolicy
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
@@ -165,6 +165,7 @@ class Navigator:
         self.progress_checker = progress_checker or ProgressChecker()
         self.dt = 1.0 / control_frequency
         self._recovery = Recovery(self.dt)
+        self._padded = pad_outline(self.robot.outline, FOOTPRINT_PADDING_M)
         self._tries = PlanningTries(planning_deadline_s)
         self.replan_interval_s = replan_interval_s
         self.replan_margin = replan_margin
@@ -423,7 +424,7 @@ class Navigator:
     def _back_up(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         """Drive straight back while that is clear, then plan anew."""
         command = self._recovery.back_up()
-        clear = can_stop(self.costmap, self.robot.limits, pose, twist, command, self.dt)
+        clear = can_stop(self.costmap, self.robot.limits, pose, twist, command, self.dt, padded=self._padded)
         if clear and self._recovery.is_backing_up:
             return command
         self._recovery.stop_backing_up()
