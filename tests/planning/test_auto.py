@@ -11,7 +11,7 @@ from trundle.errors import BlockedPoseError, InputError, NoPathError, PlanningEr
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.navigation import Navigator
-from trundle.planning import Cancellation, create_planner
+from trundle.planning import Cancellation, PathCheck, create_planner
 from trundle.planning.auto import AutoPlanner
 from trundle.robots import Robot
 from trundle.worlds import World
@@ -190,3 +190,39 @@ def test_its_options_hold_for_the_search_of_poses_too():
     path = create_planner("auto", spacing=0.02).plan(alley(), NOSE_IN, Pose2D(8, 8))
     assert path.planner == "hybrid_astar"
     assert np.hypot(*np.diff(path.poses[:, :2], axis=0).T).max() <= 0.02 + 1e-9
+
+
+def test_where_least_cost_turns_close_to_something_a_path_that_keeps_more_is_taken():
+    grid = OccupancyGrid.from_world(World.generate("warehouse", seed=3), z_range=CARTER.z_range)
+    costmap = Navigator(grid, CARTER).costmap
+    start, goal = Pose2D(4.0564, 3.3563, 0.0891), Pose2D(4.7337, -4.0617, -2.9673)
+    plain = create_planner("least_cost").plan(costmap, start, goal)
+    assert costmap.clearance(PathCheck(plain).poses).min() < 0.01
+    path = create_planner("auto").plan(costmap, start, goal)
+    assert path.planner == "hybrid_astar"
+    assert costmap.clearance(PathCheck(path).poses).min() > 0.015
+
+
+def test_a_close_turn_of_least_cost_is_kept_where_no_other_path_keeps_more(monkeypatch):
+    grid = OccupancyGrid.from_world(World.generate("warehouse", seed=3), z_range=CARTER.z_range)
+    costmap = Navigator(grid, CARTER).costmap
+    start, goal = Pose2D(4.0564, 3.3563, 0.0891), Pose2D(4.7337, -4.0617, -2.9673)
+    plain = create_planner("least_cost").plan(costmap, start, goal)
+    planner = create_planner("auto")
+    for search in planner._searches:
+        monkeypatch.setattr(search, "_plan_to", lambda *_: plain)
+    assert planner.plan(costmap, start, goal).planner == "least_cost"
+
+
+def test_a_deadline_that_passes_while_it_looks_for_a_better_path_gives_the_one_that_it_has(monkeypatch):
+    costmap, goal = alley(), Pose2D(2.65, 5.0, 0.0)
+    planner = create_planner("auto", goal_tolerance=1.0)
+    monkeypatch.setattr(planner._searches[0], "_plan_to", lambda _query, _goal, patience: stop(patience, "timeout"))
+    assert planner.plan(costmap, Pose2D(8, 8, 1.0), goal, deadline_s=60.0).planner == "least_cost"
+    monkeypatch.setattr(planner._searches[0], "_plan_to", lambda _query, _goal, patience: stop(patience, "cancelled"))
+    with pytest.raises(PlanningStoppedError, match="cancelled"):
+        planner.plan(costmap, Pose2D(8, 8, 1.0), goal, deadline_s=60.0)
+
+
+def stop(patience, why):
+    raise patience.stopped(why)

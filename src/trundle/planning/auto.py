@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from typing import Unpack
 
+import numpy as np
+
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
 from trundle.planning.footprint_planner import FootprintOptions
-from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.planning.hybrid_astar import PADDING_M, HybridAStarPlanner
 from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
+from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
 from trundle.planning.options import check_flag
+from trundle.planning.path_check import PathCheck, least_cost_near
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query
 
@@ -24,7 +28,8 @@ class AutoPlanner(PosePlanner):
     `least_cost` plans for a point and checks the footprint afterwards, so it fails where the robot has to reverse out
     of its start or into its goal. `hybrid_astar` searches poses, and drives backwards where it must. `Path.planner` and
     `Path.cost` are those of the planner that found the path. A goal is moved, within its tolerance, only where no
-    planner gets to it as it is.
+    planner gets to it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
+    does where it can, one of `hybrid_astar` that keeps a larger distance is taken instead.
 
     Where all fail, the error is a `NoPathError` if the inscribed circle cannot get there, or if a search of poses ended
     because it had tried all of them; otherwise a `PlanningStoppedError`. With `allow_partial` the path is given that
@@ -61,26 +66,38 @@ class AutoPlanner(PosePlanner):
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        moved: Path | None = None
-        failures: list[PlanningError] = []
-        for planner in (self._least_cost, *self._searches):
-            try:
-                path = planner._plan_to(query, goal, patience)
-            except PlanningError as error:
-                if _is_out_of_patience(error):
-                    raise
-                failures.append(error)
-                if planner is self._least_cost and isinstance(error, NoPathError):
-                    break  # not even the inscribed circle gets there
-            else:
-                if path.goal_snapped_m == query.goal.snapped_m:
-                    return path
-                moved = path
-        if moved is not None:
-            return moved
+        try:
+            path = self._least_cost._plan_to(query, goal, patience)
+        except NoPathError as error:
+            failures: list[PlanningError] = [error]  # not even the inscribed circle gets there
+        except PlanningStoppedError as error:
+            if error.status != "exhausted":
+                raise
+            failures = []
+            for search in self._searches:
+                try:
+                    return search._plan_to(query, goal, patience)
+                except PlanningError as why:
+                    patience.check()
+                    failures.append(why)
+        else:
+            return self._improve(query, goal, path, patience)
         if self._allow_partial:
             return self._plan_near(query.costmap, query.start, goal, patience)
         raise next((error for error in failures if isinstance(error, NoPathError)), failures[-1])
+
+    def _improve(self, query: Query, goal: Pose2D, path: Path, patience: Patience) -> Path:
+        """A path of `least_cost`, or a better one where that has its goal moved, or turns close to something."""
+        is_exact = path.goal_snapped_m == query.goal.snapped_m
+        if is_exact and not _turns_tightly(query.costmap, path):
+            return path
+        try:
+            other = self._searches[0]._plan_to(query, goal, patience)
+        except PlanningError as error:
+            if isinstance(error, PlanningStoppedError) and error.status == "cancelled":
+                raise
+            return path
+        return other if not is_exact or _keeps_more(query.costmap, other, path) else path
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
         path = self._least_cost._plan_near(costmap, start, goal, patience)
@@ -90,5 +107,21 @@ class AutoPlanner(PosePlanner):
         return other if other.remaining_m < path.remaining_m - costmap.resolution else path
 
 
-def _is_out_of_patience(error: PlanningError) -> bool:
-    return isinstance(error, PlanningStoppedError) and error.status != "exhausted"
+def _turns_tightly(costmap: Costmap, path: Path) -> bool:
+    """Whether a path turns in place closer to something than `hybrid_astar` does where it can."""
+    first, last = path.poses[:-1], path.poses[1:]
+    turns = np.flatnonzero((first[:, 0] == last[:, 0]) & (first[:, 1] == last[:, 1]))
+    costs = costmap.cost_at(first[turns, 0], first[turns, 1])
+    turns = turns[costs >= least_cost_near(costmap, PADDING_M)]
+    if len(turns) == 0:
+        return False
+    ends = last[turns].copy()
+    ends[:, 2] = first[turns, 2] + wrap_angles(ends[:, 2] - first[turns, 2])
+    poses = sample_between(first[turns], ends, CHECK_STEP_M, CHECK_STEP_RAD)[0]
+    return bool(costmap.footprint_collides(poses, outline=pad_outline(costmap.footprint, PADDING_M)).any())
+
+
+def _keeps_more(costmap: Costmap, path: Path, other: Path) -> bool:
+    """Whether a path keeps a larger distance from everything than another one."""
+    clearances = [costmap.clearance(PathCheck(each).poses, cap=2.0 * PADDING_M).min() for each in (path, other)]
+    return bool(clearances[0] > clearances[1])

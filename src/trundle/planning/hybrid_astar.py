@@ -24,6 +24,9 @@ MOTION_MODELS = ("dubins", "reeds_shepp")
 
 _FOUND, _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF, _GOAL_CLOSED, _START_CLOSED = 0, 1, 2, 3, 5, 6, 7
 
+PADDING_M = 0.02
+"""What the footprint keeps from everything on the way, unless the settings say otherwise [m]."""
+
 _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
 
@@ -71,7 +74,7 @@ class HybridAStarSettings:
     heuristic_weight: float = 1.2
     cell_size: float = 0.1
     smooth: bool = True
-    padding: float = 0.02
+    padding: float = PADDING_M
     start_tolerance: float = 0.05
     goal_tolerance: float = 0.25
     spacing: float = 0.05

@@ -68,7 +68,7 @@ class PathCheck:
         begin = check_count("begin", begin, 0, len(self.poses))
         cells = self._find_cells(costmap)[begin:]
         costs = costmap.data.take(cells)
-        near = np.flatnonzero((costs >= _clear_below(costmap)) | self._at_edge[begin:])
+        near = np.flatnonzero((costs >= least_cost_near(costmap)) | self._at_edge[begin:])
         if len(near) == 0:
             return None
         hits = np.flatnonzero(costmap.footprint_collides(self.poses[begin + near]))
@@ -107,10 +107,13 @@ class PathCheck:
         return self._cells
 
 
-def _clear_below(costmap: Costmap) -> int:
-    """The least cost that a cell can have from which the footprint reaches what is blocked; 0 where none is sure."""
+def least_cost_near(costmap: Costmap, padding: float = 0.0) -> int:
+    """The least cost of a cell from which the footprint may reach what is blocked; 0 where that cannot be said.
+
+    `padding` [m] widens the footprint.
+    """
     # Distances go from centre to centre: half a cell's diagonal to the pose, and half of one to the blocked edge.
-    reach = costmap.circumscribed_radius + math.sqrt(2.0) * costmap.resolution + 1e-6
+    reach = costmap.circumscribed_radius + padding + math.sqrt(2.0) * costmap.resolution + 1e-6
     if reach > costmap.inflation_radius:
         return 0
     return int((INSCRIBED - 1) * math.exp(-costmap.cost_scaling_factor * (reach - costmap.inscribed_radius)))
