@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, cast
 import numpy as np
 
 from trundle.errors import InputError
+from trundle.inputfile import is_file
 from trundle.meshfile import read_mesh
 from trundle.uris import describe_search, find_uri
 from trundle.xmlfile import XmlElement, read_limited, read_xml
@@ -138,7 +139,7 @@ def _prepare_urdf(
         uri = element.get("filename", "").strip()
         where = f"{path}:{cast('XmlElement', element).line}"
         found = find_uri(uri, path.parent, folders)
-        if found is None or not found.is_file():
+        if found is None or not is_file(found):
             raise error(
                 f"{where}: the mesh {uri!r} was not found; searched: {describe_search(folders)}. Name its folder with "
                 "--paths FOLDER (paths=…)"

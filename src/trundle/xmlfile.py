@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 from typing import cast
 from xml.parsers import expat
 
 from trundle.errors import InputError
+from trundle.inputfile import open_file
 
 MAX_BYTES = 64 * 1024 * 1024
 """Largest file that is read: 160 times the largest of the BARN worlds."""
@@ -39,7 +39,7 @@ def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> by
         InputError: Of the type `error`, if it cannot be read or is too large.
     """
     try:
-        with Path(path).open("rb") as file:
+        with open_file(path) as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as problem:
         raise error(f"cannot read {path}: {problem.strerror or problem}") from problem

@@ -15,6 +15,7 @@ import numpy as np
 from trundle.errors import MapError
 from trundle.files import atomic_path
 from trundle.geometry import FloatArray
+from trundle.inputfile import open_file
 
 _KEYS = ("heights", "resolution", "origin")
 _MOST_SAMPLES = 100_000_000
@@ -107,7 +108,7 @@ class HeightField:
         """
         file = Path(path)
         try:
-            with file.open("rb") as stream:
+            with open_file(file) as stream:
                 stored = np.load(stream, allow_pickle=False)
                 if isinstance(stored, np.ndarray):
                     raise MapError(f"{file}: one array alone: a height field is a .npz file, see HeightField.save")

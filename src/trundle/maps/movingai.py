@@ -15,6 +15,7 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.files import write_bytes
+from trundle.inputfile import open_file
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.values import round_trinary
 
@@ -126,7 +127,7 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
 
 def _read(source: Path, max_bytes: int) -> bytes:
     try:
-        with source.open("rb") as stream:
+        with open_file(source) as stream:
             content = stream.read(max_bytes + 1)
     except OSError as error:
         raise MapError(f"cannot read {source}: {error.strerror or error}") from error

@@ -8,7 +8,6 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
-from pathlib import Path as FilePath
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from trundle.errors import InputError
 from trundle.files import write_bytes
 from trundle.geometry import FloatArray, Pose2D
+from trundle.inputfile import open_file
 from trundle.path import Path
 
 Goal: TypeAlias = tuple[float, float] | tuple[float, float, float]
@@ -156,7 +156,7 @@ class Trajectory:
             InputError: If the file cannot be read, or is not a trajectory.
         """
         try:
-            with FilePath(path).open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+            with open_file(path) as stream, np.load(stream, allow_pickle=False) as archive:
                 arrays = {name: archive[name] for name in cls.columns()}
         except KeyError as error:
             raise InputError(f"{os.fspath(path)}: not a trajectory: {error.args[0]}") from error

@@ -52,6 +52,10 @@ class Choice(Config):
     options: dict[str, Option] = Field(default_factory=dict)
 
 
+_READING = ("trusted", "time_limit_s", "memory_limit_gb")
+"""Options of `World.load` that say how far a file is trusted."""
+
+
 class WorldChoice(Choice):
     """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
 
@@ -72,6 +76,12 @@ class WorldChoice(Choice):
     def _check(self) -> Self:
         if self.is_file and self.seed is not None:
             raise ValueError("seed is for generated worlds; this one is a file")
+        for option in _READING:
+            if self.is_file and option in self.options:
+                raise ValueError(
+                    f"{option} is no option of a scenario, which others may have written: set TRUNDLE_TRUSTED, "
+                    "TRUNDLE_READ_SECONDS or TRUNDLE_READ_GIGABYTES instead"
+                )
         return self
 
 

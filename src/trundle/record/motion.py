@@ -11,6 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray
+from trundle.inputfile import exists, is_file
 from trundle.mission import Trajectory
 
 _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "command_w"}
@@ -44,10 +45,11 @@ class Motion:
             InputError: If there is no such folder or file, or it is neither; it says what was looked for.
         """
         place = Path(path)
-        files = [place / "trajectory.npz", place / "drive.csv"] if place.is_dir() else [place]
-        file = next((file for file in files if file.is_file()), None)
+        is_folder = exists(place) and place.is_dir()
+        files = [place / "trajectory.npz", place / "drive.csv"] if is_folder else [place]
+        file = next((file for file in files if is_file(file)), None)
         if file is None:
-            looked = "neither trajectory.npz nor drive.csv in it" if place.is_dir() else "no such folder or file"
+            looked = "neither trajectory.npz nor drive.csv in it" if is_folder else "no such folder or file"
             raise InputError(f"{path}: {looked}; give the folder that trundle run or trundle drive wrote")
         columns = _read_csv(file) if file.suffix.lower() == ".csv" else _read_trajectory(file)
         if len(columns["time"]) < 2 or (np.diff(columns["time"]) <= 0.0).any():

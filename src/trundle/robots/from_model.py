@@ -26,6 +26,7 @@ import numpy as np
 
 from trundle.errors import RobotError, RobotWarning, UnknownNameError
 from trundle.geometry import FloatArray, convex_hull
+from trundle.inputfile import check_regular
 from trundle.modelfile import compile_spec, drop_textures, read_spec
 from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.xmlfile import read_xml
@@ -80,8 +81,12 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
         RobotError: If the file cannot be read, or a robot with two drive wheels cannot be made of it.
         UnknownNameError: If a joint is not there.
     """
-    if not path.is_file():
-        raise RobotError(f"{path}: there is no such file")
+    try:
+        check_regular(path)
+    except FileNotFoundError:
+        raise RobotError(f"{path}: there is no such file") from None
+    except OSError as error:
+        raise RobotError(f"cannot read {path}: {error.strerror or error}") from error
     drive = given.get("drive", {})
     if not isinstance(drive, dict):
         raise RobotError(f"{path}: drive must be a mapping, got {drive!r}")

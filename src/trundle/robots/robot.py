@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from trundle.errors import InputError, RobotError, UnknownNameError
 from trundle.geometry import FloatArray, Twist2D
+from trundle.guard import ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
@@ -145,16 +146,27 @@ class Robot(Config):
     map_height_band: tuple[float, float] | None = None
 
     @classmethod
-    def load(cls, name_or_path: str | os.PathLike[str] | Robot, *, paths: Folders = ()) -> Robot:
+    def load(
+        cls,
+        name_or_path: str | os.PathLike[str] | Robot,
+        *,
+        paths: Folders = (),
+        trusted: bool | None = None,
+        time_limit_s: float | None = None,
+        memory_limit_gb: float | None = None,
+    ) -> Robot:
         """Load a robot by catalogue name, or from a YAML, URDF or MJCF file.
 
         A YAML may have a key `model`, the path of a URDF or MJCF file from the YAML's folder: then everything else is
         read from that, and what the YAML says goes before it. A URDF or MJCF file alone is read as `from_model` reads
-        it, with the wheels' joints found by their names.
+        it, with the wheels' joints found by their names. URDF and MJCF files are read in a process of their own.
 
         Args:
-            name_or_path: Its name, or the file.
+            name_or_path: Its name, or the file; a robot comes back as it is.
             paths: Folders in which a file's package:// names are looked for, after those above it.
+            trusted: As in `World.load`.
+            time_limit_s: As in `World.load`.
+            memory_limit_gb: As in `World.load`.
 
         Raises:
             UnknownNameError: If it is neither a known name nor a path; the nearest name is offered.
@@ -163,12 +175,13 @@ class Robot(Config):
         if isinstance(name_or_path, Robot):
             return name_or_path
         text = os.fspath(name_or_path)
+        limits = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
         if text in _catalogue():
-            return _load_file(_catalogue()[text])
+            return _load_file(_catalogue()[text], limits)
         if is_robot_file(text):
-            return _load_file(Path(text), split_folders(paths))
+            return _load_file(Path(text), limits, split_folders(paths))
         if text in _PLUGINS.names():
-            return _load_plugin(text)
+            return _load_plugin(text, limits)
         raise UnknownNameError("robot", text, robot_names())
 
     @classmethod
@@ -183,6 +196,9 @@ class Robot(Config):
         limits: Limits | None = None,
         name: str | None = None,
         paths: Folders = (),
+        trusted: bool | None = None,
+        time_limit_s: float | None = None,
+        memory_limit_gb: float | None = None,
     ) -> Robot:
         """Make a robot of a URDF or MJCF file; see `robots.from_model` for what is read and how.
 
@@ -195,6 +211,9 @@ class Robot(Config):
             limits: Largest speeds and accelerations; none means those of the joints, or assumed ones with a warning.
             name: Of the robot; none means the model's.
             paths: Folders in which package:// names are looked for, after those above the file.
+            trusted: As in `World.load`.
+            time_limit_s: As in `World.load`.
+            memory_limit_gb: As in `World.load`.
 
         Raises:
             RobotError: If the file cannot be read, or a robot with two drive wheels cannot be made of it.
@@ -203,8 +222,7 @@ class Robot(Config):
         Warns:
             RobotWarning: Where limits or supports had to be assumed.
         """
-        from trundle.robots.from_model import read_robot
-
+        reading = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
         drive = {
             "left_joint": left_joint,
             "right_joint": right_joint,
@@ -216,7 +234,7 @@ class Robot(Config):
             given["limits"] = limits.model_dump()
         if name is not None:
             given["name"] = name
-        return _make(read_robot(Path(path), given, split_folders(paths)), str(path))
+        return _make(_read_model(Path(path), given, split_folders(paths), reading), str(path))
 
     @field_validator("footprint")
     @classmethod
@@ -303,9 +321,9 @@ def _catalogue() -> dict[str, Path]:
     return {path.stem: path for path in folder.glob("*.yaml")}
 
 
-def _load_file(path: Path, paths: tuple[Path, ...] = ()) -> Robot:
+def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> Robot:
     if path.suffix.lower() in MODEL_SUFFIXES:
-        return Robot.from_model(path, paths=paths)
+        return _make(_read_model(path, {"drive": {}}, paths, limits), str(path))
     try:
         node = compose(path)
         settings = plain_value(node, str(path))
@@ -313,15 +331,25 @@ def _load_file(path: Path, paths: tuple[Path, ...] = ()) -> Robot:
             return validate(node, Robot, str(path))
     except InputError as error:
         raise RobotError(str(error)) from error
-    from trundle.robots.from_model import read_robot
-
     model, folders = settings.pop("model"), settings.pop("paths", [])
     if not isinstance(model, str) or Path(model).suffix.lower() not in MODEL_SUFFIXES:
         raise RobotError(f"{path}: model must be the path of a {', '.join(MODEL_SUFFIXES)} file, got {model!r}")
     if not isinstance(folders, list):
         raise RobotError(f"{path}: paths must be a list of folders, got {folders!r}")
     found = tuple(path.parent / str(folder) for folder in folders)
-    return _make(read_robot(path.parent / model, settings, (*found, *paths)), str(path))
+    return _make(_read_model(path.parent / model, settings, (*found, *paths), limits), str(path))
+
+
+def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], limits: ReadLimits) -> dict[str, Plain]:
+    return read_guarded(
+        "trundle.robots.from_model:read_robot",
+        (path, given, folders),
+        what=str(path),
+        error=RobotError,
+        limits=limits,
+        imports=("mujoco",),
+        stacklevel=4,
+    )
 
 
 def _make(settings: dict[str, Plain], where: str) -> Robot:
@@ -332,7 +360,7 @@ def _make(settings: dict[str, Plain], where: str) -> Robot:
         raise RobotError("\n".join(f"{where}: {problem}" for problem in problems)) from error
 
 
-def _load_plugin(name: str) -> Robot:
+def _load_plugin(name: str, limits: ReadLimits) -> Robot:
     """An entry point gives a `Robot`, the path of its YAML, or a function that returns either."""
     value = _PLUGINS.load(name)
     if callable(value):
@@ -340,5 +368,5 @@ def _load_plugin(name: str) -> Robot:
     if isinstance(value, Robot):
         return value
     if isinstance(value, str | Path):
-        return _load_file(Path(value))
+        return _load_file(Path(value), limits)
     raise RobotError(f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one")

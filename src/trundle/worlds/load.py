@@ -14,11 +14,15 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.guard import ReadLimits, read_guarded
+from trundle.inputfile import check_regular
 from trundle.maps.from_world import find_outlier
 from trundle.worlds.leave_out import leave_out
 
 if TYPE_CHECKING:
     from trundle.worlds.world import World
+
+_MAPS = "trundle.worlds.from_map:load_map"
 
 LOADERS = {
     ".sdf": "trundle.worlds.sdf:load_sdf",
@@ -33,15 +37,23 @@ LOADERS = {
     ".stl": "trundle.worlds.meshes:load_mesh",
     ".ply": "trundle.worlds.meshes:load_mesh",
     ".dae": "trundle.worlds.meshes:load_mesh",
-    ".yaml": "trundle.worlds.from_map:load_map",
-    ".yml": "trundle.worlds.from_map:load_map",
-    ".map": "trundle.worlds.from_map:load_map",
+    ".yaml": _MAPS,
+    ".yml": _MAPS,
+    ".map": _MAPS,
     ".usd": "trundle.worlds.usd:load_usd",
     ".usda": "trundle.worlds.usd:load_usd",
     ".usdc": "trundle.worlds.usd:load_usd",
     ".usdz": "trundle.worlds.usd:load_usd",
 }
 """Suffix → `"module:function"`; the function takes the path and options by keyword, and returns a `World`."""
+
+_LIBRARIES = {
+    "trundle.worlds.sdf:load_sdf": ("trundle.worlds.sdf",),
+    "trundle.worlds.mjcf:load_mjcf": ("trundle.worlds.mjcf", "mujoco"),
+    "trundle.worlds.meshes:load_mesh": ("trundle.worlds.meshes", "trimesh"),
+    "trundle.worlds.usd:load_usd": ("trundle.worlds.usd.load",),
+}
+"""What a loader imports: not what its file takes."""
 
 LARGEST_EXTENT = 2_000.0
 """A world that is longer than this [m] was probably meant in another unit."""
@@ -52,17 +64,41 @@ def is_world_file(text: str) -> bool:
     return Path(text).suffix.lower() in LOADERS
 
 
-def load_world(path: str | os.PathLike[str], /, **options: Any) -> World:
-    """Read a world from a file; see `World.load`."""
+def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options: Any) -> World:
+    """Read a world from a file; see `World.load`.
+
+    All formats but our own maps are read by libraries, and so in a process of their own: see `trundle.guard`.
+    """
     file = Path(path)
     target = LOADERS.get(file.suffix.lower())
     if target is None:
         raise WorldError(
             f"{file}: a world's file ends in {', '.join(sorted(LOADERS))}, and this one in {file.suffix or 'nothing'!r}"
         )
-    if not file.is_file():
-        raise WorldError(f"{file}: {'this is a folder' if file.is_dir() else 'there is no such file'}")
-    load = _loader(target)
+    try:
+        check_regular(file)
+    except FileNotFoundError:
+        raise WorldError(f"{file}: there is no such file") from None
+    except OSError as error:
+        raise WorldError(f"{file}: {error.strerror or error}") from error
+    if target == _MAPS:
+        return read_world(str(file), options)
+    return read_guarded(
+        "trundle.worlds.load:read_world",
+        (str(file), options),
+        what=str(file),
+        error=WorldError,
+        limits=limits,
+        imports=_LIBRARIES.get(target, ()),
+        stacklevel=3,
+    )
+
+
+def read_world(path: str, options: dict[str, Any]) -> World:
+    """Read a world in this process; see `load_world`."""
+    file = Path(path)
+    options = dict(options)
+    load = _loader(LOADERS[file.suffix.lower()])
     exclude = options.pop("exclude", ())
     known = _keywords(load)
     check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude"])))

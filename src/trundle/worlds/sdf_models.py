@@ -7,6 +7,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from trundle.errors import WorldError
+from trundle.inputfile import is_file
 from trundle.worlds.sdf_values import VERSIONS
 from trundle.xmlfile import XmlElement, parse_xml, read_xml
 
@@ -19,19 +20,19 @@ _PLAIN_FLOOR = b"""
 
 def find_model_file(path: Path | None) -> Path | None:
     """The SDF file of a model: the file itself, or of a folder the newest that its model.config names and we read."""
-    if path is None or path.is_file():
+    if path is None or is_file(path):
         return path
     config = path / "model.config"
-    if config.is_file():
+    if is_file(config):
         named: list[tuple[int, Path]] = []
         for element in read_xml(config, error=WorldError).iter("sdf"):
             file, version = path / (element.text or "").strip(), element.get("version", "").strip()
-            if file.is_file():
+            if is_file(file):
                 named.append((VERSIONS.index(version) if version in VERSIONS else -1, file))
         if named:
             # Of equally new ones the last, as Gazebo takes it.
             return max(reversed(named), key=lambda entry: entry[0])[1]
-    return path / "model.sdf" if (path / "model.sdf").is_file() else None
+    return path / "model.sdf" if is_file(path / "model.sdf") else None
 
 
 def is_plain_floor(uri: str) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from trundle.errors import WorldError
 from trundle.geometry import Pose3D
+from trundle.inputfile import is_file
 from trundle.meshfile import MeshPart, read_mesh
 from trundle.solids import Box, Color, Cylinder, Shape, Sphere
 from trundle.uris import describe_search, find_uri
@@ -158,7 +159,7 @@ def _plane(place: Place, element: XmlElement, _files: Files) -> list[Part]:
 def _mesh(place: Place, element: XmlElement, files: Files) -> list[Part]:
     uri = read_text(place, element, "uri")
     path = files.find(uri, place.file.parent)
-    if path is None or not path.is_file():
+    if path is None or not is_file(path):
         raise MissingFileError(
             f"{place.file}:{element.line}: model {place.model!r}: the mesh {uri!r} was not found; {files.advise()}"
         )

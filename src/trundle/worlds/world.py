@@ -86,8 +86,20 @@ class World:
         return leave_out(made, exclude, f"world {name!r}") if exclude else made
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], /, *, exclude: str | Sequence[str] = (), **options: Any) -> World:
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        /,
+        *,
+        exclude: str | Sequence[str] = (),
+        trusted: bool | None = None,
+        time_limit_s: float | None = None,
+        memory_limit_gb: float | None = None,
+        **options: Any,
+    ) -> World:
         """Read a world from a file, by its suffix.
+
+        All but maps are read in a process of their own, which a bad file may crash or keep busy, and handed back.
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
@@ -103,10 +115,15 @@ class World:
                 (`/World/Robot`, `shelf::board`), also with `*` and `?`; kinds, which in USD are semantic labels; and
                 `floor` (what ends within 1 cm above z = 0) and `ceiling` (what starts above 2 m and is wider than
                 high).
+            trusted: Read the file in this process, without limits; none means as TRUNDLE_TRUSTED says (0 or 1).
+            time_limit_s: How long reading may take [s]; none means TRUNDLE_READ_SECONDS, or 20.
+            memory_limit_gb: How much memory reading may take, where the system can limit that (Linux) [GB]; none means
+                TRUNDLE_READ_GIGABYTES, or 2.
             **options: Of the loader.
 
         Raises:
             WorldError: If the file is missing, of another kind, or cannot be used; the message says which part of it.
+                If it takes too much time or memory, or crashes what reads it.
             MapError: If a map cannot be used.
             InputError: If the file's loader does not take an option, or its value is out of range.
             MissingExtraError: If the library that reads this kind of file is not installed.
@@ -115,9 +132,11 @@ class World:
             WorldWarning: Where parts were left out, or what `exclude` says is not there; where the world is empty, or
                 so large that its unit must be wrong.
         """
+        from trundle.guard import read_limits
         from trundle.worlds.load import load_world
 
-        return load_world(path, exclude=exclude, **options)
+        limits = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
+        return load_world(path, limits=limits, exclude=exclude, **options)
 
     @classmethod
     def from_map(

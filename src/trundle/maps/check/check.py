@@ -9,6 +9,7 @@ from pathlib import Path
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D
+from trundle.inputfile import is_file
 from trundle.maps.check.areas import Chart
 from trundle.maps.check.description import check_description
 from trundle.maps.check.doors import check_doors
@@ -60,7 +61,7 @@ def check_map(
         MapError: If there is no such file.
     """
     source = Path(path)
-    if not source.is_file():
+    if not is_file(source):
         raise MapError(f"{source}: there is no such map file; give the YAML file of a map")
     findings: list[Finding] = []
     corrected: set[Kind] = set()

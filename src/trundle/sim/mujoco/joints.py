@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 
 from trundle.errors import RobotError
+from trundle.guard import read_guarded, read_limits
 from trundle.modelfile import log_warnings
 from trundle.robots import Robot
 from trundle.sim.mujoco.joint import Joint
@@ -20,12 +21,21 @@ _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
-def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
+def list_joints(
+    source: Robot | str | os.PathLike[str],
+    *,
+    trusted: bool | None = None,
+    time_limit_s: float | None = None,
+    memory_limit_gb: float | None = None,
+) -> list[Joint]:
     """List joints, in the order of the description.
 
     Args:
         source: A robot, the path of an MJCF (.xml, .mjcf), URDF or USD file, or what `Robot.load` takes. The meshes
             and textures of a file need not be there.
+        trusted: As in `World.load`.
+        time_limit_s: As in `World.load`.
+        memory_limit_gb: As in `World.load`.
 
     Returns:
         The joints. A `Robot`'s are those within it: that it floats in the world is not listed.
@@ -35,15 +45,30 @@ def list_joints(source: Robot | str | os.PathLike[str]) -> list[Joint]:
         UnknownNameError: If it is neither a path nor the name of a robot.
         MissingExtraError: If it is a USD file, and usd-core is not installed.
     """
-    if not isinstance(source, Robot) and Path(source).suffix.lower() in _USD_SUFFIXES:
+    given = {"trusted": trusted, "time_limit_s": time_limit_s, "memory_limit_gb": memory_limit_gb}
+    limits = read_limits(**given)
+    if isinstance(source, Robot) or Path(source).suffix.lower() not in (*_SUFFIXES, *_USD_SUFFIXES):
+        joints = _model_joints(robot_spec(Robot.load(source, **given)).compile())
+        return [joint for joint in joints if joint.type != "floating"]
+    imports = ("trundle.sim.mujoco.usd",) if Path(source).suffix.lower() in _USD_SUFFIXES else ("mujoco",)
+    return read_guarded(
+        "trundle.sim.mujoco.joints:read_joints",
+        (Path(source),),
+        what=os.fspath(source),
+        error=RobotError,
+        limits=limits,
+        imports=imports,
+        stacklevel=2,
+    )
+
+
+def read_joints(path: Path) -> list[Joint]:
+    """List the joints of a file, in this process; see `list_joints`."""
+    if path.suffix.lower() in _USD_SUFFIXES:
         need_usd("reading USD")
         from trundle.sim.mujoco.usd import usd_joints
 
-        return usd_joints(Path(source))
-    if isinstance(source, Robot) or Path(source).suffix.lower() not in _SUFFIXES:
-        joints = _model_joints(robot_spec(Robot.load(source)).compile())
-        return [joint for joint in joints if joint.type != "floating"]
-    path = Path(source)
+        return usd_joints(path)
     root = read_xml(path, error=RobotError)
     if root.tag == "robot":
         return urdf_joints(path, root)

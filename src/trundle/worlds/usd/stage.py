@@ -8,7 +8,6 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import FloatArray
+from trundle.inputfile import check_regular
 
 log = logging.getLogger(__name__)
 
@@ -35,8 +35,12 @@ def opened(path: str) -> Iterator[Any]:
     Raises:
         WorldError: If there is no such file, or USD cannot read it.
     """
-    if not Path(path).is_file():
-        raise WorldError(f"cannot read {path}: there is no such file")
+    try:
+        check_regular(path)
+    except FileNotFoundError:
+        raise WorldError(f"cannot read {path}: there is no such file") from None
+    except OSError as error:
+        raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield Usd.Stage.Open(path)

@@ -1,0 +1,152 @@
+"""What runs in the child: calls of functions by name, one after the other, until its input ends.
+
+Run as a script by `process.py`, so that nothing is imported before the search path is the parent's. Requests and
+replies are pickles, on standard input and on what standard output was at the start.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import importlib
+import io
+import logging
+import os
+import pickle
+import sys
+import traceback
+import warnings
+from typing import Any
+
+PROTOCOL = 5
+"""Of pickle: the first that keeps arrays read-only."""
+
+READY, RESULT, ERROR, FAULT, NO_MEMORY, TOO_DEEP = "ready", "result", "error", "fault", "no memory", "too deep"
+
+_SPARE_SECONDS = 5.0
+_KILL = 9
+_PR_SET_PDEATHSIG, _PR_SET_DUMPABLE = 1, 4
+
+
+class _Notes(logging.Handler):
+    """Keeps what is logged, for the parent to log."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.records: list[tuple[str, int, str]] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.records.append((record.name, record.levelno, record.getMessage()))
+
+
+def main() -> None:
+    """Answer requests."""
+    requests = os.fdopen(os.dup(0), "rb")
+    replies = os.fdopen(os.dup(1), "wb")
+    # What reads the file may print: not into the replies.
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nowhere, 0)
+    os.dup2(2, 1)
+    start = pickle.load(requests)
+    _die_with(start["parent"])
+    sys.path[:] = start["path"]
+    while True:
+        try:
+            request = pickle.load(requests)
+        except EOFError:
+            return
+        for name in request["imports"]:
+            with contextlib.suppress(ImportError):  # the function says what is missing
+                importlib.import_module(name)
+        module, _, function = request["target"].partition(":")
+        call = getattr(importlib.import_module(module), function)
+        _send(replies, (READY, None))
+        _send(replies, _answer(call, request, nowhere))
+
+
+def _send(replies: io.BufferedWriter, reply: tuple[str, Any]) -> None:
+    pickle.dump(reply, replies, protocol=PROTOCOL)
+    replies.flush()
+
+
+def _answer(call: Any, request: dict[str, Any], nowhere: int) -> tuple[str, Any]:
+    notes = _Notes()
+    log = logging.getLogger("trundle")
+    log.handlers[:] = [notes]
+    log.setLevel(request["log_level"])
+    # Ends this process from a thread of C, where Python's own never gets its turn.
+    faulthandler.dump_traceback_later(request["seconds"] + _SPARE_SECONDS, exit=True, file=nowhere)
+    try:
+        with warnings.catch_warnings(record=True) as caught, _limited_memory(request["bytes"]):
+            warnings.simplefilter("always")
+            kind, value = _call(call, request["args"], request["kwargs"])
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+    remarks = [(str(item.message), item.category, item.filename, item.lineno) for item in caught]
+    return kind, (value, remarks, notes.records)
+
+
+def _call(call: Any, args: Any, kwargs: Any) -> tuple[str, Any]:
+    try:
+        return RESULT, call(*args, **kwargs)
+    except MemoryError:
+        return NO_MEMORY, None
+    except RecursionError:
+        return TOO_DEEP, None
+    except Exception as error:  # noqa: BLE001 - whatever it is, the parent raises it
+        text = traceback.format_exc()
+        error.__traceback__ = error.__cause__ = error.__context__ = None
+        try:
+            pickle.loads(pickle.dumps(error, PROTOCOL))
+        except Exception:  # noqa: BLE001 - errors of libraries may refuse in any way
+            return FAULT, text
+        return ERROR, (error, text)
+
+
+@contextlib.contextmanager
+def _limited_memory(limit: int) -> Any:
+    """Let this process take only so many bytes of address space more, where the system has such a limit."""
+    taken = _address_space()
+    if taken is None:
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    most = taken + limit if before[1] == resource.RLIM_INFINITY else min(taken + limit, before[1])
+    resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _address_space() -> int | None:
+    """Bytes of address space that this process takes; none where the system does not limit that."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - pathlib is not imported yet
+            return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return None
+
+
+def _die_with(parent: int) -> None:
+    """End when the parent does, whatever ends it; and leave no core file."""
+    with contextlib.suppress(ImportError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if sys.platform != "linux":
+        return  # it ends when its input does
+    import ctypes
+
+    control = ctypes.CDLL(None).prctl
+    control(_PR_SET_PDEATHSIG, _KILL, 0, 0, 0)
+    # Also where the system gives core dumps to a program, which the limit does not stop.
+    control(_PR_SET_DUMPABLE, 0, 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""How long a child may read, and how much memory it may take."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+from trundle.errors import InputError
+
+SECONDS = 20.0
+GIGABYTES = 2.0
+
+SECONDS_VARIABLE = "TRUNDLE_READ_SECONDS"
+GIGABYTES_VARIABLE = "TRUNDLE_READ_GIGABYTES"
+TRUSTED_VARIABLE = "TRUNDLE_TRUSTED"
+
+
+@dataclass(frozen=True, slots=True)
+class ReadLimits:
+    """What reading a file may take.
+
+    Attributes:
+        seconds: Of time, from when the child is ready [s].
+        gigabytes: Of address space above what the child takes before it reads [GB].
+        trusted: Read in this process, without limits.
+    """
+
+    seconds: float = SECONDS
+    gigabytes: float = GIGABYTES
+    trusted: bool = False
+
+
+def read_limits(
+    *, trusted: bool | None = None, time_limit_s: float | None = None, memory_limit_gb: float | None = None
+) -> ReadLimits:
+    """ReadLimits as given; else as the environment says; else the usual ones.
+
+    Args:
+        trusted: Read in this process; none means as TRUNDLE_TRUSTED says (0 or 1).
+        time_limit_s: [s]; none means TRUNDLE_READ_SECONDS, or 20.
+        memory_limit_gb: [GB]; none means TRUNDLE_READ_GIGABYTES, or 2.
+
+    Raises:
+        InputError: If one is not what it must be.
+    """
+    if trusted is None:
+        text = os.environ.get(TRUSTED_VARIABLE, "").strip()
+        if text not in ("", "0", "1"):
+            raise InputError(f"{TRUSTED_VARIABLE} is {text!r}; it must be 0 or 1")
+        trusted = text == "1"
+    given: object = trusted  # from --set it may be anything
+    if not isinstance(given, bool):
+        raise InputError(f"trusted is {given!r}; it must be true or false")
+    return ReadLimits(
+        _pick("time_limit_s", time_limit_s, SECONDS_VARIABLE, SECONDS),
+        _pick("memory_limit_gb", memory_limit_gb, GIGABYTES_VARIABLE, GIGABYTES),
+        trusted,
+    )
+
+
+def _pick(name: str, given: object, variable: str, usual: float) -> float:
+    if given is None:
+        name, given = variable, os.environ.get(variable, "").strip() or usual
+    try:
+        number = float(given) if isinstance(given, int | float | str) and not isinstance(given, bool) else math.nan
+    except ValueError:
+        number = math.nan
+    if not 0.0 < number <= 1e6:
+        raise InputError(f"{name} is {given!r}; it must be a number above 0 and at most 1,000,000")
+    return number

@@ -1,0 +1,337 @@
+"""The parent's side: starting the child, waiting for it with a limit, and what its end means."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import os
+import pickle
+import selectors
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+from typing import Any, Self, cast
+
+from trundle.errors import InputError
+from trundle.guard import child as code
+from trundle.guard.limits import GIGABYTES_VARIABLE, SECONDS_VARIABLE, ReadLimits
+
+logger = logging.getLogger(__name__)
+
+START_SECONDS = 60.0
+"""For the child's own start, on a machine that is busy."""
+
+_ENDED_SECONDS = 5.0
+_TAIL_BYTES = 4096
+_CHUNK = 1 << 20
+
+# One thread for each library: address space is what is limited, and threads take it for their stacks and arenas.
+_ENVIRONMENT = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "PXR_WORK_THREAD_LIMIT": "1",
+    "MALLOC_ARENA_MAX": "2",
+    "MUJOCO_GL": "disable",
+}
+
+
+class _TooLateError(Exception):
+    """The child did not answer in time."""
+
+
+class _GoneError(Exception):
+    """The child ended without an answer."""
+
+
+def in_kit() -> bool:
+    """Whether this is Isaac Sim's Kit, which brings its own USD: no other process has that."""
+    return "omni.kit.app" in sys.modules or "omni.kit_app" in sys.modules or "carb" in sys.modules
+
+
+def read_guarded(
+    target: str,
+    args: tuple[Any, ...],
+    kwargs: dict[str, Any] | None = None,
+    *,
+    what: str,
+    error: type[InputError],
+    limits: ReadLimits,
+    imports: tuple[str, ...] = (),
+    stacklevel: int = 1,
+) -> Any:
+    """Call a function of ours that reads somebody's file: in a child, or here where the limits or Kit say so.
+
+    Args:
+        target: The function, as `"module:function"`.
+        args: Its arguments, plain values.
+        kwargs: As `args`.
+        what: The file, for messages.
+        error: Type of the exception where the child fails.
+        limits: Of time and memory.
+        imports: Libraries that do not count as what the file takes; they need not be there.
+        stacklevel: Of warnings; 1 is the caller.
+
+    Returns:
+        What the function returns; its arrays are read-only.
+
+    Raises:
+        InputError: Of the type `error`, if the file takes too much time or memory, or crashes what reads it.
+        Exception: Whatever the function raises.
+
+    Warns:
+        As the function does.
+    """
+    if limits.trusted or in_kit():
+        import importlib
+
+        module, _, name = target.partition(":")
+        return getattr(importlib.import_module(module), name)(*args, **kwargs or {})
+    with Child() as child:
+        return child.read(
+            target, args, kwargs, what=what, error=error, limits=limits, imports=imports, stacklevel=stacklevel + 1
+        )
+
+
+class Child:
+    """A process that reads files, one after the other; it starts when it is first needed, and again after a crash."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._pipe: _Pipe | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def read(
+        self,
+        target: str,
+        args: tuple[Any, ...],
+        kwargs: dict[str, Any] | None = None,
+        *,
+        what: str,
+        error: type[InputError],
+        limits: ReadLimits,
+        imports: tuple[str, ...] = (),
+        stacklevel: int = 1,
+    ) -> Any:
+        """Call a function in the child; see `read_guarded`."""
+        request = {
+            "target": target,
+            "args": args,
+            "kwargs": kwargs or {},
+            "imports": imports,
+            "seconds": limits.seconds,
+            "bytes": int(limits.gigabytes * 1e9),
+            "log_level": logging.getLogger("trundle").getEffectiveLevel(),
+        }
+        try:
+            kind, content = self._ask(_pickled(what, request, error), limits.seconds)
+        except _TooLateError:
+            self.close()
+            raise error(
+                f"{what}: reading it took longer than {limits.seconds:g} s; give it more with time_limit_s=… or "
+                f"{SECONDS_VARIABLE}=…, or read it here with trusted=True if you know where it is from"
+            ) from None
+        except _GoneError:
+            raise error(f"{what}: {self._describe_end(limits)}") from None
+        except OSError as problem:
+            self.close()
+            raise error(
+                f"{what}: the process that reads it cannot be started: {problem.strerror or problem}; trusted=True "
+                "reads it here"
+            ) from problem
+        except BaseException:
+            self.close()
+            raise
+        value, remarks, records = content
+        _repeat(remarks, records, stacklevel + 1)
+        match kind:
+            case code.RESULT:
+                return value
+            case code.NO_MEMORY:
+                raise error(f"{what}: {_too_much(limits)}")
+            case code.TOO_DEEP:
+                raise error(f"{what}: it is nested too deeply to be read")
+            case code.ERROR:
+                problem, text = cast("tuple[Exception, str]", value)
+                if not isinstance(problem, InputError | ImportError):
+                    problem.add_note(f"In the process that read {what}:\n{text}")
+                raise problem
+            case _:
+                raise RuntimeError(f"In the process that read {what}:\n{value}")
+
+    def close(self) -> None:
+        """End the child, whatever it does."""
+        process, self._process = self._process, None
+        pipe, self._pipe = self._pipe, None
+        if process is None:
+            return
+        _kill(process)
+        with contextlib.suppress(OSError):
+            cast("io.BufferedWriter", process.stdin).close()
+        if pipe is not None:
+            pipe.close()
+        process.wait()
+
+    def _ask(self, request: bytes, seconds: float) -> tuple[str, Any]:
+        pipe = self._pipe or self._start()
+        process = cast("subprocess.Popen[bytes]", self._process)
+        requests = cast("io.BufferedWriter", process.stdin)
+        pipe.deadline = time.monotonic() + START_SECONDS
+        try:
+            requests.write(request)
+            requests.flush()
+        except BrokenPipeError:
+            raise _GoneError from None
+        for wait in (None, seconds):
+            if wait is not None:
+                pipe.deadline = time.monotonic() + wait
+            try:
+                reply = pickle.load(pipe.buffered)
+            except (EOFError, pickle.UnpicklingError) as problem:
+                raise _GoneError from problem
+        return reply
+
+    def _start(self) -> _Pipe:
+        if not sys.executable:
+            raise OSError("this Python does not say where it is")
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", os.fspath(Path(code.__file__))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env={**os.environ, **_ENVIRONMENT},
+            start_new_session=True,
+        )
+        self._pipe = _Pipe(self._process)
+        package = Path(__file__).parent.parent
+        # Without the empty entry, which is the current folder: that may be the one of the file.
+        path = [*filter(None, sys.path), os.fspath(package.parent)]
+        requests = cast("io.BufferedWriter", self._process.stdin)
+        with contextlib.suppress(BrokenPipeError):
+            requests.write(pickle.dumps({"path": path, "parent": os.getpid()}, code.PROTOCOL))
+        return self._pipe
+
+    def _describe_end(self, limits: ReadLimits) -> str:
+        """What it means that the child is gone."""
+        process, pipe = cast("subprocess.Popen[bytes]", self._process), cast("_Pipe", self._pipe)
+        try:
+            status = process.wait(_ENDED_SECONDS)
+        except subprocess.TimeoutExpired:
+            status = 0
+        pipe.drain()
+        said = pipe.tail.decode(errors="replace")
+        self.close()
+        logger.debug("the process that reads files ended with %d: %s", status, said)
+        if any(sign in said for sign in ("bad_alloc", "MemoryError", "Cannot allocate memory", "out of memory")):
+            return _too_much(limits)
+        if status < 0:
+            try:
+                name = signal.Signals(-status).name
+            except ValueError:
+                name = f"signal {-status}"
+            return f"what reads such files crashed on it ({name}): it is damaged, or nested too deeply"
+        last = said.strip().splitlines()[-1:] or [f"status {status}"]
+        return f"the process that reads it ended: {last[0]}"
+
+
+class _Pipe(io.RawIOBase):
+    """The child's replies, read until a deadline; what it prints is kept apart, the last of it.
+
+    Attributes:
+        deadline: By time.monotonic() [s].
+        tail: The end of what the child printed.
+        buffered: This, as `pickle` reads it.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        super().__init__()
+        self._files = [cast("io.BufferedReader", file) for file in (process.stdout, process.stderr)]
+        self._replies, self._prints = (file.fileno() for file in self._files)
+        self._selector = selectors.DefaultSelector()
+        for number in (self._replies, self._prints):
+            self._selector.register(number, selectors.EVENT_READ)
+        self.deadline = time.monotonic() + START_SECONDS
+        self.tail = b""
+        self.buffered = io.BufferedReader(self, _CHUNK)
+
+    def readable(self) -> bool:
+        """Always."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Read some bytes.
+
+        Raises:
+            _TooLateError: If there are none by the deadline.
+        """
+        while True:
+            left = self.deadline - time.monotonic()
+            ready = {key.fd for key, _ in self._selector.select(max(0.0, left))}
+            if self._prints in ready:
+                self._keep_print()
+            if self._replies in ready:
+                return os.readv(self._replies, [buffer])
+            if left <= 0.0:
+                raise _TooLateError
+
+    def drain(self) -> None:
+        """Keep the rest of what an ended child printed."""
+        while self._prints in {key.fd for key, _ in self._selector.select(0.0)}:
+            self._keep_print()
+
+    def close(self) -> None:
+        """Close both pipes."""
+        if not self.closed:
+            self._selector.close()
+            for file in self._files:
+                file.close()
+        super().close()
+
+    def _keep_print(self) -> None:
+        text = os.read(self._prints, _CHUNK)
+        if not text:
+            self._selector.unregister(self._prints)
+        self.tail = (self.tail + text)[-_TAIL_BYTES:]
+
+
+def _pickled(what: str, request: dict[str, Any], error: type[InputError]) -> bytes:
+    try:
+        return pickle.dumps(request, code.PROTOCOL)
+    except (pickle.PicklingError, TypeError, AttributeError) as problem:
+        raise error(f"{what}: its options must be plain values: {problem}") from problem
+
+
+def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
+    """Warn and log here as the child did."""
+    for name, level, text in records:
+        logging.getLogger(name).log(level, "%s", text)
+    for message, category, filename, line in remarks:
+        if category.__module__ == "trundle.errors":
+            warnings.warn(message, category, stacklevel=stacklevel + 1)
+        else:
+            warnings.warn_explicit(message, category, filename, line)
+
+
+def _too_much(limits: ReadLimits) -> str:
+    return (
+        f"reading it takes more than {limits.gigabytes:g} GB of memory; give it more with memory_limit_gb=… or "
+        f"{GIGABYTES_VARIABLE}=…, or read it here with trusted=True if you know where it is from"
+    )
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    if process.poll() is not None:
+        return
+    with contextlib.suppress(ProcessLookupError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()

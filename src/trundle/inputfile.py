@@ -1,0 +1,58 @@
+"""Opening files to read: regular files only, so that no pipe or device keeps a reader waiting."""
+
+from __future__ import annotations
+
+import errno
+import os
+import pathlib
+import stat
+from typing import BinaryIO
+
+Path = str | os.PathLike[str]
+
+
+def open_file(path: Path) -> BinaryIO:
+    """Open a regular file to read its bytes.
+
+    Raises:
+        OSError: If it cannot be opened, is no regular file, or the text cannot be a path.
+    """
+    check_regular(path)
+    # Without waiting, should it have become a pipe since.
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    return os.fdopen(handle, "rb")
+
+
+def check_regular(path: Path) -> int:
+    """Check that a path is a regular file; return its size [bytes].
+
+    Raises:
+        OSError: If it is not there, is something else, or the text cannot be a path.
+    """
+    try:
+        found = pathlib.Path(path).stat()
+    except ValueError:
+        raise OSError(errno.EINVAL, "no path has a null character in it", os.fspath(path)) from None
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "this is a folder", os.fspath(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "not a regular file", os.fspath(path))
+    return found.st_size
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path is a regular file; a text that cannot be a path is none."""
+    try:
+        check_regular(path)
+    except OSError:
+        return False
+    return True
+
+
+def exists(path: Path) -> bool:
+    """Whether there is something of this path."""
+    try:
+        pathlib.Path(path).stat()
+    except (OSError, ValueError):
+        return False
+    return True
