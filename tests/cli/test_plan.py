@@ -181,6 +181,28 @@ def test_a_folder_that_cannot_be_written_to(trundle: Trundle, room_map: Path, tm
     done = trundle("plan", room_map, "--out", "file/below")
     assert done.code == 2
     assert "file/below" in done.err
+    assert "-o" in done.err
+    assert done.err.count("\n") == 1
+
+
+def test_a_plan_is_printed_where_its_picture_cannot_be_written(
+    trundle: Trundle, room_map: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)  # file modes do not stop root
+    ends = ("--start", "0.5,0.5", "--goal", "5.5,1.5,0")
+    for extra, code in (((), 0), (("-o", "there"), 2)):
+        for compare in ((), ("--compare",)):
+            done = trundle("plan", room_map, *ends, *extra, *compare, "--json")
+            assert done.code == code
+            answer = done.json["planners"][0] if compare else done.json
+            assert answer["length_m"] > 5.0
+            assert done.json["overlay"] is None
+            assert done.err.count("\n") == 1
+            assert "Permission denied; give another place with -o" in done.err
+    assert "not written" in trundle("plan", room_map, *ends).out
 
 
 def test_movingai_maps_are_planned_on(trundle: Trundle, tmp_path: Path) -> None:

@@ -150,9 +150,9 @@ def test_options_that_a_map_does_not_take(trundle: Trundle, room_map: Path, opti
 
 def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Path) -> None:
     images = []
-    for options in (("--seed", 4), ("--set", "seed=4"), ("--seed", 5)):
-        assert trundle("map", "build", "maze", *options).code == 0
-        images.append((tmp_path / "map.png").read_bytes())
+    for name, options in (("a", ("--seed", 4)), ("b", ("--set", "seed=4")), ("c", ("--seed", 5))):
+        assert trundle("map", "build", "maze", *options, "-o", f"{name}.yaml").code == 0
+        images.append((tmp_path / f"{name}.png").read_bytes())
     assert images[0] == images[1] != images[2]
 
 
@@ -238,11 +238,47 @@ def test_a_robot_that_cannot_be_used(
     assert not (tmp_path / "runs").exists()
 
 
+def test_a_folder_that_holds_a_run_is_refused_before_anything_drives(
+    trundle: Trundle, room_map: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert trundle("run", room_map, *SHORT, *QUICK, "-o", "a").code == 0
+    before = {path.name: path.read_bytes() for path in Path("a").iterdir()}
+    drive = ("drive", "nova_carter", "--command", "0.4,0,1", "--backend", "kinematic")
+    with monkeypatch.context() as patch:
+        patch.setattr("trundle.sim.simulator.SIMULATORS.make", lambda *_, **__: pytest.fail("it drives"))
+        for verb in (("run", room_map, *SHORT, *QUICK), ("demo", *QUICK), drive):
+            done = trundle(*verb, "-o", "a")
+            assert done.code == 2
+            assert "a holds a run already" in done.err
+            assert "--overwrite" in done.err
+            assert done.err.count("\n") == 1
+            assert {path.name: path.read_bytes() for path in Path("a").iterdir()} == before
+    done = trundle("run", room_map, *ENDS, "--robot", "turtlebot3_burger", *QUICK, "--json", "-o", "a", "--overwrite")
+    assert done.code == 0, done.err
+    assert {path.name for path in Path("a").iterdir()} == set(before)
+    assert json.loads(Path("a/episode.json").read_text())["distance_m"] == done.json["distance_m"] > 4.0
+    assert trundle(*drive, "-o", "a", "--overwrite").code == 0
+    assert [path.name for path in Path("a").iterdir()] == ["drive.csv"]
+
+
+def test_two_runs_into_one_folder(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
+    from trundle.record.folder_claim import FolderClaim
+
+    with FolderClaim(tmp_path / "a", "run"):
+        done = trundle("run", room_map, *SHORT, *QUICK, "-o", "a")
+        assert done.code == 2
+        assert f"another run (process {os.getpid()})" in done.err
+        assert "-o" in done.err
+    assert trundle("run", room_map, *SHORT, *QUICK, "-o", "a").code == 0
+
+
 def test_an_output_folder_that_is_a_file(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     done = trundle("run", room_map, *ENDS, *QUICK, "--out", "file")
     assert done.code == 2
     assert "cannot write to the folder file" in done.err
+    assert done.err.count("\n") == 1
+    assert "-o" in done.err
     assert (tmp_path / "file").read_text() == "mine"
 
 
@@ -254,6 +290,8 @@ def test_an_output_folder_that_is_read_only(trundle: Trundle, room_map: Path, tm
     done = trundle("run", room_map, *ENDS, *QUICK, "--out", folder)
     assert done.code == 2
     assert f"cannot write to the folder {folder}: " in done.err
+    assert "-o" in done.err
+    assert done.err.count("\n") == 1
     assert done.out == ""
     assert list(locked.iterdir()) == []
 
@@ -278,7 +316,7 @@ def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Si
     out, err = process.communicate(timeout=30)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     if number == signal.SIGKILL:
-        assert names == set()
+        assert names == {".lock"}
         return
     assert process.returncode == 1, err
     assert json.loads(out)["outcome"] == "aborted"

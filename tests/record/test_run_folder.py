@@ -1,4 +1,5 @@
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from PIL import Image
 
 from trundle.errors import OutputError, OutsideMapError
 from trundle.mission import Scenario, Trajectory, run
-from trundle.record.run_folder import RunFolder, make_run_folder
+from trundle.record.run_folder import RunFolder
 from trundle.record.video import encode
 
 FILES = {"episode.json", "trajectory.npz", "scenario.yaml", "overlay.png", "video.mp4"}
@@ -48,6 +49,7 @@ def test_a_run_leaves_its_files_and_the_record_has_the_names_that_stay(tmp_path,
     assert record["outcome"] == "arrived"
     assert record["run_dir"] == str(tmp_path / "r")
     assert record["versions"]["trundle"]
+    assert record["complete"] is True
     assert record == folder.record
     trajectory = Trajectory.load(tmp_path / "r" / "trajectory.npz")
     assert trajectory.x.tolist() == episode.trajectory.x.tolist()
@@ -62,24 +64,6 @@ def test_the_saved_scenario_repeats_the_run_bit_for_bit(tmp_path, scenario):
         again = mission.run().trajectory
     for name in Trajectory.columns():
         assert getattr(again, name).tobytes() == getattr(first, name).tobytes()
-
-
-def test_a_new_folder_is_named_after_time_and_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    first, second = make_run_folder(None, "night shift/7"), make_run_folder(None, "night shift/7")
-    assert first != second
-    assert first.parent == Path("runs")
-    assert first.name.endswith("-night-shift-7")
-
-
-def test_a_folder_that_cannot_be_written_fails_before_the_run(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError):
-        RunFolder(tmp_path / "file")
-    with pytest.raises(OutputError):
-        RunFolder(tmp_path / "file" / "below")
-    with pytest.raises(OutputError):
-        make_run_folder(None, "x", root=tmp_path / "file")
 
 
 def test_a_read_only_folder_fails_before_the_run(tmp_path, monkeypatch):
@@ -126,12 +110,89 @@ def test_ctrl_c_during_the_video_leaves_the_video_out(tmp_path, scenario):
     assert names(tmp_path) == FILES - {"video.mp4"}
 
 
-def test_an_earlier_record_goes_when_a_run_begins(tmp_path, told):
-    (tmp_path / "episode.json").write_text("{}")
-    folder = RunFolder(tmp_path)
-    assert (tmp_path / "episode.json").exists()
-    folder.on_start(told.info)
-    assert not (tmp_path / "episode.json").exists()
+def test_the_outcome_is_written_before_pictures_and_again_at_the_end(tmp_path, scenario):
+    seen = []
+
+    def look(run, episode):
+        seen.append((names(tmp_path / "r"), json.loads((tmp_path / "r" / "episode.json").read_text())))
+        raise OSError("no driver")
+
+    def draw(path, episode):
+        seen.append(names(tmp_path / "r"))
+        path.write_text(episode.outcome)
+
+    with (
+        scenario.build() as mission,
+        RunFolder(tmp_path / "r", scenario=mission.scenario, frames=look, extras={"extra.txt": draw}) as folder,
+    ):
+        mission.run(observers=[folder])
+    at_extra, (at_video, early) = seen
+    first = {"trajectory.npz", "scenario.yaml", "episode.json"}
+    assert first <= at_extra & at_video
+    assert (early["outcome"], early["complete"]) == ("arrived", False)
+    late = json.loads((tmp_path / "r" / "episode.json").read_text())
+    assert late["complete"] is True
+    assert set(late["files"]) == {"trajectory.npz", "scenario.yaml", "overlay.png", "extra.txt"}
+    assert {key: late[key] for key in ("outcome", "distance_m", "name")} == {
+        key: early[key] for key in ("outcome", "distance_m", "name")
+    }
+
+
+def test_an_earlier_run_is_replaced_only_when_asked_for(tmp_path, scenario):
+    with scenario.build() as mission:
+        for number, overwrite in enumerate((False, True)):
+            with RunFolder(tmp_path, name=str(number), video=False, overwrite=overwrite) as folder:
+                mission.run(observers=[folder])
+            before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+            assert set(before) == FILES - {"video.mp4", "scenario.yaml"}
+            with pytest.raises(OutputError, match="--overwrite"):
+                RunFolder(tmp_path)
+            assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_folder_is_for_one_run(tmp_path, scenario):
+    with scenario.build() as mission, RunFolder(tmp_path, video=False) as folder:
+        mission.run(observers=[folder])
+        before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+        (error,) = mission.run(observers=[folder]).observer_errors
+    assert "another RunFolder" in str(error)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_record_that_cannot_be_written_leaves_the_earlier_run(tmp_path, scenario, monkeypatch):
+    (tmp_path / "episode.json").write_text("old")
+    (tmp_path / "trajectory.npz").write_text("old")
+
+    def fail(*_, **__):
+        raise OutputError("disk full")
+
+    monkeypatch.setattr("trundle.record.run_folder.write_text", fail)
+    with scenario.build() as mission, RunFolder(tmp_path, video=False, overwrite=True) as folder:
+        (error,) = mission.run(observers=[folder]).observer_errors
+    assert "disk full" in str(error)
+    assert (tmp_path / "episode.json").read_text() == (tmp_path / "trajectory.npz").read_text() == "old"
+
+
+def test_record_trajectory_and_scenario_are_on_the_disk(tmp_path, scenario, monkeypatch):
+    synced = set()
+    sync = os.fsync
+
+    def note(descriptor):
+        synced.add(os.fstat(descriptor).st_ino)
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", note)
+    with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, video=False) as folder:
+        mission.run(observers=[folder])
+    for name in ("episode.json", "trajectory.npz", "scenario.yaml", "."):
+        assert (tmp_path / name).stat().st_ino in synced, name
+
+
+def test_the_same_run_gives_the_same_picture(tmp_path, scenario):
+    for name in ("a", "b"):
+        with scenario.build() as mission, RunFolder(tmp_path / name, video=False) as folder:
+            mission.run(observers=[folder])
+    assert (tmp_path / "a" / "overlay.png").read_bytes() == (tmp_path / "b" / "overlay.png").read_bytes()
 
 
 SCRIPT = """
@@ -178,8 +239,8 @@ def check_whole(folder):
         if path.name.startswith("."):
             continue  # a temporary name
         if path.name == "episode.json":
-            assert names(folder) >= FILES
-            json.loads(path.read_text())
+            complete = json.loads(path.read_text())["complete"]
+            assert names(folder) >= (FILES if complete else {"trajectory.npz", "scenario.yaml"})
         elif path.name == "trajectory.npz":
             Trajectory.load(path)
         elif path.name == "scenario.yaml":
@@ -222,6 +283,23 @@ for number in range(6):
         check_whole(tmp_path / str(number))
     # It was killed while it wrote: a temporary name may be left, which no kill can be kept from leaving.
     assert {name for name in names(tmp_path / "0") if not name.startswith(".")} < FILES
+
+
+def test_a_kill_during_the_video_keeps_the_outcome(tmp_path):
+    code = f"""
+def die(run, episode):
+    os.kill(os.getpid(), signal.SIGTERM)
+
+scenario = Scenario.make(world={{"name": "warehouse", "options": {{"size": [14, 11]}}}}, backend="kinematic", seed=5)
+with scenario.build() as mission, RunFolder({str(tmp_path)!r}, scenario=mission.scenario, frames=die) as record:
+    mission.run(observers=[record])
+"""
+    with start(code) as process:
+        process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGTERM
+    check_whole(tmp_path)
+    record = json.loads((tmp_path / "episode.json").read_text())
+    assert (record["outcome"], record["complete"]) == ("arrived", False)
 
 
 def test_videos_are_whole_files(tmp_path):

@@ -24,6 +24,7 @@ def demo(
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -35,9 +36,11 @@ def demo(
     Args:
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
-        out: Folder to write into; left out: a new one under runs.
+        out: Folder to write into, which must not hold a run; left out: a new one under runs.
     """
     from trundle.mission import Scenario
 
     scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
-    return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet, with_place=True)
+    return missions.drive(
+        scenario, out=out, overwrite=overwrite, video=video, view=view, json=json, quiet=quiet, with_place=True
+    )

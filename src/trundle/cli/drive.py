@@ -57,6 +57,7 @@ def drive(
     exclude: options.Exclude = None,
     paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
@@ -73,17 +74,18 @@ def drive(
             the arrow keys in the window; close it to end.
         view: Watch it in a window, in real time.
         world: Where to drive: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
-        out: Folder for drive.csv; left out: a new one under runs.
+        out: Folder for drive.csv, which must not hold a run; left out: a new one under runs.
     """
     from trundle.cli.drive_log import DriveLog
     from trundle.cli.teleop import check_terminal, drive_by_keys
     from trundle.cli.window import drive_in_window, open_window
-    from trundle.record.run_folder import make_run_folder
+    from trundle.record.folder_claim import FolderClaim, check_free
     from trundle.robots import Robot
     from trundle.sim import simulate
 
     if sum((teleop, bool(command), like is not None)) != 1:
         raise InputError("give either --command V,W,SECONDS (as often as you like), or --like RUN, or --teleop")
+    check_free(out, overwrite=overwrite)
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
     isaac.check_window(view, backend)
@@ -102,7 +104,7 @@ def drive(
             pose = begin if start is None else pose
         simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
-        folder = make_run_folder(out, "drive")
+        claim = stack.enter_context(FolderClaim(out, "drive", overwrite=overwrite))
         log.add(simulator.reset(pose, seed=seed))
         try:
             if not teleop:
@@ -113,9 +115,10 @@ def drive(
             else:
                 drive_in_window(simulator, log, window, period_s=PERIOD_S)
         finally:
-            log.save(folder / "drive.csv")
+            with claim.replacing():
+                log.save(claim.path / "drive.csv")
         # Before the simulator is closed: closing Isaac Sim may end the process.
-        _report(log, folder, json=json)
+        _report(log, claim.path, json=json)
     return 0
 
 

@@ -93,4 +93,4 @@ class DriveLog:
 
     def save(self, path: Path) -> None:
         """Write all rows as CSV."""
-        write_text(path, "\n".join([",".join(COLUMNS), *self._rows, ""]))
+        write_text(path, "\n".join([",".join(COLUMNS), *self._rows, ""]), durable=True)

@@ -12,7 +12,7 @@ from trundle.cli.engine import import_engine
 if TYPE_CHECKING:
     from trundle.cli.scene_frames import SceneFrames
     from trundle.mission import Episode, Mission, Observer, RunInfo, Scenario
-    from trundle.record.run_folder import RunFolder
+    from trundle.record.run_folder import RunFolder, WriteExtra
     from trundle.record.video import MakeFrames
 
 
@@ -20,6 +20,7 @@ def drive(
     scenario: Scenario,
     *,
     out: Path | None,
+    overwrite: bool,
     video: bool,
     view: bool,
     json: bool,
@@ -31,6 +32,7 @@ def drive(
     Args:
         scenario: What to run.
         out: Folder to write into; none means a new one under runs.
+        overwrite: Replace the run that it holds.
         video: Whether to make a video.
         view: Whether to show it in a window while it drives.
         json: Print one JSON value.
@@ -40,9 +42,12 @@ def drive(
     Returns:
         The exit code: 0 where the robot arrived, else 1.
     """
+    from trundle.record.folder_claim import check_free
     from trundle.record.progress import ProgressBar
-    from trundle.record.run_folder import RunFolder
+    from trundle.record.run_folder import RunFolder, with_images
 
+    place = (_MAP, _SCENE) if with_place else ()
+    check_free(out, overwrite=overwrite, extra=with_images(place))
     isaac.check_window(view, scenario.backend.name)
     if scenario.backend.name == "mujoco":
         import_engine()
@@ -64,15 +69,15 @@ def drive(
                 RunFolder(
                     out,
                     name=scenario.title,
+                    overwrite=overwrite,
                     scenario=mission.scenario,
                     video=video,
                     frames=frames,
                     report=bar.report,
+                    extras={name: _PLACE[name](mission) for name in place},
                 )
             )
             episode = mission.run(observers=[*observers, bar, folder])
-            if with_place:
-                _add_place(mission, episode, folder.path)
         _report(episode, folder, json=json)
     for error in episode.observer_errors:
         raise error
@@ -97,20 +102,31 @@ def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
     return make
 
 
-def _add_place(mission: Mission, episode: Episode, folder: Path) -> None:
-    from trundle.geometry import Pose2D
-    from trundle.viewer.offscreen import render
+def _write_map(mission: Mission) -> WriteExtra:
+    return lambda path, _: mission.grid.save(path)
 
-    mission.grid.save(folder / "map.yaml")
-    picture = render(
-        mission.world,
-        mission.robot,
-        mission.start,
-        camera="overview",
-        path=episode.paths[0].poses if episode.paths else None,
-        goal=Pose2D.of(mission.goals[-1]),
-    )
-    picture.save(folder / "scene.png")
+
+def _write_scene(mission: Mission) -> WriteExtra:
+    def write(path: Path, episode: Episode) -> None:
+        from trundle.geometry import Pose2D
+        from trundle.viewer.offscreen import render
+
+        picture = render(
+            mission.world,
+            mission.robot,
+            mission.start,
+            camera="overview",
+            path=episode.paths[0].poses if episode.paths else None,
+            goal=Pose2D.of(mission.goals[-1]),
+        )
+        picture.save(path)
+
+    return write
+
+
+_MAP, _SCENE = "map.yaml", "scene.png"
+_PLACE = {_MAP: _write_map, _SCENE: _write_scene}
+"""What makes the files that show the place."""
 
 
 def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:

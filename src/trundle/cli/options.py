@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from trundle.errors import InputError
+from trundle.errors import InputError, OutputError
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
@@ -26,6 +26,14 @@ def _pairs(name: str, help: str) -> Parameter:
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
+Overwrite = Annotated[
+    bool,
+    Parameter(
+        name="--overwrite",
+        negative="",
+        help="Replace the run that the folder of --out holds; it is deleted when the new one is there.",
+    ),
+]
 Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
 RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or the path of its YAML.")]
 PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
@@ -176,15 +184,22 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
         OutputError: If the folder cannot be written to.
         InputError: If `out` looks like a file of another kind.
     """
-    from trundle.files import make_folder
-
     suffix = out.suffix.lower()
     if suffix in suffixes and not out.is_dir():
-        make_folder(out.parent)
+        _make_folder(out.parent)
         return out
     if out.is_file() or (suffix and not suffix[1:].isdigit() and not out.is_dir()):
         raise InputError(f"--out {out}: give a file that ends in {' or '.join(suffixes)}, or a folder")
-    return make_folder(out) / default_name
+    return _make_folder(out) / default_name
+
+
+def _make_folder(folder: Path) -> Path:
+    from trundle.files import make_folder
+
+    try:
+        return make_folder(folder)
+    except OutputError as error:
+        raise OutputError(f"{error}; give another place with -o") from error
 
 
 def _plain(text: str) -> bool | int | float | str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, plan_compare, sources
-from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError, UnknownNameError
+from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 
 if TYPE_CHECKING:
     from trundle.path import Path
@@ -48,7 +48,7 @@ def plan(
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
-    out: Annotated[FilePath, Parameter(name=["--out", "-o"])] = FilePath("overlay.png"),
+    out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -65,20 +65,22 @@ def plan(
         compare: Plan by every planner there is: a table of them, and all their paths in one picture. The times are
             medians of repeated plans on one map.
         backend: Taken as every step takes it; a plan needs no simulator, and none is started.
-        out: The picture, or a folder for overlay.png.
+        out: The picture, or a folder for overlay.png; left out: overlay.png, here. Where it cannot be written, the rest
+            is printed all the same.
     """
-    from trundle.files import atomic_path
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
     from trundle.navigation import Navigator
     from trundle.planning import planner_names
     from trundle.record.overlay import draw_plan
+    from trundle.record.run_folder import save_png
     from trundle.sim import simulator_names
 
     if backend not in simulator_names():
         raise UnknownNameError("backend", backend, simulator_names())
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
-    target = options.output_file(out, "overlay.png", (".png",))
+    target = _find_target(out)
+    code = 2 if out is not None and target is None else 0
     chosen = options.parse_pairs("--planner-option", planner_options, "goal_tolerance=0.5")
     chosen |= ({"allow_partial": True} if partial else {}) | ({} if deadline is None else {"deadline_s": deadline})
     if compare and chosen:
@@ -97,7 +99,7 @@ def plan(
     )
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
     if compare:
-        return plan_compare.compare(navigator, begin, end, planner_names(), target=target, json=json)
+        return plan_compare.compare(navigator, begin, end, planner_names(), target=target, json=json) or code
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
@@ -107,9 +109,9 @@ def plan(
         output.remark(f"trundle: {error}", quiet=False)
         return 1
     before = navigator.planned if smoother else None
-    picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask, before=before)
-    with atomic_path(target) as temporary:
-        picture.save(temporary, format="PNG")
+    if target is not None:
+        picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask, before=before)
+        save_png(picture, target)
     facts = {
         "status": path.status,
         "remaining_m": path.remaining_m,
@@ -126,7 +128,7 @@ def plan(
     }
     if json:
         output.print_json({**facts, "map": map_file, "robot": navigator.robot.name, "poses": path.poses})
-        return 0
+        return code
     output.print_facts(
         {
             "from": "x {:.3f}, y {:.3f}, yaw {:.3f}".format(*path.start.as_tuple()),
@@ -137,10 +139,19 @@ def plan(
             "cost": path.cost,
             "time": f"{facts['planning_ms']:.1f} ms",
             "planner": f"{path.planner}, planned again {path.replans} times",
-            "overlay": target,
+            "overlay": target or "not written",
         }
     )
-    return 0
+    return code
+
+
+def _find_target(out: FilePath | None) -> FilePath | None:
+    """Where the picture goes; none, and a remark, where it cannot be written: the plan is worth having without."""
+    try:
+        return options.output_file(out or FilePath("overlay.png"), "overlay.png", (".png",))
+    except OutputError as error:
+        output.remark(f"trundle: {error}", quiet=False)
+        return None
 
 
 def _moved(path: Path) -> dict[str, str]:

@@ -35,10 +35,12 @@ class Row(TypedDict):
     message: str
 
 
-def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *, target: FilePath, json: bool) -> int:
+def compare(
+    navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *, target: FilePath | None, json: bool
+) -> int:
     """Plan from `begin` to `end` by every planner, print a table and draw all paths, with the zones of the masks.
 
-    Where the navigator smooths, so are these paths.
+    Where the navigator smooths, so are these paths. Without a target nothing is drawn.
 
     Returns:
         The exit code: 0 where at least one planner found a way, 2 where all say that the start or the goal is at fault.
@@ -57,7 +59,7 @@ def compare(navigator: Navigator, begin: Pose2D, end: Goal, names: list[str], *,
             errors.append(found)
         else:
             paths[name] = found
-    if paths:
+    if paths and target is not None:
         picture = draw_paths(navigator.costmap, navigator.robot, paths, speed_mask=navigator.speed_mask)
         save_png(picture, target)
     _print(rows, target if paths else None, json=json)

@@ -57,6 +57,7 @@ def run(
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overwrite: options.Overwrite = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
@@ -74,7 +75,7 @@ def run(
             that a run is the same however busy the machine is.
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
-        out: Folder to write into; left out: a new one under runs.
+        out: Folder to write into, which must not hold a run; left out: a new one under runs.
     """
     given = {
         "robot": robot,
@@ -100,7 +101,7 @@ def run(
     scenario = isaac.adapt(
         _read(source, sources.read_settings(source, settings, exclude, paths), changes), isaac_options
     )
-    return missions.drive(scenario, out=out, video=video, view=view, json=json, quiet=quiet)
+    return missions.drive(scenario, out=out, overwrite=overwrite, video=video, view=view, json=json, quiet=quiet)
 
 
 def _read(source: str, settings: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:

@@ -174,7 +174,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
 
 
 def describe(episode: Episode) -> list[str]:
-    """Return the figures of a run as lines of text."""
+    """Return the figures of a run as lines of text: no wall times, so that the same run gives the same picture."""
     metrics = episode.metrics
     capped = metrics.min_clearance_m >= CLEARANCE_CAP
     figures = [
@@ -187,7 +187,7 @@ def describe(episode: Episode) -> list[str]:
         figures.append(f"off path at most {metrics.max_cross_track_error_m:.2f} m")
     figures.append(f"SPL {metrics.spl:.2f}")
     settings = [
-        f"{episode.planner} ({metrics.planning_ms:.1f} ms)",
+        episode.planner,
         episode.controller,
         episode.robot,
         f"seed {episode.seed}",

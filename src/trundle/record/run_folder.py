@@ -7,9 +7,8 @@ import json
 import logging
 import os
 import platform
-import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -19,8 +18,9 @@ from PIL import Image
 
 from trundle import __version__
 from trundle.errors import OutputError, TrundleError
-from trundle.files import make_folder, write_bytes, write_text
+from trundle.files import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
+from trundle.record.folder_claim import FolderClaim
 from trundle.record.overlay import draw_run
 from trundle.record.video import MakeFrames, Report, write_video
 
@@ -29,50 +29,35 @@ _LOGGER = logging.getLogger(__name__)
 _VERSIONS = ("numpy", "mujoco", "isaacsim", "pillow", "av")
 
 
-def make_run_folder(out: str | os.PathLike[str] | None, name: str, *, root: str | os.PathLike[str] = "runs") -> Path:
-    """Create the folder of a run: `out`, or a new `runs/<time>-<name>`.
-
-    Raises:
-        OutputError: If it cannot be created or written to.
-    """
-    if out is not None:
-        return make_folder(out)
-    make_folder(root)
-    tidy = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "run"
-    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{tidy}"
-    number = 1
-    while True:
-        folder = Path(root) / (stem if number == 1 else f"{stem}-{number}")
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            number += 1
-            continue
-        except OSError as error:
-            raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
-        return make_folder(folder)
+WriteExtra = Callable[[Path, Episode], object]
+"""Writes a further file of a run: told where, and how the run went."""
 
 
 class RunFolder:
-    """An observer that writes a run's folder at its end; `episode.json` comes last and says that all is there.
+    """An observer that writes a run's folder at its end.
+
+    `trajectory.npz`, `scenario.yaml` and `episode.json` come first, so that what follows cannot lose the outcome; then
+    pictures and video. `episode.json` is written again at the end, with `complete: true`.
 
     Use it in a `with` block: a folder in which nothing was written is removed again, if it was made here.
 
     Args:
         out: The folder; none means a new `runs/<time>-<name>`.
         name: Of the run, for the folder's name.
+        overwrite: Replace the run that the folder holds; it is deleted when the new one is there.
         scenario: The exact scenario, written as `scenario.yaml`; none where the run has none.
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
         frames: Where the video's pictures come from; none means a drawn view from above.
         report: Told how far the video is.
+        extras: Further files by name, and what writes them.
 
     Attributes:
         path: The folder.
         record: What `episode.json` holds; none before the end.
 
     Raises:
-        OutputError: If the folder cannot be created or written to.
+        OutputError: If the folder holds a run, another run is writing there, or it cannot be written to.
     """
 
     def __init__(
@@ -80,14 +65,17 @@ class RunFolder:
         out: str | os.PathLike[str] | None = None,
         *,
         name: str = "run",
+        overwrite: bool = False,
         scenario: Scenario | None = None,
         overlay: bool = True,
         video: bool = True,
         frames: MakeFrames | None = None,
         report: Report | None = None,
+        extras: Mapping[str, WriteExtra] | None = None,
     ) -> None:
-        self._is_new = out is None or not Path(out).exists()
-        self.path = make_run_folder(out, name)
+        self._extras = dict(extras or {})
+        self._claim = FolderClaim(out, name, overwrite=overwrite, extra=with_images(self._extras))
+        self.path = self._claim.path
         self.record: dict[str, object] | None = None
         self._scenario = scenario
         self._overlay = overlay
@@ -95,19 +83,24 @@ class RunFolder:
         self._frames = frames
         self._report = report
         self._info: RunInfo | None = None
+        self._files: list[str] = []
+        self._failures: list[str] = []
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._is_new:
-            with suppress(OSError):  # it is not empty: it stays
-                self.path.rmdir()
+        self._claim.close()
 
     def on_start(self, run: RunInfo) -> None:
-        """Take an earlier run's record away: what is written from now on does not belong to it."""
+        """Take note of what is driven.
+
+        Raises:
+            OutputError: If it has recorded a run already.
+        """
+        if self.record is not None:
+            raise OutputError(f"{self.path} has its run; make another RunFolder for the next one")
         self._info = run
-        (self.path / "episode.json").unlink(missing_ok=True)
 
     def on_step(self, step: Step) -> None:
         """Keep nothing: the episode has all of it."""
@@ -121,37 +114,60 @@ class RunFolder:
         info = self._info
         if info is None:
             raise OutputError("the run folder was not told of the start of the run")
-        failures: list[str] = []
-        files: list[str] = []
+        with self._claim.replacing():
+            self._save("trajectory.npz", episode.trajectory.save)
+            if self._scenario is not None:
+                self._save("scenario.yaml", self._scenario.save)
+            self._save_record(episode, complete=False)
+            self._save_pictures(info, episode)
+            self._save_record(episode, complete=True)
+        self._claim.close()
+        if self._failures:
+            raise OutputError(f"in {self.path}: " + "; ".join(self._failures))
 
-        def save(file: str, write: Callable[[Path], str | None]) -> None:
-            try:
-                files.append(write(self.path / file) or file)
-            except KeyboardInterrupt:
-                _LOGGER.warning("%s is left out: stopped by Ctrl-C", file)
-            except (TrundleError, OSError, ValueError) as error:
-                failures.append(f"{file}: {error}")
+    def _save(self, file: str, write: Callable[[Path], object]) -> None:
+        """Write a file; where `write` answers with a name, that is what it wrote."""
+        try:
+            name = write(self.path / file)
+            self._files.append(name if isinstance(name, str) else file)
+        except KeyboardInterrupt:
+            _LOGGER.warning("%s is left out: stopped by Ctrl-C", file)
+        except (TrundleError, OSError, ValueError) as error:
+            self._failures.append(f"{file}: {error}")
 
-        save("trajectory.npz", episode.trajectory.save)
-        if self._scenario is not None:
-            save("scenario.yaml", self._scenario.save)
+    def _save_pictures(self, info: RunInfo, episode: Episode) -> None:
         if self._overlay:
-            save(
+            self._save(
                 "overlay.png",
                 lambda path: save_png(draw_run(info.costmap, info.robot, episode, speed_mask=info.speed_mask), path),
             )
+        for name, write in self._extras.items():
+            self._save(name, lambda path, write=write: write(path, episode))
         if self._video:
-            save("video.mp4", lambda path: write_video(path, info, episode, self._frames, report=self._report))
+            self._save("video.mp4", lambda path: write_video(path, info, episode, self._frames, report=self._report))
+
+    def _save_record(self, episode: Episode, *, complete: bool) -> None:
+        """Write episode.json. Without it there is no run: what was written before it is no reason to go on.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
         self.record = {
             **episode.as_dict(),
             "run_dir": str(self.path),
-            "files": list(files),
+            "files": list(self._files),
             "versions": _versions(),
             "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+            "complete": complete,
         }
-        save("episode.json", lambda path: write_text(path, json.dumps(self.record, indent=2, allow_nan=False) + "\n"))
-        if failures:
-            raise OutputError(f"in {self.path}: " + "; ".join(failures))
+        write_text(self.path / "episode.json", json.dumps(self.record, indent=2, allow_nan=False) + "\n", durable=True)
+
+
+def with_images(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of files, and of the images that come with those that are maps."""
+    return tuple(
+        one for name in names for one in ((name, f"{Path(name).stem}.png") if name.endswith(".yaml") else (name,))
+    )
 
 
 def save_png(image: Image.Image, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,222 @@
+"""`FolderClaim`: the folder of one run, which nothing else writes into and whose earlier run is not lost."""
+
+from __future__ import annotations
+
+import fcntl
+import logging
+import os
+import re
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Self
+
+from trundle.errors import OutputError
+from trundle.files import make_folder, sync_folder
+
+_LOGGER = logging.getLogger(__name__)
+
+RUN_FILES = (
+    "episode.json",
+    "drive.csv",
+    "trajectory.npz",
+    "scenario.yaml",
+    "overlay.png",
+    "video.mp4",
+    "video.gif",
+)
+"""What says that a folder holds a run. The first two come last in a run, and say that it is there."""
+
+PREVIOUS = "previous-run"
+"""The folder, within a run's, that keeps the run that is being replaced."""
+
+LOCK = ".lock"
+
+
+def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, extra: Sequence[str] = ()) -> None:
+    """Refuse a folder that holds a run, before any work is done.
+
+    Args:
+        out: The folder; none is a new one.
+        overwrite: Whether its run is to be replaced.
+        extra: Names of further files that are going to be written.
+
+    Raises:
+        OutputError: If it holds a run.
+    """
+    if out is None or overwrite:
+        return
+    folder = Path(out)
+    held = [name for name in (*RUN_FILES, *extra, PREVIOUS) if os.path.lexists(folder / name)]
+    if held:
+        raise OutputError(
+            f"{folder} holds a run already ({', '.join(held)}); give another folder with -o, or replace that run with "
+            "--overwrite"
+        )
+
+
+class FolderClaim:
+    """A folder that is this run's alone while the claim is open; use it in a `with` block.
+
+    A folder in which nothing was written is removed again at the end, if it was made here.
+
+    Args:
+        out: The folder; none means a new `runs/<time>-<name>`.
+        name: Of the run, for the folder's name.
+        overwrite: Replace the run that the folder holds.
+        extra: Names of files that the run writes besides `RUN_FILES`.
+        root: Where new folders are made.
+
+    Attributes:
+        path: The folder.
+
+    Raises:
+        OutputError: If the folder holds a run, another run is writing there, or it cannot be written to.
+    """
+
+    def __init__(
+        self,
+        out: str | os.PathLike[str] | None,
+        name: str,
+        *,
+        overwrite: bool = False,
+        extra: Sequence[str] = (),
+        root: str | os.PathLike[str] = "runs",
+    ) -> None:
+        self._files = (*RUN_FILES, *extra)
+        self._is_new = out is None or not Path(out).exists()
+        try:
+            self.path = _new_folder(Path(root), name) if out is None else make_folder(out)
+            self._lock = _lock(self.path)
+        except OutputError as error:
+            raise OutputError(f"{error}; give another folder with -o") from error
+        except OSError as error:
+            raise OutputError(f"cannot write to the folder {out or root}: {error}; give another with -o") from error
+        self._is_open = True
+        self._previous = self.path / PREVIOUS
+        try:
+            if not self._is_recorded():
+                self._put_back()
+            check_free(self.path, overwrite=overwrite, extra=extra)
+        except BaseException:
+            self.close()
+            raise
+
+    @contextmanager
+    def replacing(self) -> Iterator[None]:
+        """Keep the folder's earlier run aside while the block writes the new one; delete it when the block has ended.
+
+        Where the block fails, or is killed, before it has written `episode.json` or `drive.csv`, the earlier run comes
+        back: at once, or with the next claim. After that both are there, the earlier one in `PREVIOUS`.
+
+        Raises:
+            OutputError: If the earlier run cannot be moved.
+        """
+        self._try(self._put_aside)
+        try:
+            yield
+        except BaseException:
+            if not self._is_recorded():
+                self._try(self._put_back)
+            raise
+        self._try(self._drop_previous)
+
+    def close(self) -> None:
+        """Let others write there; closing twice does nothing."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        if self._lock is not None:
+            (self.path / LOCK).unlink(missing_ok=True)
+            os.close(self._lock)
+        if self._is_new:
+            with suppress(OSError):  # it is not empty: it stays
+                self.path.rmdir()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _try(self, move: Callable[[], None]) -> None:
+        try:
+            move()
+        except OSError as error:
+            raise OutputError(f"cannot replace the run in {self.path}: {error}") from error
+
+    def _is_recorded(self) -> bool:
+        """Whether there is a run's record that is not aside."""
+        return any((self.path / name).exists() for name in RUN_FILES[:2])
+
+    def _put_aside(self) -> None:
+        held = [name for name in self._files if os.path.lexists(self.path / name)]
+        if not held:
+            return
+        self._drop_previous()  # of a replacement that was killed when its own record was written
+        self._previous.mkdir()
+        for name in held:
+            (self.path / name).rename(self._previous / name)
+        sync_folder(self.path)
+
+    def _put_back(self) -> None:
+        if not self._previous.is_dir():
+            return
+        for path in self._previous.iterdir():
+            path.replace(self.path / path.name)
+        self._previous.rmdir()
+        sync_folder(self.path)
+        _LOGGER.info("the run in %s was being replaced, which was stopped: it is put back", self.path)
+
+    def _drop_previous(self) -> None:
+        if not self._previous.is_dir():
+            return
+        for path in self._previous.iterdir():
+            path.unlink()
+        self._previous.rmdir()
+
+
+def _new_folder(root: Path, name: str) -> Path:
+    make_folder(root)
+    tidy = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "run"
+    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{tidy}"
+    number = 1
+    while True:
+        folder = root / (stem if number == 1 else f"{stem}-{number}")
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            number += 1
+            continue
+        except OSError as error:
+            raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
+        sync_folder(root)
+        return folder
+
+
+def _lock(folder: Path) -> int | None:
+    """Lock a folder by a file in it, which a killed process lets go of by itself; none where files cannot be locked."""
+    path = folder / LOCK
+    while True:
+        folder.mkdir(parents=True, exist_ok=True)  # Whoever held the lock may have removed it, and the folder.
+        with suppress(FileNotFoundError):
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if os.path.samestat(os.fstat(descriptor), path.stat()):
+                    os.ftruncate(descriptor, 0)
+                    os.write(descriptor, f"{os.getpid()}\n".encode())
+                    return descriptor
+            except BlockingIOError:
+                owner = os.read(descriptor, 20).decode(errors="replace").strip() or "?"
+                os.close(descriptor)
+                raise OutputError(f"another run (process {owner}) is writing into {folder}") from None
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                os.close(descriptor)
+                path.unlink(missing_ok=True)
+                _LOGGER.info("%s cannot be locked: %s", folder, error)
+                return None
+            os.close(descriptor)
