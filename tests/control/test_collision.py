@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control.collision import stopping_poses
+from trundle.control.collision import can_stop, stopping_poses
+from trundle.costmap import Costmap
 from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -39,3 +41,38 @@ def test_the_way_to_a_stop_is_as_long_as_it_is_driven(robot, share):
     assert abs(apart[:, 2]).max() < 0.5 * limits.angular_acceleration * DT**2 + 2e-3
     stop = math.dist(expected[-1][:2], (0.0, 0.0)) - math.dist(driven[-1][:2], (0.0, 0.0))
     assert stop > -4e-3
+
+
+def test_a_fast_turn_is_tested_between_its_steps():
+    robot = Robot.load("turtlebot3_burger")
+    grid = OccupancyGrid(np.zeros((80, 80), np.int8), 0.05)
+    corner = math.atan2(0.105, -0.105)
+    radius = math.hypot(0.105, 0.105)
+    command = Twist2D(0.0, robot.limits.angular_speed)
+    yaw = -math.pi / 2 - 3.5 * 0.05 * command.w
+    poses = stopping_poses(Pose2D(0.0, 0.0, yaw), command, command, robot.limits, 1.0)
+    step = poses[0][2] - yaw
+    assert step == pytest.approx(math.radians(8.14), abs=1e-3)
+    finer = stopping_poses(Pose2D(0.0, 0.0, yaw), command, command, robot.limits, 1.0, turn_step=math.radians(2))
+    assert finer[-1] == pytest.approx(poses[-1])
+    assert np.diff([yaw, *(pose[2] for pose in finer)]).max() <= math.radians(2) + 1e-12
+    # A tail's corner points to the cell's corner at (2, 2) halfway between two of the coarse poses.
+    meets = yaw + 3.5 * step
+    costmap = Costmap.from_grid(grid, robot).update(slice(40, 41), slice(40, 41), 100)
+    for apart, free in ((radius + 1e-4, True), (radius - 1e-4, False)):
+        toward = meets + corner
+        x, y = 2.0 - apart * math.cos(toward), 2.0 - apart * math.sin(toward)
+        pose = Pose2D(x, y, yaw)
+        placed = [(px + x, py + y, angle) for px, py, angle in poses]
+        assert not costmap.footprint_collides([pose.as_tuple(), *placed]).any()
+        assert can_stop(costmap, robot.limits, pose, command, command, 1.0) == free
+
+
+def test_a_robot_may_drive_off_what_it_touches():
+    robot = Robot.load("nova_carter")
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((80, 80), np.int8), 0.05), robot)
+    costmap = costmap.update(slice(40, 41), slice(40, 41), 100)
+    pose = Pose2D(2.0 + 0.05 + 0.607 - 1e-3, 2.025, 0.0)
+    assert costmap.footprint_collides([pose.as_tuple()])[0]
+    assert can_stop(costmap, robot.limits, pose, Twist2D(0.2, 0.0), Twist2D(0.2, 0.0), 0.05)
+    assert not can_stop(costmap, robot.limits, pose, Twist2D(-0.2, 0.0), Twist2D(-0.2, 0.0), 0.05)

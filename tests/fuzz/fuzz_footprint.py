@@ -49,7 +49,7 @@ def placed(costmap: Costmap, pose: FloatArray) -> shapely.Polygon:
 
 
 def check_path(generator: random.Random) -> None:
-    """A path on a map that changes: the check finds the first pose at which the footprint touches something."""
+    """A path on a map that changes: the check finds the first pose that the footprint does not get to."""
     rng = rng_of(generator)
     shape = generator.choice((30, 60, 80)), generator.choice((33, 60))
     data = np.where(rng.random(shape) < generator.choice((0.0, 0.002, 0.02)), 100, 0).astype(np.int8)
@@ -65,7 +65,13 @@ def check_path(generator: random.Random) -> None:
         begin = generator.randrange(len(check.poses))
         touching = np.flatnonzero(costmap.footprint_collides(check.poses[begin:]))
         hit = check.first_hit(costmap, begin)
-        assert (None if hit is None else hit.index) == (begin + int(touching[0]) if len(touching) else None)
+        index = None if hit is None else hit.index
+        if index != (begin + int(touching[0]) if len(touching) else None):
+            # Something is touched between two poses that are free.
+            assert index is not None
+            assert begin < index < (begin + int(touching[0]) if len(touching) else math.inf)
+            between = np.linspace(check.poses[index - 1], check.poses[index], 2001)
+            assert costmap.footprint_collides(between, outline=costmap.footprint * 1.001).any()
         row, col = generator.randrange(shape[0]), generator.randrange(shape[1])
         rectangle = slice(row, row + 1 + (shape[0] - row) // 5), slice(col, col + 1 + (shape[1] - col) // 5)
         costmap = costmap.update(*rectangle, generator.choice((100, 100, 0, -1)))

@@ -52,6 +52,22 @@ def test_a_turn_in_place_is_swept():
     assert 0.0 < hit.pose[2] < math.pi / 2
 
 
+def test_what_is_between_two_checked_poses_of_a_turn_is_found():
+    # The tail's corner passes 0.1 mm inside the cell's corner, between two poses 2° apart.
+    radius, free = math.hypot(0.607, 0.25), Costmap.from_grid(room(), CARTER)
+    costmap = free.update(slice(100, 101), slice(100, 101), 100)
+    corner = math.atan2(0.25, -0.607)
+    place = np.array([5.0, 5.0]) - (radius - 1e-4) * np.array([math.cos(0.7), math.sin(0.7)])
+    # It points to the cell after 13°, half of a step.
+    path = Path(np.array([[*place, 0.7 - corner - math.radians(13)], [*place, 0.7 - corner + math.radians(77)]]))
+    check = PathCheck(path)
+    samples = np.column_stack([np.tile(place, (46, 1)), path.poses[0, 2] + np.radians(np.arange(0, 91, 2))])
+    assert not costmap.footprint_collides(samples).any()
+    hit = check.first_hit(costmap)
+    assert hit is not None
+    assert hit.pose[2] == pytest.approx(0.7 - corner, abs=math.radians(1.01))
+
+
 def test_beyond_the_map_a_path_is_blocked():
     costmap = Costmap.from_grid(room(), CARTER)
     hit = PathCheck(straight(1.0, 12.0)).first_hit(costmap)
@@ -74,7 +90,14 @@ def test_it_finds_what_the_footprint_at_every_pose_finds(seed, radius, factor):
     begin = int(rng.integers(len(check.poses)))
     hits = np.flatnonzero(costmap.footprint_collides(check.poses[begin:]))
     hit = check.first_hit(costmap, begin)
-    assert (None if hit is None else hit.index) == (begin + hits[0] if len(hits) else None)
+    index = None if hit is None else hit.index
+    if index != (begin + hits[0] if len(hits) else None):
+        # Something is touched between two poses that are free.
+        assert index is not None
+        assert index > begin
+        assert not len(hits) or index < begin + hits[0]
+        between = np.linspace(check.poses[index - 1], check.poses[index], 2001)
+        assert costmap.footprint_collides(between, outline=costmap.footprint * 1.0001).any()
 
 
 def test_the_cost_is_the_length_where_nothing_costs_and_more_near_obstacles():

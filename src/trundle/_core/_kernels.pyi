@@ -92,6 +92,7 @@ class HybridAStar:
         seconds: float | None,
         cancel: npt.NDArray[np.uint8] | None,
         partial: bool = False,
+        inner: npt.NDArray[np.float64] | None = None,
     ) -> tuple[
         int,
         npt.NDArray[np.float64],
@@ -108,6 +109,7 @@ class HybridAStar:
         backwards, and turns [rad] of the arcs, lines and turns in place, shape (M, 2); the cost [m]; and how many
         nodes were expanded, cells of the field settled, and poses checked with the outline. With `partial` the status
         may be 1, 4 or 5 with poses all the same: they lead to the pose nearest to the goal of those that were tried.
+        `outline` is kept free at poses at most `step` apart; with `inner`, of as many corners, only what that sweeps.
         """
     @property
     def bytes(self) -> int: ...
@@ -133,6 +135,7 @@ class PathSmoother:
         cost_tolerance: float,
         step: float,
         spacing: float,
+        inner: npt.NDArray[np.float64] | None = None,
     ) -> tuple[
         npt.NDArray[np.float64],
         npt.NDArray[np.uint8],
@@ -160,6 +163,16 @@ def footprint_collides(
     outline: npt.NDArray[np.float64],
     poses: npt.NDArray[np.float64],
 ) -> npt.NDArray[np.bool_]: ...
+def footprint_sweep(
+    costs: npt.NDArray[np.uint8],
+    resolution: float,
+    origin_x: float,
+    origin_y: float,
+    origin_yaw: float,
+    outline: npt.NDArray[np.float64],
+    first: npt.NDArray[np.float64],
+    last: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]: ...
 def footprint_clearance(
     costs: npt.NDArray[np.uint8],
     resolution: float,

@@ -2,7 +2,7 @@
 //
 // Everything is in grid units: cell (row, col) is the square [col, col + 1] × [row, row + 1].
 #include "arrays.hpp"
-#include "oriented_footprint.hpp"
+#include "footprint_sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +84,18 @@ void check_arguments(const In<double, 2> &outline, const In<double, 2> &poses, d
   }
 }
 
+// Counter-clockwise, with no corner repeated.
+bool is_convex(const In<double, 2> &outline) {
+  const std::size_t corners = outline.shape(0);
+  const double *p = outline.data();
+  for (std::size_t i = 0; i < corners; ++i) {
+    const double *a = p + 2 * i, *b = p + 2 * ((i + 1) % corners), *c = p + 2 * ((i + 2) % corners);
+    const double turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
+    if (!(turn > 0.0)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells, double resolution, double origin_x,
@@ -108,6 +120,27 @@ static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells
   bool *data = hits.release();
   nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<bool *>(p); });
   return nb::ndarray<nb::numpy, bool>(data, {count}, owner);
+}
+
+static nb::ndarray<nb::numpy, double> footprint_sweep(In<std::uint8_t, 2> cells, double resolution, double origin_x,
+                                                      double origin_y, double origin_yaw, In<double, 2> outline,
+                                                      In<double, 2> first, In<double, 2> last) {
+  check_arguments(outline, first, resolution);
+  check_arguments(outline, last, resolution);
+  if (first.shape(0) != last.shape(0)) throw nb::value_error("each motion needs a first and a last pose");
+  if (!is_convex(outline)) throw nb::value_error("the outline must be convex and counter-clockwise");
+  const std::size_t count = first.shape(0);
+  std::vector<double> shares(count);
+  {
+    nb::gil_scoped_release release;
+    Sweep sweep;
+    sweep.begin({cells.data(), static_cast<std::ptrdiff_t>(cells.shape(0)), static_cast<std::ptrdiff_t>(cells.shape(1))},
+                make_frame(resolution, origin_x, origin_y, origin_yaw), outline.data(), outline.shape(0));
+    for (std::size_t i = 0; i < count; ++i) {
+      shares[i] = sweep.free_share(first.data() + 3 * i, last.data() + 3 * i);
+    }
+  }
+  return to_numpy(std::move(shares), {count});
 }
 
 static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> cells, double resolution,
@@ -140,6 +173,9 @@ void bind_footprint(nanobind::module_ &m) {
   m.def("footprint_collides", &trundle::footprint_collides, nb::arg("costs").noconvert(), nb::arg("resolution"),
         nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
         nb::arg("poses").noconvert());
+  m.def("footprint_sweep", &trundle::footprint_sweep, nb::arg("costs").noconvert(), nb::arg("resolution"),
+        nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
+        nb::arg("first").noconvert(), nb::arg("last").noconvert());
   m.def("footprint_clearance", &trundle::footprint_clearance, nb::arg("costs").noconvert(), nb::arg("resolution"),
         nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
         nb::arg("poses").noconvert(), nb::arg("cap"));

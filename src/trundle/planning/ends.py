@@ -133,12 +133,11 @@ def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
     x = pose.x + direction * distances * np.cos(pose.yaw)
     y = pose.y + direction * distances * np.sin(pose.yaw)
     straight = np.column_stack([x, y, np.full(len(x), pose.yaw)])
-    blocked = costmap.footprint_collides(straight) | (costmap.cost_at(x, y) >= INSCRIBED)
+    blocked = costmap.cost_at(x, y) >= INSCRIBED
+    blocked |= costmap.footprint_sweeps(np.repeat(straight[:1], len(x), axis=0), straight) < np.inf
     reachable = int(np.argmax(blocked)) if blocked.any() else len(x)
-    yaws = pose.yaw + _ALL_YAWS
     for k in range(reachable):
-        turn = np.column_stack([np.full(len(yaws), x[k]), np.full(len(yaws), y[k]), yaws])
-        if costmap.footprint_collides(turn).any():
+        if costmap.footprint_sweeps(straight[k], straight[k] + (0.0, 0.0, 2.0 * np.pi))[0] < np.inf:
             continue
         if k == 0:
             break

@@ -67,8 +67,8 @@ class FootprintPlanner(PosePlanner):
     """A way for a point, and a check of every pose with the footprint.
 
     A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The way
-    is checked with the oriented footprint every 0.025 m and 2°, with the turns at its vertices and both ends,
-    where the long way round is tried too. On a hit the cells of the colliding poses become lethal for this query, and
+    is checked with all that the oriented footprint sweeps over, with the turns at its vertices and both ends, where the
+    long way round is tried too. On a hit the cells of the colliding poses become lethal for this query, and
     it is planned again. Where that finds nothing and the robot cannot turn round at the start or the goal, it first
     drives straight on to where it can, and into the goal from such a place behind it.
 
@@ -202,7 +202,7 @@ class FootprintPlanner(PosePlanner):
             vertices = np.array([[leave.pose.x, leave.pose.y]]) if way is None else way[0]
             query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
-            path = self._partial_path(query, motions_before(motions, hits, owners), goal, replans)
+            path = self._partial_path(query, motions_before(costmap, motions), goal, replans)
             if best is None or path.remaining_m < best.remaining_m:
                 best = path
             places = places_to_avoid(motions, hits, owners)

@@ -14,10 +14,10 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 
 CHECK_STEP_M = 0.025
-"""Distance [m] between two checked poses on a straight line."""
+"""Distance [m] between two poses of a straight line at which a hit is looked for."""
 
 CHECK_STEP_RAD = math.radians(2.0)
-"""Angle [rad] between two checked poses of a turn in place."""
+"""Angle [rad] between two poses of a turn in place at which a hit is looked for."""
 
 _NO_TURN_RAD = 1e-9
 _LONGEST_TURN_RAD = math.radians(120.0)
@@ -82,8 +82,14 @@ def sample(
     Returns:
         The poses (x, y, yaw), shape (N, 3), the motion that each belongs to, and how many each motion has.
     """
-    table = np.array([(*motion.start, motion.yaw, *motion.end, motion.yaw + motion.turn) for motion in motions])
-    return sample_between(table[:, :3], table[:, 3:], step_m, step_rad)
+    return sample_between(*_ends_of(motions), step_m, step_rad)
+
+
+def _ends_of(motions: Sequence[Motion]) -> tuple[FloatArray, FloatArray]:
+    """First and last poses (x, y, yaw) of motions, shape (N, 3)."""
+    first = np.array([(*motion.start, motion.yaw) for motion in motions]).reshape(-1, 3)
+    last = np.array([(*motion.end, motion.yaw + motion.turn) for motion in motions]).reshape(-1, 3)
+    return first, last
 
 
 def sample_between(
@@ -103,37 +109,50 @@ def sample_between(
 
 
 def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], FloatArray, list[int]]:
-    """Check motions with the oriented footprint, turning the other way round where the short way is blocked.
+    """Check all that the footprint sweeps over, turning the other way round where the short way is blocked.
 
     Returns:
-        The motions, the poses that collide (shape (K, 3)), and the index of the motion of each of them.
+        The motions, poses where they are blocked (shape (K, 3)), and the index of the motion of each of them. Of each
+        blocked motion those are the poses every 0.025 m and 2° that collide, or else the one up to which it is free.
     """
     if not motions:
         return [], np.empty((0, 3)), []
-    every, owner, _ = sample(motions, CHECK_STEP_M, CHECK_STEP_RAD)
-    hit = costmap.footprint_collides(every)
+    shares = _free_shares(costmap, motions)
     chosen = list(motions)
-    for index in sorted(set(owner[hit].tolist())):  # np.unique would import numpy.ma, 50 ms
-        if motions[index].turn == 0.0:
-            continue
-        other = motions[index].other_way_round()
-        if not costmap.footprint_collides(sample([other], CHECK_STEP_M, CHECK_STEP_RAD)[0]).any():
-            chosen[index] = other
-            hit[owner == index] = False
-    return chosen, every[hit], owner[hit].tolist()
+    hits: list[FloatArray] = []
+    owners: list[int] = []
+    for index in np.flatnonzero(shares < math.inf).tolist():
+        motion = motions[index]
+        if motion.turn != 0.0:
+            other = motion.other_way_round()
+            if _free_shares(costmap, [other])[0] == math.inf:
+                chosen[index] = other
+                continue
+        poses = sample([motion], CHECK_STEP_M, CHECK_STEP_RAD)[0]
+        colliding = poses[costmap.footprint_collides(poses)]
+        if len(colliding) == 0:
+            colliding = poses[:1] + shares[index] * (poses[-1:] - poses[:1])
+        hits.append(colliding)
+        owners += [index] * len(colliding)
+    return chosen, np.concatenate(hits) if hits else np.empty((0, 3)), owners
 
 
-def motions_before(motions: list[Motion], hits: FloatArray, owners: list[int]) -> list[Motion]:
-    """What can be driven of motions before the first of the poses where something is hit, as of `fit_motions`."""
-    if len(hits) == 0:
+def _free_shares(costmap: Costmap, motions: Sequence[Motion]) -> FloatArray:
+    first, last = _ends_of(motions)
+    return costmap.footprint_sweeps(first, last)
+
+
+def motions_before(costmap: Costmap, motions: list[Motion]) -> list[Motion]:
+    """What can be driven of motions before the footprint first hits something."""
+    shares = _free_shares(costmap, motions)
+    if not (shares < math.inf).any():
         return motions
-    kept = motions[: owners[0]]
-    line = motions[owners[0]]
+    index = int(np.argmax(shares < math.inf))
+    kept, line = motions[:index], motions[index]
     if line.turn == 0.0:
-        # The pose before the one that hits is clear, and it is a step away at most.
-        clear = math.dist(line.start, hits[0][:2]) - CHECK_STEP_M
-        if clear > 0.0:
-            share = clear / math.dist(line.start, line.end)
+        # Not so far that the robot touches what is there.
+        share = float(shares[index]) - CHECK_STEP_M / math.dist(line.start, line.end)
+        if share > 0.0:
             end = tuple(a + share * (b - a) for a, b in zip(line.start, line.end, strict=True))
             kept.append(Motion(line.start, (end[0], end[1]), line.yaw))
     while kept and kept[-1].turn != 0.0:  # nothing is driven after that turn

@@ -15,13 +15,16 @@ from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
 from trundle.planning.options import check_count
 
+_HALF_STEP_M = 0.5 * CHECK_STEP_M
+
 
 @dataclass(frozen=True, slots=True)
 class PathHit:
     """Where a path is first blocked.
 
     Attributes:
-        pose: (x, y, yaw) [m, m, rad], map frame, at which the footprint touches something.
+        pose: (x, y, yaw) [m, m, rad], map frame: the first of the check's poses that the footprint does not get to
+            without touching something.
         along: Distance driven on the path up to there [m].
         index: Of that pose among `PathCheck.poses`.
     """
@@ -34,9 +37,11 @@ class PathHit:
 class PathCheck:
     """A path, sampled once, to be checked with the oriented footprint on one costmap after the other.
 
-    The poses are 0.025 m and 2° apart at most, as planners check theirs. A pose whose cell costs less than one at the
-    circumscribed radius is clear, as costs fall with the distance; only the others are tested with the footprint.
-    That takes the costs for an inflation's, as `Costmap.from_grid` and `update` make them.
+    Between two poses of the path position and yaw change evenly, and all that the footprint sweeps over is checked, as
+    planners check their motions. Legs that are clear by their costs are left out: the poses of the check are 0.025 m
+    and 2° apart at most, and where the cell of each costs less than one at the circumscribed radius (and half a step)
+    nothing is in reach, as costs fall with the distance. That takes the costs for an inflation's, as
+    `Costmap.from_grid` and `update` make them.
 
     Args:
         path: The path.
@@ -54,7 +59,11 @@ class PathCheck:
             raise InputError(f"a path is needed to check, got {type(path).__name__}")
         first, last = path.poses[:-1], path.poses[1:].copy()
         last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
-        self.poses = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)[0] if len(first) else path.poses
+        if len(first) == 0:
+            first = last = path.poses
+        self._first, self._last = first, last
+        self.poses, self._leg, counts = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)
+        self._leg_end: npt.NDArray[np.intp] = np.cumsum(counts) - 1
         steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
         self.along: FloatArray = np.concatenate([[0.0], np.cumsum(steps)])
         self.poses.flags.writeable = False
@@ -68,15 +77,32 @@ class PathCheck:
         begin = check_count("begin", begin, 0, len(self.poses))
         cells = self._find_cells(costmap)[begin:]
         costs = costmap.data.take(cells)
-        near = np.flatnonzero((costs >= least_cost_near(costmap)) | self._at_edge[begin:])
+        # A pose answers for half a step on both sides.
+        near = np.flatnonzero((costs >= least_cost_near(costmap, _HALF_STEP_M)) | self._at_edge[begin:])
         if len(near) == 0:
             return None
-        hits = np.flatnonzero(costmap.footprint_collides(self.poses[begin + near]))
-        if len(hits) == 0:
+        is_near = np.zeros(len(self._first), dtype=np.bool_)
+        is_near[self._leg[begin + near]] = True
+        legs = np.flatnonzero(is_near)
+        first = self._first[legs]
+        if legs[0] == self._leg[begin]:
+            first[0] = self.poses[begin]
+        shares = costmap.footprint_sweeps(first, self._last[legs])
+        blocked = np.flatnonzero(shares < math.inf)
+        if len(blocked) == 0:
             return None
-        index = begin + int(near[hits[0]])
+        leg, share = int(legs[blocked[0]]), float(shares[blocked[0]])
+        index = self._pose_after(costmap, begin, leg, share)
         x, y, yaw = self.poses[index].tolist()
         return PathHit((x, y, yaw), float(self.along[index]), index)
+
+    def _pose_after(self, costmap: Costmap, begin: int, leg: int, share: float) -> int:
+        """Index of the first pose that is not free, or comes after a hit, where so much of a leg from `begin` is."""
+        last = int(self._leg_end[leg])
+        first = max(begin, int(self._leg_end[leg - 1]) + 1 if leg > 0 else 0)
+        # The share may be a little too small, by 0.01 mm: a hundredth of a step is more.
+        before = min(last, first + int(share * (last - first) + 0.01))
+        return before if costmap.footprint_collides(self.poses[before])[0] else min(last, before + 1)
 
     def cost_from(self, costmap: Costmap, begin: int = 0) -> float:
         """Integral along the path from pose `begin` on of 1 + 0.016 · cost [m], the weights of Nav2's NavFn.
@@ -100,7 +126,7 @@ class PathCheck:
         if frame != self._frame:
             rows, cols = costmap.shape
             row, col = costmap.world_to_cell(self.poses[:, 0], self.poses[:, 1])
-            edge = math.ceil(costmap.circumscribed_radius / costmap.resolution) + 1
+            edge = math.ceil((costmap.circumscribed_radius + _HALF_STEP_M) / costmap.resolution) + 1
             self._at_edge = (row < edge) | (row >= rows - edge) | (col < edge) | (col >= cols - edge)
             self._cells = np.clip(row, 0, rows - 1) * cols + np.clip(col, 0, cols - 1)
             self._frame = frame
