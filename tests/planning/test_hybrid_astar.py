@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from support.swept import CARTER, costmap_of, densely, penalised_length, room, swept_area_blocked
+from support.swept import CARTER, along_legs, costmap_of, densely, penalised_length, room, swept_area_blocked
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import (
@@ -137,6 +137,25 @@ def test_paths_among_random_blocks_are_free_and_drivable(seed, density, kind, ya
         return
     radius = kind.get("minimum_turning_radius", 0.4)
     assert_drivable(costmap, path, *ends, radius=radius, in_place=kind.get("in_place", False))
+
+
+@pytest.mark.parametrize("column", [51, 52, 58, 62])
+def test_a_turn_that_begins_beside_something_touches_nothing_between_poses(column):
+    # The left side is 0.1 mm from a cell, so that there is no padding that would cover what is between two poses. The
+    # tail turns past another cell.
+    planner = HybridAStarPlanner(in_place=True, start_tolerance=0.0, goal_tolerance=0.0)
+    row = {51: 44, 52: 43}.get(column, 41)
+    turned = 0
+    for x in np.linspace(3.0, 3.05, 80).tolist():
+        data = np.zeros((120, 120), np.int8)
+        data[60, int((x - 0.5) / 0.05)] = data[row, column] = 100
+        costmap = Costmap.from_grid(OccupancyGrid(data, 0.05), CARTER)
+        start, goal = Pose2D(x, 3.0 - 0.25 - 1e-4, 0.0), Pose2D(x, 3.0 - 0.25 - 1e-4, math.pi / 2)
+        path = planner.plan(costmap, start, goal)
+        turned += path.length == 0.0
+        poses = along_legs(path.poses[:-1], path.poses[1:], 1e-3, 2e-4)
+        assert not costmap.footprint_collides(poses).any()
+    assert turned > 0
 
 
 @pytest.mark.parametrize("options", [{}, {"in_place": True}, {"motion_model": "dubins"}], ids=str)

@@ -38,11 +38,11 @@ def densely(path: Path, step: float = 0.01) -> FloatArray:
     return np.concatenate([path.poses[:1], along_legs(path.poses[:-1], path.poses[1:], step)])
 
 
-def along_legs(first: FloatArray, last: FloatArray, step: float) -> FloatArray:
-    """Poses along lines and turns, each shape (N, 3): `step` and 0.01 rad apart at most, the first of each left out."""
+def along_legs(first: FloatArray, last: FloatArray, step: float, turn: float = 0.01) -> FloatArray:
+    """Poses along lines and turns, shape (N, 3), `step` [m] and `turn` [rad] apart at most, but the first of each."""
     change = last - first
     change[:, 2] = np.remainder(change[:, 2] + math.pi, 2 * math.pi) - math.pi
-    counts = 1 + np.maximum(np.hypot(change[:, 0], change[:, 1]) / step, np.abs(change[:, 2]) / 0.01).astype(int)
+    counts = 1 + np.maximum(np.hypot(change[:, 0], change[:, 1]) / step, np.abs(change[:, 2]) / turn).astype(int)
     owner = np.repeat(np.arange(len(first)), counts)
     number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
     return first[owner] + (number / counts[owner])[:, None] * change[owner]

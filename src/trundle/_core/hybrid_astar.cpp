@@ -53,15 +53,19 @@ class HybridAStar {
 
   nb::tuple plan(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 1> start,
                  In<double, 1> goal, bool any_yaw, double step, double spacing, std::uint64_t max_expansions,
-                 std::optional<double> seconds, Flag cancel, bool partial) const {
+                 std::optional<double> seconds, Flag cancel, bool partial, std::optional<In<double, 2>> inner) const {
     const HybridQuery query{costs.data(),     static_cast<std::int64_t>(costs.shape(0)),
                             static_cast<std::int64_t>(costs.shape(1)),
                             resolution,       outline.data(),
                             outline.shape(0), pose_of(start),
                             pose_of(goal),    any_yaw,
                             step,             max_expansions,
+                            inner ? inner->data() : nullptr,
                             partial};
     if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
+    if (inner && (inner->shape(1) != 2 || inner->shape(0) != outline.shape(0))) {
+      throw nb::value_error("the inner outline needs the shape of the outline");
+    }
     if (!is_number(resolution, 1e-6, 1e6) || !is_number(step, 1e-6, 1e6) || !is_number(spacing, 1e-6, 1e6)) {
       throw nb::value_error("resolution, step and spacing must be positive numbers");
     }
@@ -139,6 +143,7 @@ void bind_hybrid_astar(nanobind::module_ &m) {
       .def("plan", &trundle::HybridAStar::plan, nb::arg("costs").noconvert(), nb::arg("resolution"),
            nb::arg("outline").noconvert(), nb::arg("start").noconvert(), nb::arg("goal").noconvert(),
            nb::arg("any_yaw"), nb::arg("step"), nb::arg("spacing"), nb::arg("max_expansions"),
-           nb::arg("seconds").none(), nb::arg("cancel").none(), nb::arg("partial") = false)
+           nb::arg("seconds").none(), nb::arg("cancel").none(), nb::arg("partial") = false,
+           nb::arg("inner").noconvert() = nb::none())
       .def_prop_ro("bytes", &trundle::HybridAStar::bytes);
 }

@@ -38,6 +38,7 @@ struct HybridQuery {
   bool any_yaw;
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
+  const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
   bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
 };
 

@@ -46,7 +46,7 @@ class HybridSearch {
     memory.queue.clear();
     memory.closed.begin();
     memory.checker.begin(query.costs, query.rows, query.cols, query.resolution, query.outline, query.corners,
-                         query.step);
+                         query.step, query.inner);
   }
 
   HybridWay find() {

@@ -2,7 +2,9 @@
 //
 // A pose in a cell of 253 and more does not fit, since the inscribed circle touches there. One in a tile around which no
 // cell is blocked as far as the circumscribed circle reaches does; tiles are looked at when they are first asked for.
-// Between the two the oriented outline is looked at, roughly first, and then exactly.
+// Between the two the oriented outline is looked at, roughly first, and then exactly. It is padded by at least half of
+// what a corner moves between two poses, so that nothing is between them. Where only the padding touches something, and
+// less than that will do, what an inner outline sweeps over is looked at.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +13,8 @@
 #include <vector>
 
 #include "footprint_stencils.hpp"
+#include "footprint_sweep.hpp"
 #include "lazy_bits.hpp"
-#include "oriented_footprint.hpp"
 #include "zeroed_table.hpp"
 
 namespace trundle {
@@ -41,11 +43,14 @@ class PoseChecker {
  public:
   static constexpr std::uint8_t kInscribed = 253;
 
-  // `step` is how far a point of the outline moves at most between two poses that are looked at [m].
+  // `step` is how far a point of the outline moves at most between two poses that are looked at [m]. `inner` is the
+  // outline of as many corners that has to be free, where that need not be all of `outline`.
   void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, double resolution, const double *outline,
-             std::size_t corners, double step) {
+             std::size_t corners, double step, const double *inner = nullptr) {
     costs_ = {costs, rows, cols}, resolution_ = resolution, outline_ = outline, corners_ = corners, step_ = step;
     frame_ = {0.0, 0.0, 0.0, 1.0, 0.0, resolution};
+    inner_ = inner;
+    if (inner != nullptr) sweep_.begin(costs_, frame_, inner, corners);
     radius_ = 0.0;
     for (std::size_t i = 0; i < corners; ++i) {
       radius_ = std::max(radius_, std::hypot(outline[2 * i], outline[2 * i + 1]));
@@ -87,6 +92,8 @@ class PoseChecker {
     const PlanarPose chord = part.from({0.0, 0.0, 0.0}, 1.0, 0.0);
     const double turn_cos = std::cos(part.turn), turn_sin = std::sin(part.turn);
     double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw), x = pose.x, y = pose.y;
+    // The padding at each pose covers half a part on both sides; at the first one there may be less.
+    if (inner_ != nullptr && is_blocked(pose, pose, part, 0.0, parts)) return false;
     for (int i = 1; i <= static_cast<int>(parts); ++i) {
       x += cos * chord.x - sin * chord.y;
       y += sin * chord.x + cos * chord.y;
@@ -97,21 +104,34 @@ class PoseChecker {
       if (cost >= kInscribed) return false;
       sum += share * static_cast<double>(weights[cost]);
       if (sum > limit) return false;
-      if (!is_clear(x, y) && !is_surely_free(x, y, pose.yaw + part.turn * i) && touches(x, y, pose.yaw + part.turn * i)) {
-        return false;
-      }
+      if (is_blocked(pose, {x, y, pose.yaw + part.turn * i}, part, i, parts)) return false;
     }
     return true;
   }
 
-  bool touches(double x, double y, double yaw) {
-    ++exact_;
-    const double pose[3] = {x, y, yaw};
-    return footprint::collides(costs_, frame_, outline_, corners_, pose, polygon_, box_, spans_);
-  }
+  // Whether what has to be free touches something at a pose.
+  bool touches(double x, double y, double yaw) { return collides({x, y, yaw}, inner_ != nullptr ? inner_ : outline_); }
 
  private:
   static constexpr std::int64_t kTile = 4;  // cells
+
+  bool collides(const PlanarPose &at, const double *outline) {
+    ++exact_;
+    const double pose[3] = {at.x, at.y, at.yaw};
+    return footprint::collides(costs_, frame_, outline, corners_, pose, polygon_, box_, spans_);
+  }
+
+  // Whether something is within half a part of the pose `at`, `done` of `parts` parts of a stretch from `first`.
+  bool is_blocked(const PlanarPose &first, const PlanarPose &at, const Stretch &part, double done, double parts) {
+    if (is_clear(at.x, at.y) || is_surely_free(at.x, at.y, at.yaw) || !collides(at, outline_)) return false;
+    if (inner_ == nullptr) return true;
+    const double from = std::max(0.0, done - 0.5), to = std::min(parts, done + 0.5);
+    const PlanarPose a = Stretch{part.length * from, part.turn * from}.from(first);
+    const PlanarPose b = Stretch{part.length * to, part.turn * to}.from(first);
+    const double ends[2][3] = {{a.x, a.y, a.yaw}, {b.x, b.y, b.yaw}};
+    // An arc leaves its chord by an eighth of its length times its turn.
+    return sweep_.free_share(ends[0], ends[1], std::fabs(part.length * part.turn) / 8.0) < footprint::kInfinity;
+  }
 
   // Whether no cell is blocked as far as the robot reaches from anywhere in the tile of a point inside the map.
   bool is_clear(double x, double y) {
@@ -135,7 +155,7 @@ class PoseChecker {
 
   footprint::Costs costs_{};
   footprint::Frame frame_{};
-  const double *outline_ = nullptr;
+  const double *outline_ = nullptr, *inner_ = nullptr;
   std::size_t corners_ = 0;
   double resolution_ = 1.0, radius_ = 0.0, step_ = 1.0;
   std::int64_t reach_ = 0, tile_cols_ = 0;
@@ -147,6 +167,7 @@ class PoseChecker {
   std::vector<footprint::Point> polygon_;
   footprint::Box box_{};
   footprint::Spans spans_;
+  footprint::Sweep sweep_;
 };
 
 }  // namespace trundle

@@ -6,6 +6,9 @@
 #include "memory_pool.hpp"
 #include "stretches.hpp"
 
+#include <nanobind/stl/optional.h>
+
+#include <optional>
 #include <utility>
 
 namespace trundle {
@@ -20,7 +23,7 @@ constexpr int kBands = 1;
 struct Request {
   footprint::Costs costs;
   double resolution;
-  const double *outline;
+  const double *outline, *inner;  // what is looked at, and what of it has to be free where that is not all; null else
   std::size_t corners;
   const double *poses;
   const std::uint8_t *backward;
@@ -106,7 +109,7 @@ Smoothed smooth(const Request &request, const Settings &settings, PoseChecker &c
   std::vector<Piece> pieces = read(request.poses, request.backward, request.count);
   if (pieces.empty()) return {};
   checker.begin(request.costs.data, request.costs.rows, request.costs.cols, request.resolution, request.outline,
-                request.corners, request.step);
+                request.corners, request.step, request.inner);
   Prices prices(settings, request.costs, checker, request.resolution, request.spacing);
   int highest = 0;
   for (const Piece &piece : pieces) highest = std::max(highest, prices.highest(piece));
@@ -145,7 +148,8 @@ class PathSmoother {
  public:
   nb::tuple smooth(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,
                    In<std::uint8_t, 1> backward, double radius, double reverse_penalty, double change_cost, double turn_cost,
-                   double cost_weight, double curve_weight, double cost_tolerance, double step, double spacing);
+                   double cost_weight, double curve_weight, double cost_tolerance, double step, double spacing,
+                   std::optional<In<double, 2>> inner);
 
  private:
   MemoryPool<PoseChecker> checkers_;
@@ -154,8 +158,11 @@ class PathSmoother {
 nb::tuple PathSmoother::smooth(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,
                                In<std::uint8_t, 1> backward, double radius, double reverse_penalty, double change_cost,
                                double turn_cost, double cost_weight, double curve_weight, double cost_tolerance,
-                               double step, double spacing) {
+                               double step, double spacing, std::optional<In<double, 2>> inner) {
   if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
+  if (inner && (inner->shape(1) != 2 || inner->shape(0) != outline.shape(0))) {
+    throw nb::value_error("the inner outline needs the shape of the outline");
+  }
   if (poses.shape(1) != 3 || poses.shape(0) < 1 || backward.shape(0) + 1 != poses.shape(0)) {
     throw nb::value_error("the poses need shape (N, 3), N >= 1, and backward shape (N - 1,)");
   }
@@ -179,7 +186,7 @@ nb::tuple PathSmoother::smooth(In<std::uint8_t, 2> costs, double resolution, In<
     throw nb::value_error("resolution, step or spacing is out of range: more than ten million of them are on the path");
   }
   const Request request{{costs.data(), static_cast<std::ptrdiff_t>(costs.shape(0)), static_cast<std::ptrdiff_t>(costs.shape(1))},
-                        resolution, outline.data(), outline.shape(0), poses.data(), backward.data(), poses.shape(0),
+                        resolution, outline.data(), inner ? inner->data() : nullptr, outline.shape(0), poses.data(), backward.data(), poses.shape(0),
                         step, spacing};
   const Settings settings{{radius, true, true, reverse_penalty, change_cost, turn_cost}, cost_weight, curve_weight, cost_tolerance};
   Smoothed out;
@@ -205,5 +212,5 @@ void bind_smoothing(nanobind::module_ &m) {
            nb::arg("outline").noconvert(), nb::arg("poses").noconvert(), nb::arg("backward").noconvert(), nb::kw_only(),
            nb::arg("radius"), nb::arg("reverse_penalty"), nb::arg("change_cost"), nb::arg("turn_cost"),
            nb::arg("cost_weight"), nb::arg("curve_weight"), nb::arg("cost_tolerance"), nb::arg("step"),
-           nb::arg("spacing"));
+           nb::arg("spacing"), nb::arg("inner").noconvert() = nb::none());
 }

@@ -24,6 +24,9 @@ PADDING_SHARE = 0.9
 LEAST_STEP_M = 0.005
 """Checked poses are no closer than this, however small the padding."""
 
+LEAST_PADDING_M = LEAST_STEP_M / (2.0 * PADDING_SHARE)
+"""With less, something might pass between two checked poses."""
+
 _ASKEW_RAD = 0.1
 """A leg whose poses look farther than this past where it leads is a straight line between two turns in place."""
 
@@ -119,7 +122,7 @@ class ConstrainedSmoother:
 
         Raises:
             OutsideMapError: If a pose of the path lies outside the map; `error.pose` and `error.cell` say which.
-            BlockedPoseError: If the footprint touches something on the path, deeper than planners look.
+            BlockedPoseError: If the footprint touches something on the path, by more than about 1 cm.
             InputError: If these are no path and no costmap.
         """
         return self.explain(path, costmap).path
@@ -137,11 +140,12 @@ class ConstrainedSmoother:
         """The same for a path that is known to be free, and whose yaws lead along its legs, as planners make it."""
         settings = self.settings
         padding = float(settings.padding)
+        checked = CheckedOutline.of(costmap.footprint, padding)
         on_grid = _on_grid(costmap, path.poses)
         poses, backward, source, kept, prices = self._curves.smooth(
             costmap.data,
             costmap.resolution,
-            pad_outline(costmap.footprint, padding),
+            checked.outline,
             on_grid,
             path.backward.view(np.uint8),
             radius=float(settings.minimum_turning_radius),
@@ -151,8 +155,9 @@ class ConstrainedSmoother:
             cost_weight=float(settings.w_cost),
             curve_weight=float(settings.w_smooth),
             cost_tolerance=float(settings.cost_tolerance),
-            step=max(2.0 * PADDING_SHARE * padding, LEAST_STEP_M),
+            step=checked.step_m,
             spacing=pose_spacing(settings.spacing, settings.minimum_turning_radius, padding),
+            inner=checked.inner,
         )
         if len(poses) == 0:
             return Smoothing(path, np.ones(len(path) - 1, dtype=np.bool_), 0.0, 0.0, 0.0, 0.0)
@@ -169,6 +174,30 @@ class ConstrainedSmoother:
             cost=path.cost * (after / before) if before > 0.0 else path.cost,
         )
         return Smoothing(smooth, kept.view(np.bool_), line_before, line_after, before, after)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedOutline:
+    """How the kernels check a footprint that keeps a padding.
+
+    Attributes:
+        outline: The padded footprint, shape (N, 2): it is free at every checked pose.
+        step_m: How far a point of it moves at most between two of them [m]. Nothing can pass between.
+        inner: Where the padding is too small for that, `outline` has more of it; then only what this one sweeps over
+            has to be free.
+    """
+
+    outline: FloatArray
+    step_m: float
+    inner: FloatArray | None
+
+    @classmethod
+    def of(cls, footprint: FloatArray, padding: float) -> CheckedOutline:
+        """By the footprint and the padding [m]."""
+        if padding >= LEAST_PADDING_M:
+            return cls(pad_outline(footprint, padding), 2.0 * PADDING_SHARE * padding, None)
+        inner = pad_outline(footprint, (1.0 - PADDING_SHARE) * padding)
+        return cls(pad_outline(inner, 0.5 * LEAST_STEP_M), LEAST_STEP_M, inner)
 
 
 def pose_spacing(spacing: float, radius: float, padding: float) -> float:
@@ -225,7 +254,7 @@ def _check(path: Path, costmap: Costmap) -> None:
     check = PathCheck(path)
     if check.first_hit(costmap) is None:
         return
-    # Planners look at poses so far apart, and what is between two may touch by half of that.
+    # A path from elsewhere, of which only the poses were looked at, may touch something between two by half a step.
     reach = costmap.inscribed_radius
     shallow = costmap.footprint * (1.0 - min(0.5, 0.5 * CHECK_STEP_M / reach))
     hits = np.flatnonzero(costmap.footprint_collides(check.poses, outline=shallow))

@@ -10,10 +10,16 @@ import numpy as np
 from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, NoPathError, PlanningError, PlanningStoppedError
-from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
+from trundle.geometry import FloatArray, Pose2D, wrap_angles
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
-from trundle.planning.constrained_smoother import LEAST_STEP_M, PADDING_SHARE, ConstrainedSmoother, pose_spacing
+from trundle.planning.constrained_smoother import (
+    LEAST_PADDING_M,
+    PADDING_SHARE,
+    CheckedOutline,
+    ConstrainedSmoother,
+    pose_spacing,
+)
 from trundle.planning.ends import End
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.options import check_flag
@@ -32,10 +38,6 @@ _LONGEST_CURVE = 5
 
 _LESS_PADDING = 0.25
 """Share of the padding that is kept where there is no way with all of it."""
-
-_LEAST_PADDING_M = LEAST_STEP_M / (2.0 * PADDING_SHARE)
-"""With less, something might pass between two checked poses."""
-
 
 @dataclass(frozen=True, slots=True)
 class HybridAStarSettings:
@@ -187,26 +189,28 @@ class HybridAStarPlanner(PosePlanner):
         """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
         padding = self._padding_at_ends(query)
         found = self._find_padded(query, patience, padding)
-        less = max(_LESS_PADDING * padding, _LEAST_PADDING_M)
+        less = max(_LESS_PADDING * padding, LEAST_PADDING_M)
         if found[0] in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED) and less < padding:
             return self._find_padded(query, patience, less)
         return found
 
     def _find_padded(self, query: Query, patience: Patience, padding: float) -> tuple[int, Path | None, int]:
         costmap, settings = query.costmap, self.settings
+        checked = CheckedOutline.of(costmap.footprint, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,
-            pad_outline(costmap.footprint, padding),
+            checked.outline,
             _on_grid(costmap, query.start.pose),
             _on_grid(costmap, query.goal.pose),
             query.goal_yaw_free,
-            max(2.0 * PADDING_SHARE * padding, LEAST_STEP_M),
+            checked.step_m,
             self._spacing(padding),
             settings.max_expansions,
             patience.seconds,
             patience.flag,
             settings.allow_partial,
+            checked.inner,
         )
         if status in (_TIMEOUT, _CANCELLED):
             raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
