@@ -65,7 +65,7 @@ def test_a_fast_turn_is_tested_between_its_steps():
         pose = Pose2D(x, y, yaw)
         placed = [(px + x, py + y, angle) for px, py, angle in poses]
         assert not costmap.footprint_collides([pose.as_tuple(), *placed]).any()
-        assert can_stop(costmap, robot.limits, pose, command, command, 1.0) == free
+        assert can_stop(costmap, robot.limits, pose, command, command, 1.0, padded=robot.outline) == free
 
 
 def test_a_robot_may_drive_off_what_it_touches():
@@ -74,5 +74,5 @@ def test_a_robot_may_drive_off_what_it_touches():
     costmap = costmap.update(slice(40, 41), slice(40, 41), 100)
     pose = Pose2D(2.0 + 0.05 + 0.607 - 1e-3, 2.025, 0.0)
     assert costmap.footprint_collides([pose.as_tuple()])[0]
-    assert can_stop(costmap, robot.limits, pose, Twist2D(0.2, 0.0), Twist2D(0.2, 0.0), 0.05)
-    assert not can_stop(costmap, robot.limits, pose, Twist2D(-0.2, 0.0), Twist2D(-0.2, 0.0), 0.05)
+    assert can_stop(costmap, robot.limits, pose, Twist2D(0.2, 0.0), Twist2D(0.2, 0.0), 0.05, padded=robot.outline)
+    assert not can_stop(costmap, robot.limits, pose, Twist2D(-0.2, 0.0), Twist2D(-0.2, 0.0), 0.05, padded=robot.outline)

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from fuzz.loop import attempt, rng_of, spoil
-from trundle._core import footprint_clearance, footprint_collides
+from trundle._core import footprint_clearance, footprint_collides, footprint_sweep
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
@@ -77,6 +77,23 @@ def check_path(generator: random.Random) -> None:
         costmap = costmap.update(*rectangle, generator.choice((100, 100, 0, -1)))
 
 
+def check_sweeps(generator: random.Random) -> None:
+    """Motions that are free touch nothing on the way, and those that are not do so, but for 0.02 mm."""
+    costmap, rng = make_costmap(generator), rng_of(generator)
+    rows, cols = costmap.shape
+    x, y = costmap.cell_to_world(rng.uniform(-1, rows + 1, 4), rng.uniform(-1, cols + 1, 4))
+    first = np.column_stack([x, y, rng.uniform(-7, 7, 4)])
+    change = rng.uniform(-1, 1, (4, 3)) * rng.choice([0.0, 0.1, 1.0], (4, 3)) * (1.0, 1.0, 4.0)
+    for pose, moved, share in zip(first, change, costmap.footprint_sweeps(first, first + change).tolist(), strict=True):
+        if share > 0.0:
+            free = pose + min(share, 1.0) * np.linspace(0.0, 1.0, 301)[:, None] * moved
+            assert not costmap.footprint_collides(free, outline=costmap.footprint * (1.0 - 1e-8)).any()
+        if share < math.inf:
+            ahead = pose + np.linspace(share, min(1.0, share + 1e-4), 101)[:, None] * moved
+            wider = costmap.footprint * (1.0 + 3e-5 / costmap.inscribed_radius)
+            assert costmap.footprint_collides(ahead, outline=wider).any()
+
+
 def check_poses(generator: random.Random) -> None:
     costmap, rng = make_costmap(generator), rng_of(generator)
     rows, cols = costmap.shape
@@ -88,6 +105,7 @@ def check_poses(generator: random.Random) -> None:
         frame = (costmap.data, costmap.resolution, *costmap.origin.as_tuple(), costmap.footprint, poses)
         attempt(footprint_collides, spoil(generator, frame))
         attempt(footprint_clearance, spoil(generator, (*frame, cap)))
+        attempt(footprint_sweep, spoil(generator, (*frame, poses[::-1].copy())))
         spoiled = spoil(generator, (poses, costmap.footprint))
         with contextlib.suppress(InputError):
             costmap.footprint_collides(spoiled[0], outline=spoiled[1])
@@ -110,4 +128,4 @@ def check_poses(generator: random.Random) -> None:
 
 
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_path, check_poses, check_poses))(generator)
+    generator.choice((check_path, check_sweeps, check_poses, check_poses))(generator)

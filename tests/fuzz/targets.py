@@ -50,7 +50,9 @@ TARGETS = {
     "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
-    "footprint": Target(fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance"), 400),
+    "footprint": Target(
+        fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance", "footprint_sweep"), 400
+    ),
     "components": Target(
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),

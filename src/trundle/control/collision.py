@@ -64,9 +64,9 @@ def can_stop(
 ) -> bool:
     """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free all the way.
 
-    All that the outline sweeps over is tested, between poses at most 0.05 s and 2° apart. Where the padded outline touches
-    something at `pose` already, a command does that touches nothing with the footprint itself and never brings it nearer
-    to anything than it is: otherwise the robot could not get away from there.
+    All that the outline sweeps over is tested, between poses at most 0.05 s and 2° apart. Where the padded outline
+    touches something at `pose` already, a command does that touches nothing with the footprint itself and never brings
+    it nearer to anything than it is: otherwise the robot could not get away from there.
 
     Args:
         costmap: Where it drives.

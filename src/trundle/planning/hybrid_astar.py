@@ -39,6 +39,7 @@ _LONGEST_CURVE = 5
 _LESS_PADDING = 0.25
 """Share of the padding that is kept where there is no way with all of it."""
 
+
 @dataclass(frozen=True, slots=True)
 class HybridAStarSettings:
     """Settings of `HybridAStarPlanner`, under the names of Nav2's Smac planner where it has one.
