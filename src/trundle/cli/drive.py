@@ -55,6 +55,7 @@ def drive(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overwrite: options.Overwrite = False,
@@ -102,6 +103,8 @@ def drive(
         if like is not None:
             commands, begin = commands_of(like)
             pose = begin if start is None else pose
+        if backend != isaac.BACKEND or floor_z is not None:
+            place = sources.stand_on_floor(place, world, machine, pose, floor_z)
         simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
         claim = stack.enter_context(FolderClaim(out, "drive", overwrite=overwrite))

@@ -58,6 +58,7 @@ def export(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -76,11 +77,15 @@ def export(
         profile: For usd: isaac, with what Isaac Sim wants.
         environment: For isaac-script: an environment of Isaac Sim by name, or a USD file; left out: the scenario's
             world.
+        floor_z: Height of the floor in the world's file [m], which is written at z = 0; left out: as the file has it,
+            and for a map or with a robot the floor that is under most of the world.
         robot_usd: For isaac-script: the robot's USD file; left out: Isaac Sim's own, where it has one.
     """
     from trundle.export import export_robot, export_scene, export_world
+    from trundle.maps.check.check import DEFAULT_ROBOT
     from trundle.robots import Robot
     from trundle.worlds import World
+    from trundle.worlds.floors import lower_world
 
     target, form = choose_file(source, to, out)
     given = {
@@ -93,7 +98,8 @@ def export(
         "robot_usd": robot_usd,
     }
     given = {name: value for name, value in given.items() if value is not None}
-    thing = load_source(source, form, seed=seed, settings=sources.read_settings(source, settings, exclude, paths))
+    kept = sources.read_settings(source, settings, exclude, paths)
+    thing = load_source(source, form, seed=seed, settings=kept, floor_z=floor_z)
     facts: dict[str, object]
     if isinstance(thing, Robot):
         _check_uses(given, "robot", form)
@@ -101,7 +107,13 @@ def export(
         facts = {"robot": thing.name}
     elif isinstance(thing, World):
         _check_uses(given, "world", form)
-        export_world(thing, target, to=form, **_world_options(form, given))
+        chosen = _world_options(form, given)
+        if form == "map" or robot is not None:
+            machine = Robot.load(robot or DEFAULT_ROBOT)
+            thing = sources.stand_on_floor(thing, source, machine, None, floor_z)
+        elif floor_z is not None:
+            thing = lower_world(thing, floor_z)
+        export_world(thing, target, to=form, **chosen)
         facts = {"world": thing.name, "solids": len(thing.solids)}
     else:
         _check_uses(given, "scenario", form)
@@ -138,7 +150,12 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
 
 
 def load_source(
-    source: str, form: str, *, seed: int, settings: dict[str, bool | int | float | str]
+    source: str,
+    form: str,
+    *,
+    seed: int,
+    settings: dict[str, bool | int | float | str],
+    floor_z: float | None = None,
 ) -> World | Robot | Setting:
     """Load what is to be written: a robot by name, YAML or URDF, a scenario by its YAML, else a world.
 
@@ -164,12 +181,17 @@ def load_source(
         kind = "robot"
     if kind != "world" and settings:
         raise InputError(f"--set and --exclude are for worlds, and this is a {kind}")
+    if kind == "robot" and floor_z is not None:
+        raise InputError("--floor-z is for worlds and scenarios, and this is a robot")
     if kind == "robot":
         return Robot.load(source)
     if kind == "scenario":
         from trundle.mission import Scenario
 
-        return Scenario.load(source).prepare()
+        scenario = Scenario.load(source)
+        if floor_z is not None:
+            scenario = Scenario.make(**{**scenario.model_dump(), "floor_z": floor_z})
+        return scenario.prepare()
     if source not in world_names() and not sources.looks_like_file(source):
         raise UnknownNameError("world or robot", source, [*world_names(), *robot_names()])
     return sources.load_world(source, seed=seed, settings=settings)

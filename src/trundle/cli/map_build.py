@@ -39,7 +39,7 @@ def build(
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     robot: options.RobotName = "nova_carter",
     assets_root: str | None = None,
-    floor_z: Annotated[float, Parameter(allow_leading_hyphen=True)] = 0.0,
+    floor_z: options.FloorZ = None,
     floor: Path | None = None,
     max_slope: float | None = None,
     bounds: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X0,Y0,X1,Y1")] = None,
@@ -71,7 +71,6 @@ def build(
         z_min: Lower end of the band of heights that counts, above the floor [m]; left out: the robot's.
         z_max: Upper end of the band of heights that counts, above the floor [m]; left out: the robot's.
         assets_root: Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.
-        floor_z: Height of a level floor [m].
         floor: A height field, of a floor with ramps.
         max_slope: The steepest part of a height field that is no obstacle [rad]; left out: 0.1745, 10 degrees.
         bounds: What the map covers [m]; the upper corner is moved out to whole cells; left out: the world.
@@ -86,19 +85,24 @@ def build(
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
     from trundle.robots import Robot
 
-    low, high = Robot.load(robot, paths=options.join_paths(paths)).z_range
+    machine = Robot.load(robot, paths=options.join_paths(paths))
+    low, high = machine.z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
     area, seeds = _parse_bounds(bounds), _parse_free(free)
     heights = HeightField.load(floor) if floor is not None else None
     scene = isaac.find_environment(world, assets_root)
     kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
     place = sources.load_world(str(scene or world), seed=seed, settings=kept)
+    if heights is None:
+        level = sources.find_floor_z(place, str(scene or world), machine, seeds[0] if seeds else None, floor_z)
+    else:
+        level = floor_z or 0.0
     target = options.output_file(out, "map.yaml", (".yaml", ".yml"))
     grid = OccupancyGrid.from_world(
         place,
         resolution=resolution,
         z_range=band,
-        floor_z=floor_z,
+        floor_z=level,
         floor=heights,
         max_slope=max_slope,
         bounds=area,
@@ -123,6 +127,7 @@ def build(
         "height_m": height,
         "origin": grid.origin.as_tuple(),
         "z_range_m": band,
+        "floor_z_m": level,
         "free_cells": reached,
         "unknown_cells": unknown,
         "occupied_cells": rows * cols - reached - unknown,
@@ -134,7 +139,7 @@ def build(
         {
             "world": place.name,
             "size": f"{width:.2f} x {height:.2f} m ({cols} x {rows} cells of {grid.resolution:g} m)",
-            "heights": f"{band[0]:g} to {band[1]:g} m above {_describe_floor(floor, floor_z)}",
+            "heights": f"{band[0]:g} to {band[1]:g} m above {_describe_floor(floor, level)}",
             "cells": f"{reached} free, {facts['occupied_cells']} occupied, {unknown} unknown",
             "map": target,
         }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
+from trundle.errors import InputError
 
 if TYPE_CHECKING:
     from trundle.maps import OccupancyGrid
@@ -43,6 +44,7 @@ def check(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     compat: options.Compat = None,
     json: options.Json = False,
@@ -64,7 +66,7 @@ def check(
         z_max: Upper end of them [m]; left out: the robot's, or 0.62.
     """
     from trundle.maps.check import check_map
-    from trundle.maps.check.check import DEFAULT_Z_RANGE
+    from trundle.maps.check.check import DEFAULT_ROBOT, DEFAULT_Z_RANGE
     from trundle.maps.ros_writer import choose_mode
     from trundle.robots import Robot
 
@@ -73,6 +75,10 @@ def check(
     machine = Robot.load(robot, paths=options.join_paths(paths)) if robot is not None else None
     given = sources.read_settings(world, settings, exclude, paths, robot=robot)
     place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
+    if place is not None:
+        place = sources.stand_on_floor(place, world, machine or Robot.load(DEFAULT_ROBOT), first, floor_z)
+    elif floor_z is not None:
+        raise InputError("--floor-z is the height of the floor in a world: give --world as well")
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None
     low, high = machine.z_range if machine is not None else DEFAULT_Z_RANGE

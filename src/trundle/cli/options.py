@@ -99,6 +99,17 @@ Goal = Annotated[str | None, _pose("--goal", "Where the path ends; left out: pic
 Settings = Annotated[
     list[str] | None, _pairs("--set", "An option of the world's generator or file; repeat it for several.")
 ]
+FloorZ = Annotated[
+    float | None,
+    Parameter(
+        name="--floor-z",
+        allow_leading_hyphen=True,
+        negative="",
+        metavar="METRES",
+        help="Height of the floor in the world's file [m]; left out: that of the lowest level surface under the robot "
+        "with room for it above, or 0.",
+    ),
+]
 Exclude = Annotated[
     list[str] | None,
     Parameter(

@@ -46,6 +46,7 @@ def run(
     seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     compat: options.Compat = None,
     unknown: options.Unknown = None,
@@ -90,6 +91,7 @@ def run(
         "unknown_cost": unknown_cost,
         "keepout": None if keepout is None else str(keepout),
         "speed_mask": None if speed_mask is None else str(speed_mask),
+        "floor_z": floor_z,
         "time_limit_s": time_limit,
         "planning_deadline_s": planning_deadline,
     }

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from trundle.costmap import Costmap
     from trundle.geometry import Pose2D
     from trundle.mission import Goal
+    from trundle.robots import Robot
     from trundle.worlds import World
 
 
@@ -119,6 +120,38 @@ def read_settings(
     elif robot is None or not is_robot_file(robot):
         raise InputError("--paths is for files that name others: a world's SDF, MJCF or URDF, or a robot's file")
     return given
+
+
+def find_floor_z(
+    world: World, source: str | None, robot: Robot, start: tuple[float, float] | Pose2D | None, floor_z: float | None
+) -> float:
+    """Height [m] of the floor: as --floor-z says, else under the start, or under most of a world from a file.
+
+    Raises:
+        InputError: If --floor-z is given without a world.
+        WorldError: If there are two floors that the robot may be meant to stand on.
+    """
+    from trundle.geometry import Pose2D
+    from trundle.worlds.floors import find_common_floor, find_floor
+
+    if floor_z is not None:
+        if source is None:
+            raise InputError("--floor-z is the height of the floor in a world: give --world as well")
+        return floor_z
+    if source is None or not looks_like_file(source) or is_yaml(source) or source.lower().endswith(".map"):
+        return 0.0
+    if start is None:
+        return find_common_floor(world, robot)
+    return find_floor(world, robot, start if isinstance(start, Pose2D) else Pose2D(*start))
+
+
+def stand_on_floor(
+    world: World, source: str | None, robot: Robot, start: Pose2D | None, floor_z: float | None
+) -> World:
+    """A world with its floor at z = 0; see `find_floor_z`."""
+    from trundle.worlds.floors import lower_world
+
+    return lower_world(world, find_floor_z(world, source, robot, start, floor_z))
 
 
 def start_pose(world: World, text: str | None) -> Pose2D:

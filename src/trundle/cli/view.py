@@ -39,6 +39,7 @@ def view(
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
+    floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose window, or renderer.")] = "mujoco",
@@ -68,6 +69,8 @@ def view(
     kept = sources.read_settings(world, settings, exclude, paths, robot=robot)
     with isaac.open_place(world, settings=kept, seed=seed, backend=backend, given=given) as place:
         pose = sources.start_pose(place, start)
+        if backend != isaac.BACKEND or floor_z is not None:
+            place = sources.stand_on_floor(place, world, machine, pose, floor_z)
         in_window = out is None and not json
         if backend == isaac.BACKEND:
             target = None if in_window and not given.get("headless") else _target(out)

@@ -396,7 +396,10 @@ def _describe_contact(state: RobotState) -> str:
     contact = state.contacts[0]
     where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
     if state.time == 0.0:
-        return f"in contact at the start: {where}; start farther from it"
+        return (
+            f"in contact at the start: {where}; start farther from it, or, if it is what the robot stands on, give the "
+            "height of its top with --floor-z (floor_z in Python and in a scenario)"
+        )
     return f"{where} after {state.time:.1f} s"
 
 

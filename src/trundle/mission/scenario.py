@@ -24,6 +24,7 @@ from trundle.navigation import Navigator
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
+from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 from trundle.worlds.load import is_world_file
 from trundle.yamlfile import Config, load_config
 
@@ -110,6 +111,8 @@ class Scenario(Config):
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
         map_options: How it is extruded; none means walls of 1 m.
+        floor_z: Height [m] of the floor in the world's file; none means the one under the start, or where none is
+            given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
         unknown: What the robot takes unknown cells of the map for: blocked, free or costly.
         unknown_cost: What they cost it at least where they are costly, 0 to 252; none means the costmap's default.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
@@ -137,6 +140,7 @@ class Scenario(Config):
     world: Annotated[WorldChoice | None, BeforeValidator(_name_alone)] = None
     map: str | None = None
     map_options: MapOptions | None = None
+    floor_z: float | None = None
     compat: Literal["humble"] | None = None
     unknown: UnknownPolicy = "blocked"
     unknown_cost: Annotated[int, Field(ge=0, le=252)] | None = None
@@ -166,6 +170,8 @@ class Scenario(Config):
             raise ValueError("give either goal or goals")
         if self.map_options is not None and self.map is None:
             raise ValueError("map_options say how a map becomes a world: they need map")
+        if self.floor_z is not None and self.world is None:
+            raise ValueError("floor_z is the height of the floor in a world: it needs world")
         if self.compat is not None and self.map is None:
             raise ValueError("compat says how a map is read: it needs map")
         return self
@@ -230,7 +236,7 @@ class Scenario(Config):
             ScenarioError: If no start or goal can be picked.
         """
         robot = Robot.load(self.robot)
-        world, grid = self._make_place(robot)
+        world, grid, floor_z = self._make_place(robot)
         navigator = Navigator(
             grid,
             robot,
@@ -252,6 +258,7 @@ class Scenario(Config):
         start, goals = self._pick_ends(navigator)
         exact = self.model_copy(
             update={
+                "floor_z": self.floor_z if floor_z == 0.0 else floor_z,
                 "start": start.as_tuple(),
                 "goal": goals[0] if len(goals) == 1 else None,
                 "goals": goals if len(goals) > 1 else None,
@@ -288,12 +295,13 @@ class Scenario(Config):
             update["world"] = self.world.model_copy(update={"name": paths["world"]})
         return self.model_copy(update=update)
 
-    def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid]:
+    def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid, float]:
+        """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
         if self.map is not None:
             grid = OccupancyGrid.load(self.map, compat=self.compat)
             walls = self.map_options or MapOptions()
             unknown = walls.unknown or ("solid" if self.unknown == "blocked" else "free")
-            return World.from_map(grid, height=walls.height, unknown=unknown), grid
+            return World.from_map(grid, height=walls.height, unknown=unknown), grid, 0.0
         if self.world is None:
             raise ScenarioError("give either world or map")
         if self.world.is_file:
@@ -301,8 +309,19 @@ class Scenario(Config):
         else:
             seed = self.seed if self.world.seed is None else self.world.seed
             world = World.generate(self.world.name, **{"seed": seed, **dict[str, Any](self.world.options)})
+        floor_z = self._choose_floor(world, robot)
+        world = lower_world(world, floor_z)
         bounds = self._map_bounds(world, robot)
-        return world, OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
+        grid = OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
+        return world, grid, floor_z
+
+    def _choose_floor(self, world: World, robot: Robot) -> float:
+        """Height of the floor [m]; that of a generated world is 0."""
+        if self.floor_z is not None or self.world is None or not self.world.is_file or self.backend.name == "isaac":
+            return self.floor_z or 0.0
+        if self.start is None:
+            return find_common_floor(world, robot)
+        return find_floor(world, robot, Pose2D.of(self.start))
 
     def _map_bounds(self, world: World, robot: Robot) -> Bounds | None:
         """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.

@@ -99,13 +99,17 @@ def read_world(path: str, options: dict[str, Any]) -> World:
     file = Path(path)
     options = dict(options)
     load = _loader(LOADERS[file.suffix.lower()])
-    exclude = options.pop("exclude", ())
+    exclude, floor_z = options.pop("exclude", ()), options.pop("floor_z", None)
     known = _keywords(load)
-    check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude"])))
+    check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude", "floor_z"])))
     # Loaders that know what is left out do not read it, so nothing can be missing or wrong there.
     world = cast("World", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
     if "exclude" not in known:
         world = leave_out(world, exclude, str(file))
+    if floor_z is not None:
+        from trundle.worlds.floors import lower_world
+
+        world = lower_world(world, floor_z)
     takes_looks = "geometry" in known and options.get("geometry") != "visual"
     _check_extent(file, world, 'what is seen and does not collide needs geometry="visual"' if takes_looks else "")
     return world

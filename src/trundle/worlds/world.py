@@ -92,6 +92,7 @@ class World:
         /,
         *,
         exclude: str | Sequence[str] = (),
+        floor_z: float | None = None,
         trusted: bool | None = None,
         time_limit_s: float | None = None,
         memory_limit_gb: float | None = None,
@@ -115,6 +116,8 @@ class World:
                 (`/World/Robot`, `shelf::board`), also with `*` and `?`; kinds, which in USD are semantic labels; and
                 `floor` (what ends within 1 cm above z = 0) and `ceiling` (what starts above 2 m and is wider than
                 high).
+            floor_z: Height of the floor in the file [m]: the world is moved down by it, so that the floor is at z = 0
+                as in every world. None leaves it where it is; `worlds.floors.find_floor` says what is under a robot.
             trusted: Read the file in this process, without limits; none means as TRUNDLE_TRUSTED says (0 or 1).
             time_limit_s: How long reading may take [s]; none means TRUNDLE_READ_SECONDS, or 20.
             memory_limit_gb: How much memory reading may take, where the system can limit that (Linux) [GB]; none means
@@ -136,7 +139,7 @@ class World:
         from trundle.worlds.load import load_world
 
         limits = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
-        return load_world(path, limits=limits, exclude=exclude, **options)
+        return load_world(path, limits=limits, exclude=exclude, floor_z=floor_z, **options)
 
     @classmethod
     def from_map(

@@ -27,6 +27,9 @@ from trundle.maps.occupancy import Compat
 from trundle.maps.resample import resample_axis_aligned
 from trundle.robots import Robot
 
+DEFAULT_ROBOT = "nova_carter"
+"""Whose height band `DEFAULT_Z_RANGE` is."""
+
 DEFAULT_Z_RANGE = (0.10, 0.62)
 
 

@@ -1,0 +1,279 @@
+"""Which level of a world a robot stands on: floors that are not at z = 0.
+
+A floor is level, faces up, lies under the whole footprint and has the robot's height free above it. Every world has one
+at z = 0, unless a surface lies below that. Of several the lowest is taken. What lies above it may be another storey, a
+roof or a table. It is another floor, and the robot's is then asked for, where it is large (`LARGE`), and lies within
+`STOREY` of the lower one or something stands on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, Pose2D, Pose3D
+from trundle.robots import Robot
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+from trundle.worlds.world import World
+
+LARGE = 10.0
+"""A level of less [m²] is no floor where there is a lower one: it may be a table's top."""
+
+STOREY = 2.0
+"""A level that is so far [m] above a floor is a roof, unless something stands on it."""
+
+_LEVEL = math.cos(math.radians(1.0))
+_SAME = 0.005
+"""Tiles that differ by up to this [m] are one floor."""
+
+_SPACING = 0.05
+_PROBES = 9
+_EDGE = 1e-6
+
+FLOOR_TOP = 1e-3
+"""What is so near to z = 0 [m] is the floor there: nothing that ends so low is an obstacle."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """What is above and below one point: heights [m] where surfaces cross, and how they face.
+
+    Attributes:
+        heights: shape (N,), ascending.
+        rising: Third component of the unit normals, shape (N,).
+        owners: Index of the solid that each belongs to, shape (N,).
+    """
+
+    heights: FloatArray
+    rising: FloatArray
+    owners: npt.NDArray[np.int64]
+
+    def is_free(self, low: float, height: float) -> bool:
+        """Whether nothing is between a floor and a height above it."""
+        between = (self.heights > low + _SAME) & (self.heights < low + height)
+        if between.any():
+            return False
+        for owner in set(self.owners.tolist()):
+            own = self.owners == owner
+            above = np.flatnonzero(own & (self.heights >= low + height))
+            below = np.flatnonzero(own & (self.heights <= low + _SAME))
+            # Inside a closed body: its surface enters it below and leaves it above.
+            if len(above) and len(below) and self.rising[above[0]] > 0.0 and self.rising[below[-1]] < 0.0:
+                return False
+        return True
+
+
+class _Surfaces:
+    """The surfaces of a world's solids as triangles, each solid's made once."""
+
+    def __init__(self, world: World) -> None:
+        self.solids = world.solids
+        self.lows, self.highs = solids_bounds(world.solids)
+        self._made: dict[int, FloatArray] = {}
+
+    def triangles(self, index: int, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Those [m] of one solid that reach into a rectangle (x, y), map frame, shape (N, 3, 3)."""
+        solid = self.solids[index]
+        if isinstance(solid.shape, OccupancyCells):
+            return _cell_triangles(solid.pose, solid.shape, low, high)
+        if index not in self._made:
+            self._made[index] = _triangles(solid)
+        corners = self._made[index]
+        flat = corners[:, :, :2]
+        return corners[((flat.min(axis=1) <= high) & (flat.max(axis=1) >= low)).all(axis=1)]
+
+    def columns(self, points: FloatArray) -> list[_Column]:
+        """What is above and below each point (x, y)."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        near = ((self.lows[:, :2] <= high) & (self.highs[:, :2] >= low)).all(axis=1)
+        found = {index: self.triangles(index, low, high) for index in np.flatnonzero(near).tolist()}
+        corners = np.concatenate([np.empty((0, 3, 3)), *found.values()])
+        owner = np.repeat(np.array(list(found), dtype=np.int64), [len(part) for part in found.values()])
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(normals, axis=1)
+        upright = np.abs(normals[:, 2]) > 1e-9 * np.maximum(lengths, 1e-30)
+        corners, owner, normals = corners[upright], owner[upright], normals[upright]
+        rising = normals[:, 2] / lengths[upright]
+        return [_column(point, corners, normals, rising, owner) for point in points]
+
+
+def find_floor(world: World, robot: Robot, start: Pose2D) -> float:
+    """Height [m] of the floor that a robot at a pose stands on, in the world's own coordinates.
+
+    Where no floor has the robot's height free above all of its footprint, that with the largest free part is taken:
+    the start is blocked, and its contact says by what.
+
+    Raises:
+        WorldError: If there are two floors that the robot may be meant to stand on.
+    """
+    surfaces = _Surfaces(world)
+    levels = _levels_under(surfaces, robot, _footprint_points(robot, start))
+    if len(levels) > 1:
+        others = [level for level in levels[1:] if _is_floor_too(surfaces, levels[0], level)]
+        if others:
+            heights = ", ".join(f"{level:.3f}" for level in (levels[0], *others))
+            raise WorldError(
+                f"the robot at ({start.x:.2f}, {start.y:.2f}) may stand on floors at z = {heights} m of world "
+                f"{world.name!r}; say which with --floor-z (floor_z in Python and in a scenario)"
+            )
+    return levels[0]
+
+
+def find_common_floor(world: World, robot: Robot) -> float:
+    """Height [m] of the floor that is under most of a world, where it is not known where the robot starts.
+
+    The lowest floor is looked for at 9 x 9 places over the world, and the height that is most frequent is taken. If not
+    z = 0, it must be large, with something on it: the top of a crate or of a container is not.
+    """
+    if not world.solids:
+        return 0.0
+    (x_low, y_low, _), (x_high, y_high, _) = (corner.tolist() for corner in world.bounds)
+    steps = (np.arange(_PROBES) + 0.5) / _PROBES
+    surfaces = _Surfaces(world)
+    found: Counter[float] = Counter()
+    for x in (x_low + steps * (x_high - x_low)).tolist():
+        for y in (y_low + steps * (y_high - y_low)).tolist():
+            points = robot.outline + np.array([x, y])
+            levels = _levels_under(surfaces, robot, np.vstack([points, [[x, y]]]), blocked=False)
+            if levels:
+                found[round(levels[0], 4)] += 1
+    for level in sorted(found, key=lambda level: (-found[level], level)):
+        if level == 0.0 or _carries(surfaces, level):
+            return level
+    return 0.0
+
+
+def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, blocked: bool = True) -> list[float]:
+    """Floors under all of some points with the robot's height free above, lowest first.
+
+    With `blocked`, where there is none, the one that is freest.
+    """
+    columns = surfaces.columns(points)
+    levels = _shared_levels(columns)
+    if not levels or levels[0] > _SAME:
+        levels = [0.0, *levels]
+    levels = [0.0 if abs(level) < FLOOR_TOP else level for level in levels]
+    counts = [sum(column.is_free(level, robot.body.height) for column in columns) for level in levels]
+    free = [level for level, count in zip(levels, counts, strict=True) if count == len(columns)]
+    if free or not blocked:
+        return free
+    return [levels[int(np.argmax(counts))]]
+
+
+def _shared_levels(columns: Sequence[_Column]) -> list[float]:
+    """Heights at which a level surface that faces up is at every point; of each, the highest of its tiles."""
+    tops = [column.heights[column.rising >= _LEVEL] for column in columns]
+    levels: list[float] = []
+    for height in np.unique(np.round(tops[0], 6)):
+        nearest = [top[np.abs(top - height) <= _SAME] for top in tops]
+        if all(len(near) for near in nearest):
+            level = max(float(near.max()) for near in nearest)
+            if not levels or level - levels[-1] > _SAME:
+                levels.append(level)
+    return levels
+
+
+def _column(
+    point: FloatArray, corners: FloatArray, normals: FloatArray, rising: FloatArray, owner: npt.NDArray[np.int64]
+) -> _Column:
+    """Cut the vertical line through a point with triangles."""
+    edges = np.roll(corners, -1, axis=1)[:, :, :2] - corners[:, :, :2]
+    to = point - corners[:, :, :2]
+    side = (edges[:, :, 0] * to[:, :, 1] - edges[:, :, 1] * to[:, :, 0]) * np.sign(rising)[:, None]
+    hit = np.flatnonzero((side >= -_EDGE).all(axis=1))
+    offset = point - corners[hit, 0, :2]
+    heights = corners[hit, 0, 2] - (normals[hit, :2] * offset).sum(axis=1) / normals[hit, 2]
+    order = np.argsort(heights, kind="stable")
+    return _Column(heights[order], rising[hit][order], owner[hit][order])
+
+
+def _triangles(solid: Solid) -> FloatArray:
+    """A solid's surface as triangles [m], map frame, shape (N, 3, 3)."""
+    match solid.shape:
+        case Box(size):
+            mesh = box_mesh(size)
+        case Cylinder(radius, length):
+            mesh = cylinder_mesh(radius, length)
+        case Sphere(radius):
+            mesh = sphere_mesh(radius)
+        case Mesh() as mesh:
+            pass
+        case OccupancyCells():
+            raise WorldError(f"blocked cells {solid.name!r} have no triangles of their own")
+    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
+
+
+def _cell_triangles(pose: Pose3D, cells: OccupancyCells, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The blocked cells near some points, each a box."""
+    middle = pose.inverse().transform_points([[*((low + high) / 2.0), pose.position[2]]])[0]
+    reach = float(np.hypot(*(high - low))) / 2.0 + cells.resolution
+    rows, cols = cells.blocked.shape
+    col, row = (
+        np.clip(np.floor((middle[axis] + np.array([-reach, reach])) / cells.resolution), 0, most).astype(int)
+        for axis, most in ((0, cols), (1, rows))
+    )
+    found = np.argwhere(cells.blocked[row[0] : row[1] + 1, col[0] : col[1] + 1]) + np.array([row[0], col[0]])
+    box = box_mesh((cells.resolution, cells.resolution, cells.height))
+    centers = np.c_[(found[:, ::-1] + 0.5) * cells.resolution, np.full(len(found), cells.height / 2.0)]
+    points = (centers[:, None] + box.vertices).reshape(-1, 3)
+    return pose.transform_points(points).reshape(len(found), -1, 3)[:, box.faces].reshape(-1, 3, 3)
+
+
+def _footprint_points(robot: Robot, start: Pose2D) -> FloatArray:
+    """Points of the footprint at a pose, map frame: its corners and a grid within it."""
+    outline = robot.outline
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    axes = [np.linspace(low[i], high[i], max(2, math.ceil((high[i] - low[i]) / _SPACING) + 1)) for i in (0, 1)]
+    grid = np.array(np.meshgrid(*axes)).reshape(2, -1).T
+    edges = np.roll(outline, -1, axis=0) - outline
+    to = grid[:, None] - outline
+    inside = (edges[:, 0] * to[:, :, 1] - edges[:, 1] * to[:, :, 0] >= 0.0).all(axis=1)
+    return start.transform_points(np.vstack([outline, grid[inside]]))
+
+
+def _is_floor_too(surfaces: _Surfaces, floor: float, level: float) -> bool:
+    """Whether a level above a floor is one that a robot may be meant to stand on."""
+    carries = _carries(surfaces, level)
+    return carries is not None and (carries or level - floor < STOREY)
+
+
+def _carries(surfaces: _Surfaces, level: float) -> bool | None:
+    """Whether something stands on a level; None for a level that is not large."""
+    lows, highs = surfaces.lows, surfaces.highs
+    reaching = np.flatnonzero((lows[:, 2] <= level + _SAME) & (highs[:, 2] >= level - _SAME)).tolist()
+    everything = [surfaces.triangles(index, lows[index, :2], highs[index, :2]) for index in reaching]
+    corners = np.concatenate(everything)
+    corners = corners[(np.abs(corners[:, :, 2] - level) <= _SAME).all(axis=1)]
+    across = corners[:, 1:, :2] - corners[:, :1, :2]
+    turns = across[:, 0, 0] * across[:, 1, 1] - across[:, 0, 1] * across[:, 1, 0]
+    if float(np.maximum(turns, 0.0).sum()) / 2.0 < LARGE:
+        return None
+    flat = corners[:, :, :2].reshape(-1, 2)
+    over = ((lows[:, :2] < flat.max(axis=0)) & (highs[:, :2] > flat.min(axis=0))).all(axis=1)
+    stands = over & (lows[:, 2] < level + STOREY) & (highs[:, 2] > level + 0.1)
+    return bool(stands.any())
+
+
+def lower_world(world: World, floor_z: float) -> World:
+    """Move a world down so that its floor at a height [m] lies at z = 0, where every world's floor is.
+
+    Raises:
+        WorldError: If the height is not a finite number.
+    """
+    if not math.isfinite(floor_z):
+        raise WorldError(f"floor_z must be a height in metres, got {floor_z}")
+    if floor_z == 0.0:
+        return world
+    return replace(world, solids=tuple(_lowered(solid, floor_z) for solid in world.solids))
+
+
+def _lowered(solid: Solid, by: float) -> Solid:
+    x, y, z = solid.pose.position
+    return replace(solid, pose=replace(solid.pose, position=(x, y, z - by)))
