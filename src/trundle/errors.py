@@ -128,7 +128,7 @@ class BlockedPoseError(PlanningError):
     """A start or goal where the robot cannot stand.
 
     Attributes:
-        nearest_free_m: Distance to the nearest cell where it could, or None where there is none.
+        nearest_free_m: Distance to the nearest cell where it could, or None where none was found near.
     """
 
     def __init__(

@@ -11,11 +11,13 @@ from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
+from trundle.planning.blocked_end import REACH_CELLS
 from trundle.planning.cancellation import Cancellation, check_limits, sooner
 from trundle.planning.ends import begin_plan
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
 from trundle.planning.options import check_flag
+from trundle.planning.places import cells_near
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0
@@ -101,10 +103,12 @@ def _check_free(costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str
     if costmap.data[cell] < LETHAL:
         return
     where = "unknown space" if costmap.data[cell] == NO_INFORMATION else "an obstacle"
-    rows, cols = np.nonzero(costmap.data < LETHAL)
-    x, y = costmap.cell_to_world(rows, cols)
-    nearest = float(np.hypot(x - pose.x, y - pose.y).min()) if len(rows) else None
-    hint = "no cell of the map is free" if nearest is None else f"the nearest free cell is {nearest:.2f} m away"
+    reach = REACH_CELLS * costmap.resolution
+    distances = cells_near(costmap, pose, reach, LETHAL)[2]
+    nearest = float(distances[0]) if len(distances) else None
+    hint = (
+        f"no cell within {reach:g} m is free" if nearest is None else f"the nearest free cell is {nearest:.2f} m away"
+    )
     raise BlockedPoseError(
         f"the {what} ({pose.x:.2f}, {pose.y:.2f}) lies in {where}; {hint}",
         pose=pose.as_tuple(),

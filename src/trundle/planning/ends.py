@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.frame import CellArray
+from trundle.planning.blocked_end import blocked_end
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import CHECK_STEP_RAD
 from trundle.planning.options import check_question
+from trundle.planning.places import cells_near, footprint_fits
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1
@@ -96,21 +97,10 @@ def find_end(
     found = None if beside is None else _nearest_place(costmap, pose, tolerance_m, yaws, patience, beside=beside)
     if found is not None:
         return found
-    radius = max(tolerance_m, costmap.resolution)
-    diagonal = costmap.resolution * float(np.hypot(*costmap.shape))
-    while True:
-        found = _nearest_place(costmap, pose, radius, yaws, patience)
-        if found is not None or radius > diagonal:
-            break
-        radius *= 2.0
-    if found is not None and found.snapped_m <= tolerance_m:
+    found = _nearest_place(costmap, pose, tolerance_m, yaws, patience)
+    if found is not None:
         return found
-    raise BlockedPoseError(
-        _blocked_message(costmap, pose, (row, col), what, tolerance_m, found),
-        pose=pose.as_tuple(),
-        cell=(row, col),
-        nearest_free_m=None if found is None else found.snapped_m,
-    )
+    raise blocked_end(costmap, pose, (row, col), what, tolerance_m, yaws)
 
 
 def place_with_room(costmap: Costmap, pose: Pose2D, tolerance_m: float, start: End, patience: Patience) -> End | None:
@@ -162,38 +152,6 @@ def _check_size(costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str
     )
 
 
-def _blocked_message(
-    costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str, tolerance_m: float, found: End | None
-) -> str:
-    cost = costmap.data[cell]
-    places = {NO_INFORMATION: "in unknown space, which blocks on this costmap", LETHAL: "in an obstacle"}
-    where = places.get(int(cost), "too close to an obstacle or to unknown space")
-    if costmap.keepout is not None and costmap.keepout[cell] == LETHAL:
-        where = "where the keep-out mask keeps the robot out"
-    message = f"the {what} ({pose.x:.2f}, {pose.y:.2f}, {np.degrees(pose.yaw):.0f}°) is {where}: the robot does not fit"
-    if found is None:
-        return f"{message}, and with this yaw it fits nowhere on the map"
-    return (
-        f"{message}; the nearest place where it does is {found.snapped_m:.2f} m away at "
-        f"({found.pose.x:.2f}, {found.pose.y:.2f}), and the {what} may be moved by {tolerance_m:g} m at most"
-    )
-
-
-def _cells_within(costmap: Costmap, pose: Pose2D, radius: float) -> tuple[CellArray, CellArray, FloatArray]:
-    """Rows, cols and distances of the cells below 253 with their centre within `radius` of a pose, nearest first."""
-    reach = int(radius / costmap.resolution) + 1
-    row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
-    bottom, left = max(0, row - reach), max(0, col - reach)
-    window = costmap.data[bottom : row + reach + 1, left : col + reach + 1]
-    rows, cols = np.nonzero(window < INSCRIBED)
-    rows, cols = (rows + bottom).astype(np.int64), (cols + left).astype(np.int64)
-    x, y = costmap.cell_to_world(rows, cols)
-    distances = np.hypot(x - pose.x, y - pose.y)
-    order = np.argsort(distances, kind="stable")
-    order = order[distances[order] <= radius]
-    return rows[order], cols[order], distances[order]
-
-
 def _nearest_place(
     costmap: Costmap,
     pose: Pose2D,
@@ -208,7 +166,7 @@ def _nearest_place(
 
     With `beside` only places count that the inscribed circle can get to from there.
     """
-    rows, cols, distances = _cells_within(costmap, pose, radius)
+    rows, cols, distances = cells_near(costmap, pose, radius, INSCRIBED)
     x, y = costmap.cell_to_world(rows, cols)
     search: GridSearch | None = None
     chunk = max(1, 4096 // len(yaws))
@@ -216,9 +174,7 @@ def _nearest_place(
         if patience is not None:
             patience.check()
         some = slice(first, first + chunk)
-        count = len(x[some])
-        poses = np.column_stack([np.repeat(x[some], len(yaws)), np.repeat(y[some], len(yaws)), np.tile(yaws, count)])
-        fits = ~costmap.footprint_collides(poses).reshape(count, len(yaws))
+        fits = footprint_fits(costmap, x[some], y[some], yaws)
         for k in (first + np.flatnonzero(fits.all(axis=1) if whatever_yaw else fits.any(axis=1))).tolist():
             cell = (int(rows[k]), int(cols[k]))
             if beside is not None:
