@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "hybrid_memory.hpp"
 #include "hybrid_query.hpp"
@@ -39,14 +40,20 @@ class HybridGuide {
 
   // Of a point; its field is begun when this is first asked. Where patience ends `status` says so.
   double field_at(double x, double y, SearchStatus &status) {
-    if (!begun_) {
-      memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, per_cost_);
-      const PlanarPose &start = query_.start, &goal = query_.goal;
-      memory_.field.set_goal(cell(goal.y), cell(goal.x), cell(start.y), cell(start.x));
-      begun_ = true;
-    }
+    if (!begun_) begin_field();
     const float cells = memory_.field.at(cell(y), cell(x), patience_, status);
     return static_cast<double>(cells) * query_.resolution * factor_;
+  }
+
+  // Leads another way from a point, where there is one: what the field leads through next becomes dear.
+  void avoid_ahead(double x, double y, SearchStatus &status) {
+    LazyCostToGo::Place here{cell(y), cell(x)};
+    memory_.field.at(here.row, here.col, patience_, status);
+    for (int i = 0; i < kAvoidedCells; ++i) {
+      avoided_.push_back(here);
+      here = memory_.field.next(here);
+    }
+    begin_field();
   }
 
   // Whether a point cannot get there. The field's cells may reach across thin walls, and those of the map do not; this is
@@ -59,10 +66,19 @@ class HybridGuide {
     return std::isinf(memory_.fine_field.at(of(start.y), of(start.x), patience_, status));
   }
 
-  std::uint64_t field_cells() const { return begun_ ? memory_.field.expanded() : 0; }
+  std::uint64_t field_cells() const { return settled_ + (begun_ ? memory_.field.expanded() : 0); }
 
  private:
   static constexpr int kFieldCells = 2;  // cells of states along a cell of the field
+  static constexpr int kAvoidedCells = 4;  // of the field
+
+  void begin_field() {
+    settled_ = field_cells();
+    memory_.field.begin(query_.costs, query_.rows, query_.cols, factor_, per_cost_, avoided_);
+    const PlanarPose &start = query_.start, &goal = query_.goal;
+    memory_.field.set_goal(cell(goal.y), cell(goal.x), cell(start.y), cell(start.x));
+    begun_ = true;
+  }
 
   // By the map's cells, so that what lies on the map lies in one of these.
   std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres / query_.resolution) / factor_; }
@@ -75,6 +91,8 @@ class HybridGuide {
   const double detour_;
   const int factor_;
   bool begun_ = false;
+  std::uint64_t settled_ = 0;  // by fields before this
+  std::vector<LazyCostToGo::Place> avoided_;
 };
 
 }  // namespace trundle

@@ -77,12 +77,18 @@ struct QueueEntry {
 
 struct HybridMemory {
   struct PocketMemory {
+    struct Step {
+      std::uint32_t parent;  // the pose that the motion leads to
+      std::uint8_t motion;
+    };
+
     std::vector<PlanarPose> poses;
+    std::vector<Step> steps;  // of each pose
     OpenList<QueueEntry> queue;
     StateSet closed;
 
     std::size_t bytes() const {
-      return poses.capacity() * sizeof(PlanarPose) + queue.bytes() + closed.bytes();
+      return poses.capacity() * sizeof(PlanarPose) + steps.capacity() * sizeof(Step) + queue.bytes() + closed.bytes();
     }
   };
 

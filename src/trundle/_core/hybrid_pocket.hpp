@@ -3,7 +3,7 @@
 //
 // A hybrid A* search from the start would try every pose outside of the pocket before it fails. This one drives
 // backwards in time from the goal, away from it as fast as it can, and ends as soon as it is out, or when there is
-// nowhere left to go: after a few dozen poses most of the time.
+// nowhere left to go: after a few dozen poses most of the time. From where it came out, its motions lead to the goal.
 #pragma once
 
 #include <cmath>
@@ -26,20 +26,37 @@ class PocketSearch {
       : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory) {}
 
   // What is known after `most` more poses. Closed is only said after a second search in cells half as large and motions as
-  // short as can be; it may look at more, since few goals are left that are not closed in. Where patience ends `status`
+  // short as can be, and where that is soon over a third in cells half as large again. They may look at more, since few
+  // goals are left that are not closed in. Where patience ends `status`
   // says so.
   Pocket look(std::uint64_t most, SearchStatus &status) {
     if (found_ != Pocket::kUnknown) return found_;
     if (halves_ == 0) begin(1);
-    if (halves_ == 1) {
-      if (go_on(most, status) != Pocket::kClosed) return found_;
-      begin(2);
+    while (go_on(halves_ == 1 ? most : most + kFinePoses, status) == Pocket::kClosed && is_finer_better()) {
+      begin(2 * halves_);
     }
-    return go_on(most + kFinePoses, status);
+    return found_;
+  }
+
+  // Where it came out.
+  const PlanarPose &exit() const { return memory_.pocket.poses.back(); }
+
+  // From there to the goal.
+  std::vector<Stretch> way_in() const {
+    std::vector<Stretch> parts;
+    const auto &steps = memory_.pocket.steps;
+    for (HybridMemory::PocketMemory::Step step = steps.back(); step.parent != kNoPose; step = steps[step.parent]) {
+      parts.push_back(motions_[step.motion].stretch);
+    }
+    return parts;
   }
 
  private:
   static constexpr std::uint64_t kFinePoses = 2'000;
+  static constexpr std::size_t kTight = 1'000;  // poses
+  static constexpr std::uint32_t kNoPose = ~std::uint32_t{0};
+
+  bool is_finer_better() const { return halves_ == 1 || (halves_ == 2 && memory_.pocket.poses.size() < kTight); }
 
   void begin(int halves) {
     halves_ = halves, found_ = Pocket::kUnknown;
@@ -48,12 +65,13 @@ class PocketSearch {
     // Out is where the robot has had room to turn and to manoeuvre.
     far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
     memory_.pocket.poses.clear();
+    memory_.pocket.steps.clear();
     memory_.pocket.queue.clear();
     memory_.pocket.closed.begin();
     for (int i = 0; i < (query_.any_yaw ? Shots::kYaws : 1); ++i) {
       const PlanarPose &goal = query_.goal;
       const PlanarPose pose{goal.x, goal.y, goal.yaw + i * (2.0 * kPi / Shots::kYaws)};
-      if (!memory_.checker.touches(pose.x, pose.y, pose.yaw)) push(pose);
+      if (!memory_.checker.touches(pose.x, pose.y, pose.yaw)) push(pose, {kNoPose, 0});
     }
   }
 
@@ -61,8 +79,10 @@ class PocketSearch {
     auto &queue = memory_.pocket.queue;
     for (; most > 0 && !queue.empty(); --most) {
       if (most % 64 == 0 && (status = patience_.left()) != SearchStatus::kFound) return found_;
-      const PlanarPose from = memory_.pocket.poses[queue.pop().node];
-      for (const HybridMotion &motion : motions_) {
+      const std::uint32_t node = queue.pop().node;
+      const PlanarPose from = memory_.pocket.poses[node];
+      for (std::size_t m = 0; m < motions_.size(); ++m) {
+        const HybridMotion &motion = motions_[m];
         const Stretch back{-motion.stretch.length, -motion.stretch.turn};
         const PlanarPose to = back.from(from);
         if (memory_.checker.cost_at(to.x, to.y) >= PoseChecker::kInscribed || memory_.pocket.closed.contains(key(to))) {
@@ -70,18 +90,19 @@ class PocketSearch {
         }
         double sum = 0.0;
         if (!memory_.checker.fits(from, back, weights_, 0.0, kInfinite, sum)) continue;
+        push(to, {node, static_cast<std::uint8_t>(m)});
         if (is_out(to)) return found_ = Pocket::kOpen;
-        push(to);
       }
     }
     if (queue.empty()) found_ = Pocket::kClosed;
     return found_;
   }
 
-  void push(const PlanarPose &pose) {
+  void push(const PlanarPose &pose, HybridMemory::PocketMemory::Step step) {
     HybridMemory::PocketMemory &pocket = memory_.pocket;
     pocket.closed.insert(key(pose));
     pocket.poses.push_back(pose);
+    pocket.steps.push_back(step);
     pocket.queue.push({-distance(pose, query_.goal), static_cast<std::uint32_t>(pocket.poses.size() - 1)});
   }
 

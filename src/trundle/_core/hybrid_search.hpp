@@ -4,7 +4,8 @@
 //
 // What is added: the heuristics are worked out only where they are asked for, and a node is checked with the footprint
 // when it is taken from the queue, not when it is put there, as most never are taken. Weighted A* (Pohl 1970) ends once
-// no way that is cheaper by more than its weight can be left.
+// no way that is cheaper by more than its weight can be left. A guide that leads where the footprint does not fit is led
+// another way, and curves also end where a search backwards from a goal that is hard to reach has come out.
 #pragma once
 
 #include <algorithm>
@@ -67,7 +68,10 @@ class HybridSearch {
         way.spent = true;
         break;
       }
-      if (best_node_ == kNoNode && is_in_pocket()) way.pocket = true;
+      if (best_node_ == kNoNode) {
+        if (is_in_pocket()) way.pocket = true;
+        keep_advance(entry.node);
+      }
       if (way.pocket && is_near_enough()) break;
       if (expansions_ == kDoubtful && best_node_ == kNoNode && guide_.is_closed_off(status_)) {
         way.closed_off = true;
@@ -87,6 +91,8 @@ class HybridSearch {
 
  private:
   static constexpr std::uint64_t kDoubtful = 10'000, kFirstLook = 256, kLongLook = 2'000, kPatient = 2'000;  // expansions
+  static constexpr std::uint64_t kNoAdvance = 1'500;
+  static constexpr int kDetours = 40;
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 
   void begin() {
@@ -114,6 +120,8 @@ class HybridSearch {
   int direction_of(const HybridNode &node) const {
     return node.parent == kNoNode ? 0 : motions_[node.motion].direction;
   }
+
+  static int direction_of(const Stretch &part) { return (part.length > 0.0) - (part.length < 0.0); }
 
   // By the map's cells, or halves of them, so that what lies on the map lies in one of these.
   std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres * halves_ / query_.resolution) / factor_; }
@@ -178,13 +186,49 @@ class HybridSearch {
     }
   }
 
+  // A guide that leads through a gap where the footprint does not fit lets the search fill all that lies before. After so
+  // many expansions that got no nearer to the goal, by what the guide says, it leads around what comes next.
+  void keep_advance(std::uint32_t index) {
+    const HybridNode &node = memory_.nodes[index];
+    const double left = guide_.field_at(node.x, node.y, status_);
+    if (left < least_left_) least_left_ = left, foremost_ = index, advanced_at_ = expansions_;
+    if (expansions_ - advanced_at_ < kNoAdvance || detours_ == kDetours) return;
+    ++detours_;
+    least_left_ = kInfinite, advanced_at_ = expansions_;
+    guide_.avoid_ahead(memory_.nodes[foremost_].x, memory_.nodes[foremost_].y, status_);
+    memory_.queue.change_all([&](QueueEntry &entry) {
+      HybridNode &open = memory_.nodes[entry.node];
+      open.to_go = guide_.field_at(open.x, open.y, status_);
+      if (open.checked) open.to_go = guide_.at_least(pose_of(open), open.to_go);
+      entry.sum = open.cost + settings_.heuristic_weight * open.to_go;
+    });
+  }
+
   // Whether the goal lies in a pocket, as far as is known: after so many expansions, and each time that there are twice as
   // many, it is looked at for an eighth of that, and later for four times as long, when few goals are left that are in none.
   bool is_in_pocket() {
     if (expansions_ != next_look_) return false;
     const std::uint64_t poses = next_look_ < kLongLook ? next_look_ / 8 : 4 * next_look_;
     next_look_ *= 2;
-    return pocket_.look(poses, status_) == Pocket::kClosed;
+    const Pocket found = pocket_.look(poses, status_);
+    if (found == Pocket::kOpen && way_in_.empty()) keep_way_in();
+    return found == Pocket::kClosed;
+  }
+
+  // How to get from where the pocket ends to the goal, which is easier to come to.
+  void keep_way_in() {
+    way_in_ = pocket_.way_in();
+    PlanarPose pose = pocket_.exit();
+    int direction = 0;
+    for (const Stretch &part : way_in_) {
+      double sum = 0.0;
+      memory_.checker.fits(pose, part, weights_, model_.turn_cost, kInfinite, sum);
+      const int now = direction_of(part);
+      if (now * direction < 0) way_in_cost_ += model_.change_cost;
+      way_in_cost_ += (now < 0 ? model_.reverse_penalty : 1.0) * sum;
+      direction = now;
+      pose = part.from(pose);
+    }
   }
 
   // Whether a search that cannot succeed may end: at once, or where a way to near the goal is wanted, when it has come no
@@ -196,32 +240,42 @@ class HybridSearch {
     const HybridNode &node = memory_.nodes[index];
     // The nearer to the goal the more often, and the longer in vain the less.
     until_shot_ = std::clamp(static_cast<int>(node.to_go / (10.0 * cell_)), 1, 32) + static_cast<int>(expansions_ / 64);
-    for (const Shot &shot : shots_.find(pose_of(node), query_.goal, query_.any_yaw, direction_of(node))) {
-      if (node.cost + shot.cost >= best_cost_) break;
-      const double cost = shot_cost(node, shot);
+    shoot_at(index, query_.goal, query_.any_yaw, false);
+    if (!way_in_.empty()) shoot_at(index, pocket_.exit(), false, true);
+  }
+
+  // At the goal, or at where its way in begins.
+  void shoot_at(std::uint32_t index, const PlanarPose &target, bool any_yaw, bool way_in) {
+    const HybridNode &node = memory_.nodes[index];
+    const double more = way_in ? way_in_cost_ : 0.0;
+    const int ahead = way_in ? direction_of(way_in_.front()) : 0;
+    for (const Shot &shot : shots_.find(pose_of(node), target, any_yaw, direction_of(node))) {
+      if (node.cost + shot.cost + more >= best_cost_) break;
+      const double cost = more + shot_cost(node, shot, ahead, best_cost_ - more);
       if (cost >= best_cost_) continue;
       if (best_node_ == kNoNode) first_found_ = expansions_;
-      best_cost_ = cost, best_node_ = index, best_shot_ = shot;
+      best_cost_ = cost, best_node_ = index, best_shot_ = shot, best_way_in_ = way_in;
     }
   }
 
-  double shot_cost(const HybridNode &node, const Shot &shot) {
+  // Up to the direction `ahead` of what follows; infinite where it is `most` or more.
+  double shot_cost(const HybridNode &node, const Shot &shot, int ahead, double most) {
     double cost = node.cost;
     int direction = direction_of(node);
     PlanarPose pose = pose_of(node);
     for (int i = 0; i < shot.count; ++i) {
       const Stretch &part = shot.parts[i];
-      const int now = (part.length > 0.0) - (part.length < 0.0);
+      const int now = direction_of(part);
       const double dearer = now < 0 ? model_.reverse_penalty : 1.0;
       if (now * direction < 0) cost += model_.change_cost;
       direction = now;
       double sum = 0.0;
-      const double room = (best_cost_ - cost) / dearer;
+      const double room = (most - cost) / dearer;
       if (!memory_.checker.fits(pose, part, weights_, model_.turn_cost, room, sum)) return kInfinite;
       cost += dearer * sum;
       pose = part.from(pose);
     }
-    return cost;
+    return direction * ahead < 0 ? cost + model_.change_cost : cost;
   }
 
   // Once there is a way, it looks for a better one for a while that is in proportion.
@@ -261,6 +315,7 @@ class HybridSearch {
     way.cost = best_cost_;
     add_motions(best_node_, way.parts);
     way.parts.insert(way.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
+    if (best_way_in_) way.parts.insert(way.parts.end(), way_in_.begin(), way_in_.end());
   }
 
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -285,6 +340,13 @@ class HybridSearch {
   std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;
   double nearest_ = kInfinite;
   Shot best_shot_;
+  bool best_way_in_ = false;  // whether the way in follows the shot
+  std::vector<Stretch> way_in_;
+  double way_in_cost_ = 0.0;
+  double least_left_ = kInfinite;  // of the nodes, by the guide as it is now, and where that is
+  std::uint32_t foremost_ = 0;
+  std::uint64_t advanced_at_ = 0;
+  int detours_ = 0;
 };
 
 }  // namespace trundle

@@ -26,8 +26,15 @@ class LazyCostToGo {
  public:
   static constexpr float kUnreachable = std::numeric_limits<float>::infinity();
 
-  // Forget what was asked before. Cells of the map from 253 on are closed; the others cost 1 + `per_cost` times their cost.
-  void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, int factor, float per_cost) {
+  struct Place {
+    std::int64_t row, col;
+  };
+
+  // Forget what was asked before. Cells of the map from 253 on are closed; the others cost 1 + `per_cost` times their cost,
+  // and cells of this grid next to one of those to avoid many times as much.
+  void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, int factor, float per_cost,
+             const std::vector<Place> &avoided = {}) {
+    avoided_ = avoided;
     costs_ = costs, map_rows_ = rows, map_cols_ = cols, factor_ = factor, per_cost_ = per_cost;
     rows_ = (rows + factor - 1) / factor, cols_ = (cols + factor - 1) / factor;
     // With a border of closed cells.
@@ -36,7 +43,7 @@ class LazyCostToGo {
     stamps_.fit(static_cast<std::size_t>(block_rows * block_cols_));
     slots_.fit(static_cast<std::size_t>(block_rows * block_cols_ * kBlock * kBlock));
     if (++stamp_ == 0) stamps_.clear(), stamp_ = 1;  // after 2^32 queries
-    const float dearest = 1.0f + per_cost * (kInscribed - 1);
+    const float dearest = (1.0f + per_cost * (kInscribed - 1)) * (avoided.empty() ? 1.0f : kAvoided);
     std::size_t size = 4;
     while (static_cast<float>(size) < kFine * (1.5f * (dearest + 1.0f)) + 3.0f) size *= 2;
     for (auto &bucket : buckets_) bucket.clear();
@@ -50,6 +57,22 @@ class LazyCostToGo {
     slots_[touch(row, col)].cost = 0.0f;
     current_ = static_cast<std::int64_t>(kFine * octile(row, col));
     push(row, col, 0.0f);
+  }
+
+  // The next cell from one whose cost is known; itself where that is the goal.
+  Place next(Place here) {
+    const std::size_t centre = touch(here.row, here.col);
+    Place best = here;
+    float least = slots_[centre].cost;
+    for (int rows = -1; rows <= 1; ++rows) {
+      for (int cols = -1; cols <= 1; ++cols) {
+        const Slot &slot = slots_[touch(here.row + rows, here.col + cols)];
+        if (slot.cost == kClosed || !(slot.cost < least)) continue;
+        if (is_barred(marks_of(slots_[centre].weight), marks_of(slot.weight), rows, cols)) continue;
+        least = slot.cost, best = {here.row + rows, here.col + cols};
+      }
+    }
+    return best;
   }
 
   std::uint64_t expanded() const { return expanded_; }
@@ -72,6 +95,7 @@ class LazyCostToGo {
   static constexpr float kClosed = -kUnreachable;  // never reached cheaper
   static constexpr std::size_t kBlock = 8;
   static constexpr unsigned kUp = 1, kDown = 2, kLeft = 4, kRight = 8;  // sides; up is towards row 0
+  static constexpr float kAvoided = 50.0f;  // how many times as much as else
   static constexpr float kFine = 8.0f;  // buckets to a step of weight 1
 
   struct Slot {
@@ -116,9 +140,16 @@ class LazyCostToGo {
       }
     }
     if (open == 0) return 0.0f;
-    const float weight = 1.0f + per_cost_ * static_cast<float>(sum) / static_cast<float>(open);
+    float weight = 1.0f + per_cost_ * static_cast<float>(sum) / static_cast<float>(open);
+    if (is_avoided(row, col)) weight *= kAvoided;
     const bool whole = open == static_cast<std::uint64_t>((top - row * factor_) * count);
     return marked(weight, whole ? 0 : closed_sides(row * factor_, top, left, left + count));
+  }
+
+  bool is_avoided(std::int64_t row, std::int64_t col) const {
+    return std::any_of(avoided_.begin(), avoided_.end(), [&](const Place &place) {
+      return std::abs(place.row - row) <= 1 && std::abs(place.col - col) <= 1;
+    });
   }
 
   // Out of line: most cells are open all over, and the loop over them stays small.
@@ -228,6 +259,7 @@ class LazyCostToGo {
   ZeroedTable<std::uint32_t> stamps_;
   ZeroedTable<Slot> slots_;
   std::vector<std::vector<Entry>> buckets_;
+  std::vector<Place> avoided_;
 };
 
 }  // namespace trundle

@@ -25,6 +25,13 @@ class OpenList {
     return entry;
   }
 
+  // Put the entries, as `change(entry)` leaves them, in order again.
+  template <typename Change>
+  void change_all(Change change) {
+    for (Entry &entry : heap_) change(entry);
+    std::make_heap(heap_.begin(), heap_.end());
+  }
+
   void clear() { heap_.clear(); }
   std::size_t bytes() const { return heap_.capacity() * sizeof(Entry); }
 
