@@ -14,6 +14,7 @@ from trundle.maps.check.areas import Chart
 from trundle.maps.check.description import check_description
 from trundle.maps.check.doors import check_doors
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind, MapReport, by_severity
+from trundle.maps.check.obstacles import compare_obstacles, list_obstacles
 from trundle.maps.check.openings import check_openings
 from trundle.maps.check.placement import PlacementCheck, check_placement
 from trundle.maps.check.reach import check_reach
@@ -109,9 +110,11 @@ def check_grid(
     heights = z_range or (robot.z_range if robot is not None else DEFAULT_Z_RANGE)
     placed = check_placement(grid, world, heights)
     chart = Chart(grid, placed.truth)
+    obstacles, remarks = _check_obstacles(chart, placed, heights)
     findings = [
         *placed.findings,
         *_check_yaw(grid),
+        *obstacles,
         *check_unknown(chart),
         *check_openings(chart),
         *check_islands(chart),
@@ -124,11 +127,31 @@ def check_grid(
         findings=by_severity(findings),
         unverified=placed.unverified,
         ambiguous=placed.ambiguous,
-        remarks=placed.remarks,
+        remarks=(*placed.remarks, *remarks),
         grid=grid,
         corrected=corrected,
         corrected_kinds=kinds,
     )
+
+
+def _check_obstacles(
+    chart: Chart, placed: PlacementCheck, heights: tuple[float, float]
+) -> tuple[list[Finding], tuple[str, ...]]:
+    """Compare obstacles with the world's at the heights that the map seems to show: those asked for, or the usual."""
+    if placed.truth is None or placed.sight is None:
+        return [], ()
+    found = compare_obstacles(chart, placed.truth)
+    differing = found.count(chart)
+    if differing and heights != DEFAULT_Z_RANGE:
+        other = compare_obstacles(chart, placed.sight.cells(DEFAULT_Z_RANGE))
+        if other.count(chart) < differing:
+            low, high = DEFAULT_Z_RANGE
+            why = (
+                f"missing_obstacle, phantom_obstacle: the map shows heights of {low:g} to {high:g} m, and not of "
+                f"{heights[0]:g} to {heights[1]:g} m: obstacles were compared at those"
+            )
+            return list_obstacles(chart, other), (why,)
+    return list_obstacles(chart, found), ()
 
 
 def _unreadable(findings: list[Finding]) -> MapReport:

@@ -27,6 +27,33 @@ _LEAST_CERTAIN = 0.5  # cells: a smaller offset is one only if the map agrees be
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class WorldSight:
+    """Where a map's cells are in its world, to ask the world of them.
+
+    Attributes:
+        grid: The map, its origin turned as it must be.
+        world: The world.
+        match: Where the grid belongs.
+    """
+
+    grid: OccupancyGrid
+    world: SolidWorld
+    match: Match
+
+    def cells(self, z_range: tuple[float, float]) -> Cells:
+        """What the world says of the map's cells at some heights [m]."""
+        seen = Lattice(self.grid, self.world, z_range).rasterise(self.match.phase)
+        return crop_match(seen, self.match, self.grid.shape)
+
+
+def crop_match(cells: WorldCells, match: Match, shape: tuple[int, int]) -> Cells:
+    """The world's cells where a map of a shape belongs, as the map's image lies."""
+    rows, cols = shape
+    turned = (rows, cols) if match.orientation.turns % 2 == 0 else (cols, rows)
+    return match.orientation.undo(cells.crop(match.row, match.col, turned))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PlacementCheck:
     """What came of comparing a map with its world.
 
@@ -36,6 +63,7 @@ class PlacementCheck:
         ambiguous: What the world's symmetry hides.
         remarks: Why.
         truth: What the world says of the map's cells, or None.
+        sight: How to ask it of other heights, or None.
         match: Where `grid` belongs, or None where nothing is to be moved, or it is not certain where to.
         grid: The map, its origin turned as it must be.
     """
@@ -45,6 +73,7 @@ class PlacementCheck:
     ambiguous: tuple[Kind, ...] = ()
     remarks: tuple[str, ...] = ()
     truth: Cells | None = None
+    sight: WorldSight | None = None
     match: Match | None = None
     grid: OccupancyGrid | None = None
 
@@ -69,15 +98,17 @@ def check_placement(grid: OccupancyGrid, world: SolidWorld | None, z_range: tupl
             turned = replace(grid, origin=turning.origin)
             again, turned_cells = find_matches(Lattice(turned, world, z_range))
             if again.best.agreement >= max(LEAST_AGREEMENT, matching.best.agreement):
-                return _place(turned, again, turned_cells, turning, grid, matching.stated.agreement)
+                return _place(turned, world, again, turned_cells, turning, grid, matching.stated.agreement)
     except MapError as error:
         return _unverified(f"the world cannot be compared: {error}")
     best = matching.best
     if best.agreement < LEAST_AGREEMENT:
         return _mismatch(grid, world, z_range, best)
     if best.orientation == UPRIGHT and (max(map(abs, best.offset)) < LEAST_OFFSET or _is_noise(matching)):
-        return _well_placed(matching, lattice.rasterise().crop(0, 0, grid.shape))
-    return _place(grid, matching, cells, None, grid, matching.stated.agreement)
+        return _well_placed(
+            matching, lattice.rasterise().crop(0, 0, grid.shape), WorldSight(grid, world, matching.stated)
+        )
+    return _place(grid, world, matching, cells, None, grid, matching.stated.agreement)
 
 
 def _is_noise(matching: Matching) -> bool:
@@ -91,6 +122,7 @@ def _is_noise(matching: Matching) -> bool:
 
 def _place(
     grid: OccupancyGrid,
+    world: SolidWorld,
     matching: Matching,
     cells: WorldCells,
     turning: Turning | None,
@@ -114,20 +146,21 @@ def _place(
     remarks = (explain_ways(candidates, turns),) if found.ways > 1 else ()
     if not certain:
         return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks)
-    rows, cols = grid.shape
-    shape = (rows, cols) if chosen.orientation.turns % 2 == 0 else (cols, rows)
-    truth = chosen.orientation.undo(cells.crop(chosen.row, chosen.col, shape)) if chosen is best else None
-    return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks, truth=truth, match=chosen, grid=grid)
+    truth = crop_match(cells, chosen, grid.shape) if chosen is best else None
+    sight = WorldSight(grid, world, chosen) if chosen is best else None
+    return PlacementCheck(
+        findings, ambiguous=ambiguous, remarks=remarks, truth=truth, sight=sight, match=chosen, grid=grid
+    )
 
 
 def _unverified(why: str) -> PlacementCheck:
     return PlacementCheck(unverified=PLACEMENT_KINDS, remarks=(f"{', '.join(PLACEMENT_KINDS)}: {why}",))
 
 
-def _well_placed(matching: Matching, truth: Cells) -> PlacementCheck:
+def _well_placed(matching: Matching, truth: Cells, sight: WorldSight) -> PlacementCheck:
     others = matching.rivals
     remarks = (explain_ways((matching.stated, *others)),) if others else ()
-    return PlacementCheck(ambiguous=list_hidden(matching.stated, others), remarks=remarks, truth=truth)
+    return PlacementCheck(ambiguous=list_hidden(matching.stated, others), remarks=remarks, truth=truth, sight=sight)
 
 
 def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:

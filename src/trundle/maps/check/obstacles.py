@@ -1,0 +1,105 @@
+"""Obstacles of the world that the map lacks, and obstacles of the map that the world lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from trundle.maps.check.areas import Areas, Cells, Chart, Mask, shorten
+from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind
+from trundle.maps.grid import FREE, OCCUPIED
+
+LEAST_AREA = 0.09
+"""A smaller area [m²] is no finding: 0.1 m² less what rounding to cells takes off."""
+
+TOLERANCE = 2
+"""So far [cells] a map's walls may be off, as a noisy or a thicker map's are."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contradictions:
+    """Where a map and its world have different obstacles.
+
+    Attributes:
+        missing: What the map lacks.
+        phantom: What the world lacks.
+    """
+
+    missing: Areas
+    phantom: Areas
+
+    def count(self, chart: Chart) -> int:
+        """How many cells of the map are in areas that are large enough for a finding."""
+        return sum(int(areas.sizes[_is_large(chart, areas)].sum()) for areas in (self.missing, self.phantom))
+
+
+def compare_obstacles(chart: Chart, truth: Cells) -> Contradictions:
+    """Compare a map's obstacles with what the world says of its cells."""
+    solid = truth == OCCUPIED
+    missing = _find_areas(solid & chart.free, chart.occupied)
+    return Contradictions(missing, _find_areas(chart.occupied & (truth == FREE), solid))
+
+
+def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
+    """The findings; what the map lacks is put right from the world, what the world lacks only its maker knows."""
+    missing, phantom = found.missing, found.phantom
+    lacking = missing.select(_is_large(chart, missing))
+    if lacking.any():
+        chart.cells[lacking] = OCCUPIED
+        chart.corrected.add("missing_obstacle")
+    return [
+        *_list_areas(
+            chart,
+            missing,
+            "missing_obstacle",
+            "the world has an obstacle of {size} here, and the map is free",
+            "obstacles of the world that the map lacks",
+            "take it from the world's map",
+        ),
+        *_list_areas(
+            chart,
+            phantom,
+            "phantom_obstacle",
+            "the map has an obstacle of {size} here, and the world is free",
+            "obstacles that the world lacks",
+            "take it out, or put it into the world if it does stand there",
+        ),
+    ]
+
+
+def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
+    """Connected areas of cells that differ, each with a part beyond the tolerance from an obstacle of the other."""
+    core = differs & ~_grow(obstacles, TOLERANCE)
+    # With what is within the tolerance, but not all of a wall that is a cell off.
+    return Areas(differs & _grow(core, TOLERANCE + 1), diagonal=True)
+
+
+def _grow(mask: Mask, radius: int) -> Mask:
+    """The cells within so many cells of a mask."""
+    rows, cols = mask.shape
+    wide = np.pad(mask, radius)
+    grown = np.zeros_like(mask)
+    for down in range(-radius, radius + 1):
+        for right in range(-radius, radius + 1):
+            if down * down + right * right <= radius * radius:
+                top, left = radius + down, radius + right
+                grown |= wide[top : top + rows, left : left + cols]
+    return grown
+
+
+def _is_large(chart: Chart, areas: Areas) -> Mask:
+    return areas.sizes * chart.grid.resolution**2 >= LEAST_AREA
+
+
+def _list_areas(chart: Chart, areas: Areas, kind: Kind, words: str, several: str, fix: str) -> list[Finding]:
+    indices = np.flatnonzero(_is_large(chart, areas))
+    indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
+    findings: list[Finding] = []
+    for index in indices[: MOST_A_KIND + 1].tolist():
+        area = areas.area(index)
+        width, height = area.col_end - area.col, area.row_end - area.row
+        edge = chart.grid.resolution
+        size = f"{width * edge:.2g} x {height * edge:.2g} m ({chart.square_metres(area.cells)})"
+        findings.append(Finding(kind, "error", words.format(size=size), chart.place(*areas.middle(area)), fix))
+    return shorten(findings, len(indices), several)
