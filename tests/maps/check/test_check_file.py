@@ -140,7 +140,7 @@ def test_an_unlikely_resolution_is_warned_of(good, value):
 
 def test_the_kinds_are_those_of_the_contract():
     assert " ".join(KINDS) == (
-        "yaml unknown_loads_free thresholds_inverted resolution half_cell flipped rotated shifted mismatch "
+        "yaml unknown_loads_free thresholds_inverted resolution half_cell flipped rotated shifted negated mismatch "
         "missing_obstacle phantom_obstacle yaw_ignored unknown_hole leak island speckle narrow_door disconnected unseen"
     )
 

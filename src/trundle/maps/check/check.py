@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
+
+import numpy as np
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D
@@ -23,7 +26,7 @@ from trundle.maps.check.specks import check_islands, check_speckles
 from trundle.maps.check.unknown import check_unknown
 from trundle.maps.check.wording import apply_match
 from trundle.maps.from_world import SolidWorld
-from trundle.maps.grid import OccupancyGrid
+from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.occupancy import Compat
 from trundle.maps.resample import resample_axis_aligned
 from trundle.robots import Robot
@@ -69,6 +72,7 @@ def check_map(
         raise MapError(f"{source}: there is no such map file; give the YAML file of a map")
     findings: list[Finding] = []
     corrected: set[Kind] = set()
+    negated: OccupancyGrid | None = None
     if source.suffix.lower() == ".map":
         try:
             grid = OccupancyGrid.load(source)
@@ -84,14 +88,18 @@ def check_map(
         if grid is None:
             return _unreadable(findings)
         corrected |= {*described.corrected, *put_right}
-    report = check_grid(grid, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
+        if world is not None and described.description.rule.mode != "raw":
+            rule = dataclasses.replace(described.description.rule, negate=not described.description.rule.negate)
+            exchanged = dataclasses.replace(described.description, rule=rule)
+            negated = read_map(source, exchanged, compat=compat, allow_outside=allow_outside).grid
+    report = _check(grid, negated, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
     kinds = tuple(sorted(corrected | set(report.corrected_kinds)))
     return MapReport(
         findings=by_severity([*findings, *report.findings]),
         unverified=report.unverified,
         ambiguous=report.ambiguous,
         remarks=report.remarks,
-        grid=grid,
+        grid=report.grid,
         corrected=report.corrected if report.corrected is not None else (grid if corrected else None),
         corrected_kinds=kinds,
     )
@@ -107,11 +115,31 @@ def check_grid(
     z_range: tuple[float, float] | None = None,
 ) -> MapReport:
     """Look for everything that is wrong with a grid; as `check_map`, for what no file is needed for."""
+    return _check(grid, None, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
+
+
+def _check(
+    grid: OccupancyGrid,
+    negated: OccupancyGrid | None,
+    *,
+    world: SolidWorld | None,
+    robot: Robot | None,
+    start: Pose2D | Sequence[float] | None,
+    goals: Sequence[Pose2D | Sequence[float]],
+    z_range: tuple[float, float] | None,
+) -> MapReport:
+    """Check a grid, or what it is with its greys exchanged where only that agrees with the world."""
     heights = z_range or (robot.z_range if robot is not None else DEFAULT_Z_RANGE)
-    placed = check_placement(grid, world, heights)
+    negated = _exchange(grid) if negated is None else negated
+    placed = check_placement(grid, world, heights, negated=negated)
+    read: tuple[Finding, ...] = ()
+    if placed.is_negated:
+        read, grid = placed.findings, negated
+        placed = check_placement(grid, world, heights)
     chart = Chart(grid, placed.truth)
     obstacles, remarks = _check_obstacles(chart, placed, heights)
     findings = [
+        *read,
         *placed.findings,
         *_check_yaw(grid),
         *obstacles,
@@ -123,6 +151,9 @@ def check_grid(
         *check_reach(chart, robot, None if start is None else Pose2D.of(start), [Pose2D.of(goal) for goal in goals]),
     ]
     corrected, kinds = _correct(chart, placed)
+    if read:
+        exchanged: set[Kind] = {*kinds, "negated"}
+        corrected, kinds = corrected or grid, tuple(sorted(exchanged))
     return MapReport(
         findings=by_severity(findings),
         unverified=placed.unverified,
@@ -132,6 +163,12 @@ def check_grid(
         corrected=corrected,
         corrected_kinds=kinds,
     )
+
+
+def _exchange(grid: OccupancyGrid) -> OccupancyGrid:
+    """A grid with free and occupied cells exchanged."""
+    cells = np.where(grid.data == UNKNOWN, UNKNOWN, OCCUPIED - grid.data).astype(np.int8)
+    return OccupancyGrid(cells, grid.resolution, grid.origin)
 
 
 def _check_obstacles(

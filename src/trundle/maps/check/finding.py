@@ -17,6 +17,7 @@ Kind: TypeAlias = Literal[
     "flipped",
     "rotated",
     "shifted",
+    "negated",
     "mismatch",
     "missing_obstacle",
     "phantom_obstacle",

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from trundle.errors import MapError
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
 from trundle.maps.check.lattice import Lattice, WorldCells
 from trundle.maps.check.matching import Match, Matching, as_good, find_matches
 from trundle.maps.check.orientation import UPRIGHT
+from trundle.maps.check.stretching import Stretch, find_stretch
 from trundle.maps.check.turning import Turning, find_turn
 from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_ways, list_hidden
 from trundle.maps.from_world import SolidWorld
@@ -19,6 +18,9 @@ from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 
 LEAST_AGREEMENT = 0.5
 """Below this the map is taken for one of another place."""
+
+_CLEAR = 0.97
+"""A map that agrees so well is not searched for with cells of another size."""
 
 _NOISY = 0.9  # a map that agrees less than this is noisy, or thicker than its world
 _NOISE_CELLS = 1.5  # by so much, that may move the place where it agrees best
@@ -66,6 +68,7 @@ class PlacementCheck:
         sight: How to ask it of other heights, or None.
         match: Where `grid` belongs, or None where nothing is to be moved, or it is not certain where to.
         grid: The map, its origin turned as it must be.
+        is_negated: Whether the map agrees with its greys exchanged, and nowhere as it is.
     """
 
     findings: tuple[Finding, ...] = ()
@@ -76,39 +79,71 @@ class PlacementCheck:
     sight: WorldSight | None = None
     match: Match | None = None
     grid: OccupancyGrid | None = None
+    is_negated: bool = False
 
 
-def check_placement(grid: OccupancyGrid, world: SolidWorld | None, z_range: tuple[float, float]) -> PlacementCheck:
+def check_placement(
+    grid: OccupancyGrid,
+    world: SolidWorld | None,
+    z_range: tuple[float, float],
+    *,
+    negated: OccupancyGrid | None = None,
+) -> PlacementCheck:
     """Compare a map with its world.
 
     Args:
         grid: The map.
         world: The world; None leaves all kinds unverified.
         z_range: The heights that the map shows [m].
+        negated: The map read with its greys exchanged, to be tried where it agrees nowhere as it is.
     """
     if world is None:
         return _unverified("give the world to compare the map with it")
-    if not (grid.data == OCCUPIED).any() or not ((grid.data != OCCUPIED) & (grid.data != UNKNOWN)).any():
-        return _unverified("the map has no occupied or no free cell: there is nothing to compare")
+    if not _is_drawn(grid):
+        return _incomparable("the map has no occupied or no free cell: there is nothing to compare")
     try:
         lattice = Lattice(grid, world, z_range)
         matching, cells = find_matches(lattice)
         turning = find_turn(lattice, cells, matching.best)
+        best, turned = matching.best.agreement, None
         if turning is not None:
-            turned = replace(grid, origin=turning.origin)
-            again, turned_cells = find_matches(Lattice(turned, world, z_range))
-            if again.best.agreement >= max(LEAST_AGREEMENT, matching.best.agreement):
-                return _place(turned, world, again, turned_cells, turning, grid, matching.stated.agreement)
+            turned = find_matches(Lattice(replace(grid, origin=turning.origin), world, z_range))
+            if turned[0].best.agreement < max(LEAST_AGREEMENT, best):
+                turned = None
+            else:
+                best = turned[0].best.agreement
+        if best < LEAST_AGREEMENT and negated is not None and _looks_like_a_map(negated):
+            exchanged, _ = find_matches(Lattice(negated, world, z_range))
+            if exchanged.best.agreement >= max(LEAST_AGREEMENT, 2.0 * best):
+                return _negated(best, exchanged.best.agreement)
+        if best < _CLEAR:
+            stretch = find_stretch(lattice, cells, matching.best, world, z_range, nowhere=best < LEAST_AGREEMENT)
+            if stretch is not None and stretch.agreement >= LEAST_AGREEMENT and not as_good(best, stretch.agreement):
+                return _stretched(grid, stretch, best)
     except MapError as error:
-        return _unverified(f"the world cannot be compared: {error}")
-    best = matching.best
-    if best.agreement < LEAST_AGREEMENT:
-        return _mismatch(grid, world, z_range, best)
-    if best.orientation == UPRIGHT and (max(map(abs, best.offset)) < LEAST_OFFSET or _is_noise(matching)):
-        return _well_placed(
-            matching, lattice.rasterise().crop(0, 0, grid.shape), WorldSight(grid, world, matching.stated)
-        )
+        return _incomparable(f"the world cannot be compared: {error}")
+    if turning is not None and turned is not None:
+        placed = replace(grid, origin=turning.origin)
+        return _place(placed, world, *turned, turning, grid, matching.stated.agreement)
+    if best < LEAST_AGREEMENT:
+        return _mismatch(best)
+    if matching.best.orientation == UPRIGHT and (
+        max(map(abs, matching.best.offset)) < LEAST_OFFSET or _is_noise(matching)
+    ):
+        sight = WorldSight(grid, world, matching.stated)
+        return _well_placed(matching, lattice.rasterise().crop(0, 0, grid.shape), sight)
     return _place(grid, world, matching, cells, None, grid, matching.stated.agreement)
+
+
+def _is_drawn(grid: OccupancyGrid) -> bool:
+    """Whether a map has both occupied and free cells."""
+    return bool((grid.data == OCCUPIED).any() and ((grid.data != OCCUPIED) & (grid.data != UNKNOWN)).any())
+
+
+def _looks_like_a_map(grid: OccupancyGrid) -> bool:
+    """Whether less of a grid is occupied than free, as where a robot can drive."""
+    occupied = int((grid.data == OCCUPIED).sum())
+    return 0 < occupied < int((grid.data != UNKNOWN).sum()) - occupied
 
 
 def _is_noise(matching: Matching) -> bool:
@@ -171,30 +206,56 @@ def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
     return first.shape == second.shape and float((first == second).mean()) >= 0.999
 
 
-def _mismatch(grid: OccupancyGrid, world: SolidWorld, z_range: tuple[float, float], best: Match) -> PlacementCheck:
-    """A map that agrees with its world nowhere: perhaps its cells are of another size."""
-    rows, cols = np.nonzero(grid.data == OCCUPIED)
-    extent = np.array([np.ptp(cols) + 1, np.ptp(rows) + 1]) * grid.resolution
-    low, high = world.bounds
-    ratios = (np.asarray(high)[:2] - np.asarray(low)[:2]) / extent
-    scale = float(ratios.mean())
-    if abs(ratios[0] - ratios[1]) <= 0.03 * scale and abs(scale - 1.0) > 0.05:
-        resolution = float(f"{grid.resolution * scale:.2g}")
-        try:
-            matching, _ = find_matches(Lattice(replace(grid, resolution=resolution), world, z_range))
-        except MapError:
-            matching = None
-        if matching is not None and matching.best.agreement > max(2.0 * best.agreement, LEAST_AGREEMENT):
-            finding = Finding(
-                "resolution",
-                "error",
-                f"the map fits the world with cells of {resolution:g} m and not of {grid.resolution:g} m (agreement "
-                f"{matching.best.agreement:.0%} against {best.agreement:.0%})",
-                None,
-                f"write resolution: {resolution:g}, and check the map once more",
-            )
-            return replace(_unverified("the map's cells are of another size"), findings=(finding,))
-    return _unverified(
-        f"the map agrees with the world nowhere (at best {best.agreement:.0%}): is it a map of this world, at these "
-        "heights?"
+def _incomparable(why: str) -> PlacementCheck:
+    """A world that was given, and that cannot be compared: not to be taken for one that agrees."""
+    finding = Finding("mismatch", "warning", f"the map was not compared with the world: {why}", None, "see the reason")
+    return replace(_unverified(why), findings=(finding,))
+
+
+def _negated(before: float, after: float) -> PlacementCheck:
+    finding = Finding(
+        "negated",
+        "error",
+        f"the map agrees with the world with its greys exchanged, black for white (agreement {after:.0%} against "
+        f"{before:.0%})",
+        None,
+        "exchange `negate`: 0 for 1, or 1 for 0",
     )
+    return replace(_unverified("the map's greys are exchanged"), findings=(finding,), is_negated=True)
+
+
+def _stretched(grid: OccupancyGrid, stretch: Stretch, before: float) -> PlacementCheck:
+    """A map that fits its world with cells of another size."""
+    edge = grid.resolution
+    agreement = f"(agreement {stretch.agreement:.0%} against {before:.0%})"
+    if stretch.is_square:
+        message = f"the map fits the world with cells of {stretch.width:g} m and not of {edge:g} m {agreement}"
+        fix = f"write resolution: {stretch.width:g}, and check the map once more"
+    else:
+        rows, cols = grid.shape
+        parts = [
+            f"{abs(edge / length - 1.0):.1%} too {'long' if length < edge else 'short'} along its {name}"
+            for name, length in (("width", stretch.width), ("height", stretch.height))
+            if length != edge
+        ]
+        message = (
+            f"the map is stretched against the world, {' and '.join(parts)}: cells of {stretch.width:g} x "
+            f"{stretch.height:g} m fit, and not of {edge:g} m {agreement}"
+        )
+        width, height = round(cols * stretch.width / edge), round(rows * stretch.height / edge)
+        fix = f"scale the image to {width} x {height} pixels, or make the map again; moving the origin does not help"
+    finding = Finding("resolution", "error", message, None, fix)
+    return replace(_unverified("the map's cells are of another size"), findings=(finding,))
+
+
+def _mismatch(best: float) -> PlacementCheck:
+    """A map that agrees with its world nowhere, however it is turned, flipped, scaled or read."""
+    why = f"the map agrees with the world nowhere (at best {best:.0%})"
+    finding = Finding(
+        "mismatch",
+        "error",
+        f"{why}: not flipped, turned, moved, scaled, stretched or with its greys exchanged",
+        None,
+        "give the world that the map shows, and the heights that it shows (--z-min, --z-max)",
+    )
+    return replace(_unverified(why), findings=(finding,))

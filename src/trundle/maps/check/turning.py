@@ -7,20 +7,16 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from trundle._core import inflate
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.check.lattice import Lattice, WorldCells
-from trundle.maps.check.matching import Match, as_good, pad, pyramid
+from trundle.maps.check.matching import Match, as_good
+from trundle.maps.check.nearness import Level, Matrix, Points, choose_points, look_up, make_levels, orient, rotation
 from trundle.maps.check.orientation import ORIENTATIONS, Orientation
-from trundle.maps.grid import OCCUPIED
 
 WELL_MATCHED = 0.75
 """A map that agrees so well with its world where its file puts it is not searched for at other angles."""
 
-_COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
-_BLUR_CELLS = 1.5  # standard deviation around walls: what a noisy scan or a turned lattice moves them by
 _SEARCH_SAMPLES = 4_000
 _FINAL_SAMPLES = 16_000
 _KEPT = (32, 16, 8, 4)  # places that are followed down the levels
@@ -31,8 +27,6 @@ _WIDEST_FINAL = math.radians(3.0)  # that the last search may turn by
 
 _LEAST_TURN_CELLS = 1.0  # at the map's far cells: less is no turn that a robot would notice
 _SNAP_CELLS = 0.25  # there: what the search cannot tell from a whole quarter
-
-Matrix = FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +49,7 @@ class Turn:
 
     def matrix(self) -> Matrix:
         """What is done to points about the middle, shape (2, 2)."""
-        return _rotation(self.angle) @ _matrix(self.orientation)
+        return rotation(self.angle) @ orient(self.orientation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,22 +95,6 @@ def find_turn(lattice: Lattice, world: WorldCells, match: Match) -> Turning | No
     return search.conclude(search.polish(chosen), others)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Points:
-    """Cells of the map: their places [cells] about the middle of the occupied ones, shape (N, 2); their weights."""
-
-    places: FloatArray
-    weights: FloatArray
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Level:
-    """Nearness of walls on blocks of so many cells, with a rim of one block of 0."""
-
-    field: npt.NDArray[np.float32]
-    block: int
-
-
 class _Search:
     """Places of a map in its world, scored at any angle.
 
@@ -132,34 +110,19 @@ class _Search:
         self._middle = np.array([cols.mean(), rows.mean()]) + 0.5
         self._corner = np.array([world.col + world.phase[1], world.row + world.phase[0]])
         random = np.random.default_rng(0)
-        self._many = self._choose(lattice, _FINAL_SAMPLES, random)
-        self._few = self._choose(lattice, _SEARCH_SAMPLES, random)
+        self._many = choose_points(lattice, self._middle, _FINAL_SAMPLES, random)
+        self._few = choose_points(lattice, self._middle, _SEARCH_SAMPLES, random)
         distances = np.linalg.norm(self._many.places, axis=1)
         self.radius = math.sqrt(2.0 * float((distances[self._many.weights > 0.0] ** 2).mean()))
         """Of a disc as wide as the map's occupied cells [cells]."""
         self._reach = float(distances.max()) + 1.0
-        longest = 2.0 * self._reach + max(world.cells.shape)
-        levels = max(0, math.ceil(math.log2(max(1.0, longest / _COARSE_SIDE))))
-        field = pad(_blur(world.cells), 2**levels)
-        self._levels = [_Level(np.pad(values, 1), 2**n) for n, values in enumerate(pyramid(field, levels))]
-
-    def _choose(self, lattice: Lattice, most: int, random: np.random.Generator) -> _Points:
-        places: list[FloatArray] = []
-        weights: list[FloatArray] = []
-        for (rows, cols), sign in ((lattice.occupied, 1.0), (lattice.free, -1.0)):
-            chosen: slice | npt.NDArray[np.int64] = slice(None)
-            if len(rows) > most:
-                chosen = random.choice(len(rows), most, replace=False)
-            xy = np.column_stack([cols[chosen], rows[chosen]]) + 0.5 - self._middle
-            places.append(xy)
-            weights.append(np.full(len(xy), sign / len(xy)))
-        return _Points(np.concatenate(places), np.concatenate(weights))
+        self._levels = make_levels(world.cells, self._reach)
 
     def start(self, match: Match) -> Turn:
         """A match as a place without a turn."""
         half = np.array(self._shape[::-1]) / 2.0
         turned_half = half if match.orientation.turns % 2 == 0 else half[::-1]
-        x, y = match.offset + turned_half + _matrix(match.orientation) @ (self._middle - half) - self._middle
+        x, y = match.offset + turned_half + orient(match.orientation) @ (self._middle - half) - self._middle
         return Turn(match.orientation, 0.0, float(x), float(y), -math.inf)
 
     def conclude(self, place: Turn, rivals: tuple[Turn, ...]) -> Turning:
@@ -168,7 +131,7 @@ class _Search:
         quarter = round(old / (math.pi / 2.0)) * math.pi / 2.0
         yaw = quarter if abs(old - quarter) * self.radius < _SNAP_CELLS else old
         angle = yaw - self._origin.yaw
-        right, up = self._middle - _rotation(angle) @ self._middle
+        right, up = self._middle - rotation(angle) @ self._middle
         x, y = (right + place.x) * self._resolution, (up + place.y) * self._resolution
         moved = self._origin @ Pose2D(float(x), float(y), angle)
         return Turning(Pose2D(moved.x, moved.y, math.remainder(yaw, 2.0 * math.pi)), angle, rivals)
@@ -206,10 +169,10 @@ class _Search:
                 place = replace(place, **{axis: getattr(place, axis) + top * unit})
         return place
 
-    def _score(self, points: _Points, level: _Level, place: Turn) -> float:
-        return float((points.weights * _look_up(level, self._move(points, place))).sum())
+    def _score(self, points: Points, level: Level, place: Turn) -> float:
+        return float((points.weights * look_up(level, self._move(points, place))).sum())
 
-    def _move(self, points: _Points, place: Turn) -> FloatArray:
+    def _move(self, points: Points, place: Turn) -> FloatArray:
         """Points [cells] from the world's corner when the map is put in a place."""
         return points.places @ place.matrix().T + (self._middle - self._corner + np.array([place.x, place.y]))
 
@@ -224,7 +187,7 @@ class _Search:
             step /= 2.0
         return places[: _KEPT[-1]]
 
-    def _climb(self, level: _Level, place: Turn, step: float) -> Turn:
+    def _climb(self, level: Level, place: Turn, step: float) -> Turn:
         """The best of the places a block and a step of the angle away."""
         best = replace(place, score=-math.inf)
         for part in (-1.0, -0.5, 0.0, 0.5, 1.0):
@@ -232,7 +195,7 @@ class _Search:
             moved = self._move(self._few, turned)
             for right, up in itertools.product((-1.0, 0.0, 1.0), repeat=2):
                 by = np.array([right, up]) * level.block
-                score = float((self._few.weights * _look_up(level, moved + by)).sum())
+                score = float((self._few.weights * look_up(level, moved + by)).sum())
                 if score > best.score:
                     best = replace(turned, x=place.x + float(by[0]), y=place.y + float(by[1]), score=score)
         return best
@@ -267,7 +230,7 @@ class _Search:
         found: list[Turn] = []
         for index in range(-count, count):
             angle = index * (math.pi / 4.0 / count)
-            moved = self._many.places @ _rotation(angle).T / level.block + reach
+            moved = self._many.places @ rotation(angle).T / level.block + reach
             at = np.floor(moved).astype(np.int64)
             image = np.bincount(at[:, 1] * side + at[:, 0], weights=self._many.weights, minlength=side * side)
             signal = np.conj(np.fft.rfft2(image.reshape(side, side)))
@@ -289,35 +252,7 @@ class _Search:
         level = self._levels[-1]
         back = np.array([shape[1], shape[0]]) / 2.0
         forth = np.array([level.field.shape[1], level.field.shape[0]]) / 2.0
-        blocks = _matrix(orientation) @ (middle - back) + forth - 1.0
+        blocks = orient(orientation) @ (middle - back) + forth - 1.0
         x, y = blocks * level.block + self._corner - self._middle
         # Turned first and mirrored then is mirrored first and turned the other way then.
         return Turn(orientation, -angle if orientation.flipped else angle, float(x), float(y), score)
-
-
-def _look_up(level: _Level, places: FloatArray) -> npt.NDArray[np.float32]:
-    """The field at places [cells] from the world's corner; 0 outside."""
-    at = np.floor(places / level.block).astype(np.int64) + 1
-    rows, cols = level.field.shape
-    np.clip(at[:, 0], 0, cols - 1, out=at[:, 0])
-    np.clip(at[:, 1], 0, rows - 1, out=at[:, 1])
-    return level.field.ravel()[at[:, 1] * cols + at[:, 0]]
-
-
-def _blur(cells: npt.NDArray[np.int8]) -> npt.NDArray[np.float32]:
-    """Nearness of an occupied cell: 1 on it, falling with the distance as a normal distribution does."""
-    squared = np.arange(math.ceil((3.0 * _BLUR_CELLS) ** 2) + 1)
-    table = np.rint(252.0 * np.exp(-squared / (2.0 * _BLUR_CELLS**2))).astype(np.uint8)
-    table[0] = 254
-    near = inflate(np.where(cells == OCCUPIED, np.int8(OCCUPIED), np.int8(0)), table)
-    return np.minimum(near, 252).astype(np.float32) / np.float32(252.0)
-
-
-def _rotation(angle: float) -> Matrix:
-    cos, sin = math.cos(angle), math.sin(angle)
-    return np.array([[cos, -sin], [sin, cos]])
-
-
-def _matrix(orientation: Orientation) -> Matrix:
-    flip = np.diag([1.0, -1.0]) if orientation.flipped else np.eye(2)
-    return np.rint(_rotation(orientation.turns * math.pi / 2.0)) @ flip
