@@ -78,3 +78,37 @@ def test_it_backs_up_where_the_nose_is():
     driven, clearances = back_up(room((6.0, 4.0, 7.0, 6.0)), Pose2D(6.0 - FRONT - 0.004, 5.0, 0.0))
     assert driven > 0.25
     assert np.all(np.diff(clearances) >= -1e-6)
+
+
+class Closing:
+    """Closes the aisle before the robot once it is well inside."""
+
+    def __init__(self, navigator):
+        self.navigator, self.closed, self.planners, self.backed = navigator, False, [], 0.0
+
+    def on_start(self, info): ...
+
+    def on_step(self, step):
+        if step.path is not None and (not self.planners or step.path.planner != self.planners[-1]):
+            self.planners.append(step.path.planner)
+        self.backed += min(0.0, step.state.twist.v) * self.navigator.dt
+        if not self.closed and step.state.pose.x > 4.0:
+            self.navigator.costmap = self.navigator.costmap.update(slice(90, 110), slice(104, 106), 100)
+            self.closed = True
+
+    def on_end(self, episode): ...
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_it_reverses_out_of_an_aisle_that_is_closed_before_it(backend):
+    # It is 0.9 m wide and 2.5 m long; the only other path leads round the upper block.
+    grid = room((3.0, 0.0, 5.5, 4.55), (3.0, 5.45, 5.5, 8.5))
+    navigator = Navigator(grid, CARTER)
+    closing = Closing(navigator)
+    with simulate(World.from_map(grid), CARTER, backend=backend) as sim:
+        episode = run(sim, navigator, (1.2, 5.0, 0.0), (8.5, 5.0, 0.0), observers=[closing])
+    assert episode.outcome is Outcome.ARRIVED
+    assert closing.closed
+    assert closing.planners[:2] == ["least_cost", "hybrid_astar"]
+    assert closing.backed < -0.5
+    assert not navigator.costmap.footprint_collides(episode.trajectory.poses).any()
