@@ -135,7 +135,8 @@ def test_a_partial_path_leads_near_to_a_goal_that_cannot_be_reached(name, goal):
     with pytest.raises((NoPathError, BlockedPoseError)):
         create_planner(name).plan(costmap, START, goal)
     path = create_planner(name, allow_partial=True).plan(costmap, START, goal)
-    assert (path.status, path.planner) == ("partial", "least_cost" if name == "auto" else name)
+    assert path.status == "partial"
+    assert path.planner in (("least_cost", "hybrid_astar") if name == "auto" else (name,))
     assert path.start == START
     assert path.remaining_m == pytest.approx(path.goal.distance_to(goal))
     # The nearest place for a point, and by how much the robot may reach beyond its inscribed circle.

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Unpack
 
 import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
-from trundle.geometry import Pose2D, pad_outline, wrap_angles
+from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
 from trundle.planning.footprint_planner import FootprintOptions
 from trundle.planning.hybrid_astar import PADDING_M, HybridAStarPlanner
 from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
-from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
 from trundle.planning.options import check_flag
-from trundle.planning.path_check import PathCheck, least_cost_near
+from trundle.planning.path_check import PathCheck
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query
 
@@ -61,6 +61,7 @@ class AutoPlanner(PosePlanner):
             allow_partial=allow_partial,
             deadline_s=self._least_cost._deadline_s,
         )
+        self._padded: tuple[FloatArray, FloatArray] | None = None
         spacing = {"spacing": options["spacing"]} if "spacing" in options else {}
         self._searches = [HybridAStarPlanner(in_place=in_place, **spacing) for in_place in (True, False)]
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
@@ -89,7 +90,7 @@ class AutoPlanner(PosePlanner):
     def _improve(self, query: Query, goal: Pose2D, path: Path, patience: Patience) -> Path:
         """A path of `least_cost`, or a better one where that has its goal moved, or turns close to something."""
         is_exact = path.goal_snapped_m == query.goal.snapped_m
-        if is_exact and not _turns_tightly(query.costmap, path):
+        if is_exact and not _turns_tightly(query.costmap, path, self._pad(query.costmap.footprint)):
             return path
         try:
             other = self._searches[0]._plan_to(query, goal, patience)
@@ -106,19 +107,21 @@ class AutoPlanner(PosePlanner):
         other = self._nearing._plan_near(costmap, start, goal, patience)
         return other if other.remaining_m < path.remaining_m - costmap.resolution else path
 
+    def _pad(self, footprint: FloatArray) -> FloatArray:
+        """The outline with the distance that `hybrid_astar` keeps where it can, kept for the next plan."""
+        kept = self._padded
+        if kept is None or kept[0] is not footprint:
+            kept = self._padded = (footprint, pad_outline(footprint, PADDING_M))
+        return kept[1]
 
-def _turns_tightly(costmap: Costmap, path: Path) -> bool:
-    """Whether a path turns in place closer to something than `hybrid_astar` does where it can."""
+
+def _turns_tightly(costmap: Costmap, path: Path, padded: FloatArray) -> bool:
+    """Whether the padded outline touches something where a path turns in place."""
     first, last = path.poses[:-1], path.poses[1:]
     turns = np.flatnonzero((first[:, 0] == last[:, 0]) & (first[:, 1] == last[:, 1]))
-    costs = costmap.cost_at(first[turns, 0], first[turns, 1])
-    turns = turns[costs >= least_cost_near(costmap, PADDING_M)]
-    if len(turns) == 0:
-        return False
-    ends = last[turns].copy()
-    ends[:, 2] = first[turns, 2] + wrap_angles(ends[:, 2] - first[turns, 2])
-    poses = sample_between(first[turns], ends, CHECK_STEP_M, CHECK_STEP_RAD)[0]
-    return bool(costmap.footprint_collides(poses, outline=pad_outline(costmap.footprint, PADDING_M)).any())
+    first, last = first[turns], last[turns]
+    last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
+    return bool((costmap.footprint_sweeps(first, last, outline=padded) < math.inf).any())
 
 
 def _keeps_more(costmap: Costmap, path: Path, other: Path) -> bool:
