@@ -77,7 +77,7 @@ def test_every_planner_keeps_to_the_policy_and_the_checks_agree(name):
     around, through, weighed = (path.length for path in paths)
     assert around > 8.0
     assert through == pytest.approx(7.0, abs=0.02)
-    expected = around if name in ("least_cost", "hybrid_astar") else through
+    expected = around if name in ("auto", "least_cost", "hybrid_astar") else through
     assert weighed == pytest.approx(expected, rel=0.1)
     for costmap, path in zip((blocked, free, costly), paths, strict=True):
         if name != "blog":  # which knows no footprint
