@@ -23,6 +23,12 @@ def open_file(path: Path) -> BinaryIO:
     return os.fdopen(handle, "rb")
 
 
+def read_up_to(stream: BinaryIO, most: int) -> bytes:
+    """Read at most so many bytes, into memory that is never larger than what is left of the file."""
+    left = os.fstat(stream.fileno()).st_size - stream.tell()
+    return stream.read(max(0, min(most, left)))
+
+
 def check_regular(path: Path) -> int:
     """Check that a path is a regular file; return its size [bytes].
 
@@ -34,7 +40,7 @@ def check_regular(path: Path) -> int:
     except ValueError:
         raise OSError(errno.EINVAL, "no path has a null character in it", os.fspath(path)) from None
     if stat.S_ISDIR(found.st_mode):
-        raise IsADirectoryError(errno.EISDIR, "this is a folder", os.fspath(path))
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     if not stat.S_ISREG(found.st_mode):
         raise OSError(errno.EINVAL, "not a regular file", os.fspath(path))
     return found.st_size

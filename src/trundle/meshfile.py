@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import math
+import os
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError, MissingExtraError, WorldError
 from trundle.geometry import FloatArray
+from trundle.inputfile import check_regular, exists, open_file, read_up_to
 from trundle.solids import Color, Mesh
 from trundle.xmlfile import parse_xml, read_limited
 
@@ -140,23 +142,51 @@ def _load_scene(path: Path) -> Any:
     except ImportError as error:
         raise MissingExtraError("reading meshes", "trimesh", 'pip install "trundle[mesh]"') from error
     try:
-        size = path.stat().st_size
+        size = check_regular(path)
     except OSError as error:
         raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
     if size > MAX_BYTES:
         raise WorldError(f"{path}: {size} bytes is more than a mesh file may have ({MAX_BYTES})")
     if path.suffix.lower() in _GLTF:
-        _check_gltf_extensions(path)
+        _check_gltf(path)
     if path.suffix.lower() == ".dae":
         _check_collada_reader()
     options = {"split_objects": True} if path.suffix.lower() == ".obj" else {}
+    named = _named_files(path)
     try:
-        return cast("Any", trimesh).load_scene(str(path), process=False, **options)
+        scene = cast("Any", trimesh).load_scene(str(path), process=False, resolver=named, **options)
     except Exception as error:  # readers of broken files raise whatever the bytes lead them into
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        if named.refused:
+            reason = named.refused
         if isinstance(error, ImportError):  # it wants a library that guesses how bytes are meant as text
             reason = "it is not UTF-8 text"
         raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
+    if named.refused:  # by a reader that goes on without it
+        raise WorldError(f"{path}: {named.refused}")
+    return scene
+
+
+def _named_files(path: Path) -> Any:
+    """Opens the files that a mesh file names, beside it and below, where they are regular files."""
+    from trimesh.resolvers import FilePathResolver
+
+    class NamedFiles(FilePathResolver):
+        refused = ""
+
+        def absolute(self, name: str) -> Path:
+            found = super().absolute(name)
+            if not exists(found):
+                return found
+            try:
+                if check_regular(found) > MAX_BYTES:
+                    raise OSError(f"more than {MAX_BYTES} bytes")
+            except OSError as problem:
+                self.refused = f"it names {name!r}, which cannot be read: {problem.strerror or problem}"
+                raise ValueError(self.refused) from problem
+            return found
+
+    return NamedFiles(str(path))
 
 
 def _check_collada_reader() -> None:
@@ -168,18 +198,27 @@ def _check_collada_reader() -> None:
         raise MissingExtraError("reading .dae files", "pycollada", install) from error
 
 
-def _check_gltf_extensions(path: Path) -> None:
-    """Refuse what trimesh would read as nothing or only in part."""
-    with path.open("rb") as file:
+def _check_gltf(path: Path) -> None:
+    """Refuse what trimesh would read as nothing or only in part, and sizes that are not those of the file."""
+    with open_file(path) as file:
+        size = os.fstat(file.fileno()).st_size
         head = file.read(20)
-        length = struct.unpack_from("<I", head, 12)[0] if head[:4] == b"glTF" and len(head) == 20 else None
-        if length is None:
+        if head[:4] == b"glTF" and len(head) == 20:
+            _, _, whole, length = struct.unpack_from("<4sIII", head)
+            if whole > size or length > size - len(head):
+                raise WorldError(f"{path}: its header says more bytes than the file has ({size}); it is cut off")
+        else:
             file.seek(0)
-        content = file.read(length)
+            length = size
+        content = read_up_to(file, length)
     try:
         used = json.loads(content).get("extensionsUsed", [])
-    except (ValueError, AttributeError):
+    except RecursionError as error:
+        raise WorldError(f"{path}: its JSON is nested too deeply to be read") from error
+    except (ValueError, AttributeError, TypeError):
         return  # trimesh says what is wrong with it
+    if not isinstance(used, list):
+        raise WorldError(f"{path}: extensionsUsed must be a list of names")
     lost = [name for name in _LOST_EXTENSIONS if name in used]
     if lost:
         raise WorldError(f"{path}: it uses {', '.join(lost)}, which cannot be read; export it without")

@@ -16,6 +16,7 @@ import numpy as np
 from trundle.errors import InputError
 from trundle.inputfile import is_file
 from trundle.meshfile import read_mesh
+from trundle.mjcffile import check_mjcf
 from trundle.uris import describe_search, find_uri
 from trundle.xmlfile import XmlElement, read_limited, read_xml
 
@@ -72,6 +73,7 @@ def read_spec(
         raise error(f"{path}: MJCF starts with <mujoco> and URDF with <robot>, this file with <{root.tag}>")
     try:
         if root.tag == "mujoco":
+            check_mjcf(path, root, error=error)
             return mujoco.MjSpec.from_file(os.fspath(path))
         assets = _prepare_urdf(path, root, folders, error, geometry)
         return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), assets=assets)

@@ -8,7 +8,7 @@ from typing import cast
 from xml.parsers import expat
 
 from trundle.errors import InputError
-from trundle.inputfile import open_file
+from trundle.inputfile import open_file, read_up_to
 
 MAX_BYTES = 64 * 1024 * 1024
 """Largest file that is read: 160 times the largest of the BARN worlds."""
@@ -40,7 +40,7 @@ def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> by
     """
     try:
         with open_file(path) as file:
-            content = file.read(MAX_BYTES + 1)
+            content = read_up_to(file, MAX_BYTES + 1)
     except OSError as problem:
         raise error(f"cannot read {path}: {problem.strerror or problem}") from problem
     if len(content) > MAX_BYTES:

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError
-from trundle.inputfile import open_file
+from trundle.inputfile import open_file, read_up_to
 
 MAX_BYTES = 250_000
 MAX_DEPTH = 32
@@ -85,7 +85,7 @@ def place(node: yaml.Node, name: str) -> str:
 def _read_text(path: Path, max_bytes: int) -> str:
     try:
         with open_file(path) as stream:
-            content = stream.read(max_bytes + 1)
+            content = read_up_to(stream, max_bytes + 1)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from error
     if len(content) > max_bytes:

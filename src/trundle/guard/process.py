@@ -161,6 +161,8 @@ class Child:
                 raise error(f"{what}: it is nested too deeply to be read")
             case code.ERROR:
                 problem, text = cast("tuple[Exception, str]", value)
+                if isinstance(problem, InputError) and _is_out_of_memory(str(problem)):
+                    raise error(f"{what}: {_too_much(limits)}") from problem
                 if not isinstance(problem, InputError | ImportError):
                     problem.add_note(f"In the process that read {what}:\n{text}")
                 raise problem
@@ -230,7 +232,7 @@ class Child:
         said = pipe.tail.decode(errors="replace")
         self.close()
         logger.debug("the process that reads files ended with %d: %s", status, said)
-        if any(sign in said for sign in ("bad_alloc", "MemoryError", "Cannot allocate memory", "out of memory")):
+        if _is_out_of_memory(said):
             return _too_much(limits)
         if status < 0:
             try:
@@ -318,6 +320,11 @@ def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
             warnings.warn(message, category, stacklevel=stacklevel + 1)
         else:
             warnings.warn_explicit(message, category, filename, line)
+
+
+def _is_out_of_memory(text: str) -> bool:
+    """Whether what a library says means that it got no memory."""
+    return any(sign in text for sign in ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate"))
 
 
 def _too_much(limits: ReadLimits) -> str:

@@ -27,6 +27,11 @@ UNKNOWN = -1
 MAX_CELLS = 400_000_000
 """More cells than this are taken for a mistake; 1 km² at 0.05 m has as many."""
 
+MAX_EXTENT = 1e5
+"""Largest width of a map [m]; paths are checked every few centimetres."""
+MAX_ORIGIN = 1e9
+"""Farthest origin of a map [m]; coordinates of surveyors (UTM) are below 1e7."""
+
 
 @dataclass(frozen=True, slots=True)
 class OccupancyGrid(GridFrame):
@@ -38,8 +43,8 @@ class OccupancyGrid(GridFrame):
         origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw turns the whole grid.
 
     Raises:
-        MapError: If the array has no cells or another shape, a value is outside −1..100, or the resolution is not a
-            positive number.
+        MapError: If the array has no cells or another shape, a value is outside −1..100, the resolution is not a
+            positive number, or the map is wider than 100 km or its origin farther than a million km away.
     """
 
     data: npt.NDArray[np.int8]
@@ -55,11 +60,23 @@ class OccupancyGrid(GridFrame):
         resolution = float(self.resolution)
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
+        extent = max(source.shape) * resolution
+        if extent > MAX_EXTENT:
+            raise MapError(
+                f"{source.shape[1]} x {source.shape[0]} cells of {resolution:g} m are {extent / 1e3:g} km, and a map "
+                f"may be {MAX_EXTENT / 1e3:g} km wide; correct the resolution, which is in metres a cell"
+            )
+        origin = Pose2D.of(self.origin)
+        if max(abs(origin.x), abs(origin.y)) > MAX_ORIGIN:
+            raise MapError(
+                f"the origin ({origin.x:g}, {origin.y:g}) is more than {MAX_ORIGIN:g} m away: no cell can be told from "
+                "the next there; correct it"
+            )
         data = np.array(source, dtype=np.int8, order="C", copy=True)
         data.flags.writeable = False
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
-        object.__setattr__(self, "origin", Pose2D.of(self.origin))
+        object.__setattr__(self, "origin", origin)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trundle.errors import MapError
+from trundle.inputfile import open_file, read_up_to
 from trundle.maps import bmp, pnm
 from trundle.maps.grid import MAX_CELLS
 from trundle.maps.pixels import Pixels
@@ -26,14 +27,14 @@ def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
         MapError: If the file cannot be read, is no PNG, PNM or BMP, is too large, truncated or damaged.
     """
     try:
-        if not path.is_file():
-            raise MapError(f"{path}: there is no such image file; correct `image` or put the file there")
-        with path.open("rb") as stream:
+        with open_file(path) as stream:
             head = stream.read(_HEAD_BYTES)
             limit = _check_size(head, str(path), max_cells)
-            content = head + stream.read(max(0, limit - len(head)))
+            content = head + read_up_to(stream, max(0, limit - len(head)))
             if head[:2] not in pnm.BINARY_MAGIC and stream.read(1):
                 raise MapError(f"{path}: the file is far longer than its picture needs; write the image again")
+    except FileNotFoundError:
+        raise MapError(f"{path}: there is no such image file; correct `image` or put the file there") from None
     except OSError as error:
         raise MapError(f"cannot read {path}: {error.strerror or error}") from error
     if head[:2] in pnm.MAGIC:

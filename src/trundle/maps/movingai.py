@@ -15,7 +15,7 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.files import write_bytes
-from trundle.inputfile import open_file
+from trundle.inputfile import open_file, read_up_to
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.values import round_trinary
 
@@ -128,7 +128,7 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
 def _read(source: Path, max_bytes: int) -> bytes:
     try:
         with open_file(source) as stream:
-            content = stream.read(max_bytes + 1)
+            content = read_up_to(stream, max_bytes + 1)
     except OSError as error:
         raise MapError(f"cannot read {source}: {error.strerror or error}") from error
     if len(content) > max_bytes:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError, MapWarning
+from trundle.inputfile import is_file
 from trundle.maps.grid import FREE, OccupancyGrid
 from trundle.maps.image import read_image
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
@@ -40,7 +41,10 @@ def load_map(
     pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     _warn_of_unknown_as_free(pixels, description)
     cells = compute_cells(pixels, description.rule, compat)
-    return OccupancyGrid(cells, description.resolution, description.origin)
+    try:
+        return OccupancyGrid(cells, description.resolution, description.origin)
+    except MapError as error:
+        raise MapError(f"{source}: {error}") from error
 
 
 def find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:
@@ -54,7 +58,7 @@ def find_image(source: Path, description: RosMapDescription, *, allow_outside: b
         folder = source.parent.resolve()
         found = (folder / image).resolve()
         inside = found.is_relative_to(folder)
-        exists = found.is_file()
+        exists = is_file(found)
     except (OSError, RuntimeError, ValueError) as error:
         raise MapError(f"{where}: image {image[:100]!r} is no usable file name ({error}); correct it") from error
     if not inside and not allow_outside:

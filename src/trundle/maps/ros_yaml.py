@@ -12,12 +12,14 @@ import yaml
 
 from trundle.errors import InputError, MapError
 from trundle.geometry import Pose2D
+from trundle.maps.grid import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 from trundle.yamlnodes import compose, place
 
 MAX_YAML_BYTES = 100_000
 MIN_RESOLUTION = 1e-6
-MAX_RESOLUTION = 1e6
+MAX_RESOLUTION = 1e3
+MAX_YAW = 1e6
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,9})?[ \t\r\n]*", re.ASCII)
 _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,7}|[0-9]{1,9})")
@@ -177,6 +179,14 @@ def parse_origin(fields: Fields) -> Pose2D:
         parse_number(item, f"origin's {what}", fields.name)
         for item, what in zip(node.value, ("x", "y", "yaw"), strict=True)
     )
+    for item, what, value, most in zip(
+        node.value, ("x", "y", "yaw"), (x, y, yaw), (MAX_ORIGIN, MAX_ORIGIN, MAX_YAW), strict=True
+    ):
+        if abs(value) > most:
+            raise MapError(
+                f"{place(item, fields.name)}: origin's {what} is {value:g}, it must be between {-most:g} and {most:g}; "
+                "correct it"
+            )
     return Pose2D(x, y, yaw)
 
 

@@ -79,6 +79,8 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
         check_regular(file)
     except FileNotFoundError:
         raise WorldError(f"{file}: there is no such file") from None
+    except IsADirectoryError:
+        raise WorldError(f"{file}: this is a folder") from None
     except OSError as error:
         raise WorldError(f"{file}: {error.strerror or error}") from error
     if target == _MAPS:

@@ -40,6 +40,9 @@ MissingChoice: TypeAlias = Literal["error", "skip"]
 MAX_NESTING = 32
 """Of models and includes inside each other."""
 
+MAX_INCLUDES = 10_000
+"""Of a world, those in included models counted each time; the largest public worlds have some hundred."""
+
 
 def load_sdf(
     path: Path,
@@ -118,6 +121,8 @@ class _Reader:
     names: Names = field(default_factory=Names)
     moving: list[str] = field(default_factory=list[str])
     skipped: list[str] = field(default_factory=list[str])
+    includes: int = 0
+    roots: dict[Path, XmlElement] = field(default_factory=dict[Path, XmlElement])
 
     def read_file(self, path: Path, world: str | None) -> tuple[str, list[Solid]]:
         place = Place(path)
@@ -205,6 +210,9 @@ class _Reader:
     def _include(
         self, place: Place, element: XmlElement, *, static: bool, nesting: int
     ) -> tuple[_Model, PoseIn] | None:
+        self.includes += 1
+        if self.includes > MAX_INCLUDES:
+            place.fail(element, f"more than {MAX_INCLUDES} models are included, counted with what is included in them")
         uri = read_text(place, element, "uri")
         file = find_model_file(self.files.find(uri, place.file.parent))
         if file is None and is_plain_floor(uri):
@@ -215,7 +223,9 @@ class _Reader:
             return None
         else:
             inside = Place(file, place.model)
-            root = read_xml(file, error=WorldError)
+            if file not in self.roots:
+                self.roots[file] = read_xml(file, error=WorldError)
+            root = self.roots[file]
             read_version(inside, root)
         found = child(root, "model")
         if found is None:

@@ -44,7 +44,11 @@ def read_map(
     trapped = _find_trapped(pixels, rule)
     if trapped is None:
         cells = compute_cells(pixels, rule, compat)
-        return Reading(OccupancyGrid(cells, description.resolution, description.origin), [], ())
+        try:
+            return Reading(OccupancyGrid(cells, description.resolution, description.origin), [], ())
+        except MapError as error:
+            advice = "write the edge of a cell in metres, most often 0.05"
+            return Reading(None, [Finding("resolution", "error", f"{source}: {error}", None, advice)], ())
     meant = dataclasses.replace(rule, free_thresh=FREE_THRESH)
     grid = OccupancyGrid(compute_cells(pixels, meant, compat), description.resolution, description.origin)
     rows, cols = np.nonzero(trapped)

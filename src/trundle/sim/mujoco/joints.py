@@ -9,6 +9,7 @@ import mujoco
 
 from trundle.errors import RobotError
 from trundle.guard import read_guarded, read_limits
+from trundle.mjcffile import check_mjcf
 from trundle.modelfile import log_warnings
 from trundle.robots import Robot
 from trundle.sim.mujoco.joint import Joint
@@ -73,6 +74,7 @@ def read_joints(path: Path) -> list[Joint]:
     if root.tag == "robot":
         return urdf_joints(path, root)
     if root.tag in ("mujoco", "mujocoinclude"):
+        check_mjcf(path, root, error=RobotError)
         return _model_joints(_compile_without_assets(path))
     raise RobotError(
         f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
