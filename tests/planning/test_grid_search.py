@@ -149,10 +149,40 @@ def test_the_method_is_chosen_by_the_map():
     kind=st.sampled_from(["cells", "boxes", "rooms"]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_clutter_is_the_number_of_free_standing_obstacles(rows, cols, kind, seed):
+def test_clutter_is_by_the_number_of_free_standing_obstacles_and_of_corners(rows, cols, kind, seed):
     blocked = make_map(rows, cols, kind, seed)
-    obstacles = ndimage.label(np.pad(blocked, 1, constant_values=True), np.ones((3, 3)))[1] - 1
-    assert GridSearch(blocked).clutter == pytest.approx(obstacles / max(1, (~blocked).sum()))
+    assert GridSearch(blocked).clutter == pytest.approx(clutter_of(blocked))
+
+
+def clutter_of(blocked):
+    padded = np.pad(blocked, 1, constant_values=True)
+    obstacles = ndimage.label(padded, np.ones((3, 3)))[1] - 1
+    return np.sqrt(obstacles * corners_of(padded)) / max(1, (~blocked).sum())
+
+
+def corners_of(padded):
+    return (padded[1:, 1:] + 0 + padded[1:, :-1] + padded[:-1, 1:] + padded[:-1, :-1] == 1).sum()
+
+
+@pytest.mark.parametrize("share", [0.06, 0.1, 0.2, 0.3, 0.35, 0.4, 0.45])
+def test_random_cells_are_cluttered_also_where_obstacles_merge(share):
+    assert GridSearch(np.random.default_rng(0).random((256, 256)) < share).method == "astar"
+
+
+def test_a_maze_is_not_cluttered_however_many_its_corners():
+    cells = 60
+    blocked = np.ones((2 * cells + 1,) * 2, bool)
+    blocked[1::2, 1::2] = False
+    # From every cell one opening, to the row before or to the column before: a tree.
+    up = np.random.default_rng(0).random((cells, cells)) < 0.5
+    up[0], up[1:, 0] = False, True
+    rows, cols = np.nonzero(up)
+    blocked[2 * rows, 2 * cols + 1] = False
+    rows, cols = np.nonzero(~up)
+    blocked[2 * rows + 1, 2 * cols] = False
+    padded = np.pad(blocked, 1, constant_values=True)
+    assert corners_of(padded) > 0.2 * (~blocked).sum()
+    assert GridSearch(blocked).method == "jps"
 
 
 @settings(max_examples=60, deadline=None)
@@ -214,8 +244,7 @@ def test_labels_stay_right_over_many_small_changes(shape, kind, seed):
         )
         joined = labels[tuple(starts.T)] == labels[tuple(goals.T)]
         assert (search.plan_many(starts, goals, threads=1).status == "found").tolist() == joined.tolist()
-        obstacles = ndimage.label(np.pad(blocked, 1, constant_values=True), np.ones((3, 3)))[1] - 1
-        assert search.clutter == pytest.approx(obstacles / len(free))
+        assert search.clutter == pytest.approx(clutter_of(blocked))
 
 
 def test_a_door_that_shuts_and_opens_again():

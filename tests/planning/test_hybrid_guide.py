@@ -1,4 +1,4 @@
-"""Searches that their guide would lead astray: gaps for the inscribed circle alone, and goals that are hard to reach."""
+"""Searches that their guide would lead astray: gaps for the inscribed circle alone, and goals among furniture."""
 
 import pytest
 

@@ -111,9 +111,7 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "mark_gaps": lambda: _core.mark_gaps(BLOCKED, 6.0),
     "cost_field": lambda: _core.cost_field(COSTS, np.array([GOAL]), 8, 2, 10.0, None),
     "footprint_collides": lambda: _core.footprint_collides(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES),
-    "footprint_sweep": lambda: _core.footprint_sweep(
-        COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE[[2, 3, 0, 1]].copy(), POSES[:10], POSES[10:]
-    ),
+    "footprint_sweep": lambda: _core.footprint_sweep(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES[:10], POSES[10:]),
     "footprint_clearance": lambda: _core.footprint_clearance(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES, 1.0),
     "grid_search": lambda: _core.grid_search(
         COSTS, np.where(np.arange(256) < 253, 1, 0).astype(np.uint16), START, GOAL, 8, 10.0, None

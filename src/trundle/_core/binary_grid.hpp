@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,8 +27,8 @@ enum class Method { kAuto, kJump, kJumpTable, kBucket };
 
 class BinaryGrid {
  public:
-  // With more obstacles than this among the free cells, bucket A* is faster than jumps: there are so many ways round.
-  static constexpr double kCluttered = 0.06;
+  // With more clutter than this, bucket A* is faster than jumps: there are so many ways round.
+  static constexpr double kCluttered = 0.08;
 
   BinaryGrid(const ByteView &blocked, int connectivity, Method method)
       : connectivity_(connectivity),
@@ -41,7 +42,7 @@ class BinaryGrid {
       pack(blocked, lines_);
       turned_.transpose(lines_);
     }
-    lines_.count(0, lines_.rows(), 0, lines_.words(), free_, euler_);
+    lines_.count(0, lines_.rows(), 0, lines_.words(), free_, euler_, corners_);
     runs_.label(lines_);
     choose_method();
   }
@@ -58,7 +59,8 @@ class BinaryGrid {
     std::shared_lock lock(change_);
     return lines_.blocked(cell.row + 1, cell.col + 1);
   }
-  // Obstacles that one can go round, per free cell.
+  // The geometric mean of the obstacles that one can go round and of their corners, per free cell. Corners alone are as many
+  // in a maze, where jumps are fast; obstacles grow together and become few in dense clutter, where jumps are slow.
   double clutter() const {
     std::shared_lock lock(change_);
     return clutter_now();
@@ -213,10 +215,10 @@ class BinaryGrid {
 
   // Takes the squares of 2 x 2 cells with changed ones out of the count, or adds them.
   void recount(const Window &changed, std::int64_t sign) {
-    std::int64_t free = 0, euler = 0;
+    std::int64_t free = 0, euler = 0, corners = 0;
     lines_.count(changed.row - 1, changed.row_end, static_cast<std::size_t>(changed.col - 1) / 64,
-                 static_cast<std::size_t>(changed.col_end - 1) / 64 + 1, free, euler);
-    free_ += sign * free, euler_ += sign * euler;
+                 static_cast<std::size_t>(changed.col_end - 1) / 64 + 1, free, euler, corners);
+    free_ += sign * free, euler_ += sign * euler, corners_ += sign * corners;
   }
 
   // Whether the landmarks know of ways to a free cell: those to one of them are in their part of the map.
@@ -237,7 +239,8 @@ class BinaryGrid {
 
   double clutter_now() const {
     const std::int64_t obstacles = runs_.components() - euler_ / 4;
-    return free_ > 0 ? static_cast<double>(obstacles) / static_cast<double>(free_) : 0.0;
+    const double product = static_cast<double>(obstacles) * static_cast<double>(corners_);
+    return free_ > 0 ? std::sqrt(product) / static_cast<double>(free_) : 0.0;
   }
 
   void choose_method() {
@@ -258,7 +261,8 @@ class BinaryGrid {
   Method method_ = Method::kJump;
   BitGrid lines_, turned_;  // rows, and columns
   FreeRuns runs_;
-  std::int64_t free_ = 0, euler_ = 0;  // cells, and four times the Euler number of the free space
+  // Cells, four times the Euler number of the free space, and corners of obstacles.
+  std::int64_t free_ = 0, euler_ = 0, corners_ = 0;
   std::unique_ptr<StepMasks> masks_;
   std::unique_ptr<JumpTable> table_;
   std::unique_ptr<Landmarks> landmarks_;

@@ -99,10 +99,10 @@ class BitGrid {
   }
 
   // Adds up the free cells of rows and words [first, end), and four times the Euler number of the free space (its parts
-  // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them. S. Gray,
-  // "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected free space.
+  // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them, and the corners of
+  // obstacles there. S. Gray, "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected free space.
   void count(std::int64_t row_first, std::int64_t row_end, std::size_t word_first, std::size_t word_end,
-             std::int64_t &free, std::int64_t &euler) const {
+             std::int64_t &free, std::int64_t &euler, std::int64_t &corners) const {
     for (std::int64_t row = std::max<std::int64_t>(row_first, 0); row < std::min(row_end, rows_ - 1); ++row) {
       for (std::size_t w = word_first; w < std::min(word_end, words_); ++w) {
         const bool last = w + 1 == words_;
@@ -112,7 +112,9 @@ class BitGrid {
         const std::uint64_t odd = a ^ b ^ c ^ d, two = (a & b) | (c & d) | ((a | b) & (c | d));
         const std::uint64_t crossed = (a & d & ~b & ~c) | (b & c & ~a & ~d);
         free += __builtin_popcountll(a);
-        euler += __builtin_popcountll(odd & ~two) - __builtin_popcountll(odd & two) + 2 * __builtin_popcountll(crossed);
+        const std::int64_t three = __builtin_popcountll(odd & two);
+        euler += __builtin_popcountll(odd & ~two) - three + 2 * __builtin_popcountll(crossed);
+        corners += three;
       }
     }
   }

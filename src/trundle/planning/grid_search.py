@@ -48,7 +48,7 @@ class GridSearch:
     - "jps": jump point search with bit-packed rows (Harabor and Grastien 2014, "JPS (B + P)").
     - "astar": A* with a bucket queue; faster where jumps are short, and the way for `connectivity=4`.
     - "jps_plus": jumps from a table of 16 bytes a cell, for maps that do not change: `update` makes it anew.
-    - "auto": "astar" where `clutter` is above 0.06, as with a tenth of the cells blocked at random, "jps" otherwise;
+    - "auto": "astar" where `clutter` is above 0.08, as with 5 to 45 % of the cells blocked at random, "jps" otherwise;
       chosen again after every update.
 
     Args:
@@ -106,7 +106,10 @@ class GridSearch:
 
     @property
     def clutter(self) -> float:
-        """Obstacles that one can go round, per free cell; blocked cells that touch are one obstacle."""
+        """The geometric mean of the obstacles that one can go round and of the corners of all, per free cell.
+
+        Blocked cells that touch are one obstacle. A maze has corners, but hardly an obstacle that stands free.
+        """
         return self._grid.clutter
 
     @property
