@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli import options, output, sources
+from trundle.cli.map_report import MOST_LINES, tell_report
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def check(
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     compat: options.Compat = None,
+    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     json: options.Json = False,
 ) -> int:
     """Look for what is wrong with a map: its file, its place, its space, and a robot's way through it.
@@ -64,6 +66,7 @@ def check(
         out: A picture of the map with its findings, or a folder for check.png.
         z_min: Lower end of the heights of the world that the map shows [m]; left out: the robot's, or 0.1.
         z_max: Upper end of them [m]; left out: the robot's, or 0.62.
+        everything: Print every finding, and not the kinds of them on at most 15 lines.
     """
     from trundle.maps.check import check_map
     from trundle.maps.check.check import DEFAULT_ROBOT, DEFAULT_Z_RANGE
@@ -81,13 +84,14 @@ def check(
         raise InputError("--floor-z is the height of the floor in a world: give --world as well")
     target = options.output_file(fix, "map.yaml", (".yaml", ".yml")) if fix is not None else None
     picture = options.output_file(out, "check.png", (".png",)) if out is not None else None
+    robot_area = _covered(machine.footprint) if machine is not None else None
     low, high = machine.z_range if machine is not None else DEFAULT_Z_RANGE
     heights = (low if z_min is None else z_min, high if z_max is None else z_max)
     report = check_map(map_file, world=place, robot=machine, start=first, goals=goals, z_range=heights, compat=compat)
     if target is not None and report.corrected is not None:
         report.corrected.save(target, mode=choose_mode(report.corrected))
     if picture is not None and report.grid is not None:
-        _draw(report.grid, report, picture, map_file.name)
+        _draw(report.grid, report, picture, map_file.name, robot_area)
     fixed = target if report.corrected is not None else None
     drawn = picture if report.grid is not None else None
     if json:
@@ -104,36 +108,38 @@ def check(
             }
         )
     else:
-        _print_report(map_file, report)
-        for asked, written, what in ((target, fixed, "fixed"), (picture, drawn, "picture")):
-            if written is not None:
-                done = f" ({', '.join(report.corrected_kinds)})" if what == "fixed" else ""
-                print(f"{what}: {written}{done}")
-            elif asked is not None:
-                why = "nothing can be put right for certain" if what == "fixed" else "the map cannot be read"
-                print(f"{what}: not written: {why}")
+        written = _tell_written(report, (target, fixed), (picture, drawn))
+        most = None if everything else MOST_LINES - len(written)
+        for line in [*tell_report(str(map_file), report, robot_area, most=most), *written]:
+            print(line)
     return 1 if report.has_errors else 0
 
 
-def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str) -> None:
+def _tell_written(
+    report: MapReport, fix: tuple[Path | None, Path | None], picture: tuple[Path | None, Path | None]
+) -> list[str]:
+    """Which files that were asked for were written."""
+    lines: list[str] = []
+    for (asked, written), what in ((fix, "fixed"), (picture, "picture")):
+        if written is not None:
+            done = f" ({', '.join(report.corrected_kinds)})" if what == "fixed" else ""
+            lines.append(f"{what}: {written}{done}")
+        elif asked is not None:
+            why = "nothing can be put right for certain" if what == "fixed" else "the map cannot be read"
+            lines.append(f"{what}: not written: {why}")
+    return lines
+
+
+def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str, robot_area: float | None) -> None:
     from trundle.files import atomic_path
     from trundle.record.map_report import draw_report
 
-    image = draw_report(grid, report, title=title)
+    image = draw_report(grid, report, title=title, robot_area=robot_area)
     with atomic_path(target) as temporary:
         image.save(temporary)
 
 
-def _print_report(map_file: Path, report: MapReport) -> None:
-    from trundle.record.map_report import count_by_severity
-
-    print(f"{map_file}: {count_by_severity(report)}")
-    for finding in report.findings:
-        where = f" at ({finding.where[0]:.2f}, {finding.where[1]:.2f})" if finding.where else ""
-        print(f"{finding.severity}: {finding.kind}{where}: {finding.message}")
-        print(f"    fix: {finding.fix}")
-    for name, kinds in (("unverified", report.unverified), ("ambiguous", report.ambiguous)):
-        if kinds:
-            print(f"{name}: {', '.join(kinds)}")
-    for remark in report.remarks:
-        print(f"    {remark}")
+def _covered(corners: tuple[tuple[float, float], ...]) -> float:
+    """What a footprint covers [m²]."""
+    following = (*corners[1:], corners[0])
+    return abs(sum(x * b - a * y for (x, y), (a, b) in zip(corners, following, strict=True))) / 2.0

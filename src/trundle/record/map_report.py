@@ -8,8 +8,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
-from trundle.maps.check import Finding, MapReport, Severity
-from trundle.maps.check.finding import MOST_A_KIND
+from trundle.maps.check import MapReport, Severity
+from trundle.maps.check.grouping import Group, group_findings, tell_small
 from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.record.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.record.colors import OCCUPIED as WALL
@@ -25,13 +25,12 @@ _RING = 13  # [px]
 _TAG = (34, 24)  # room for a number [px]
 _LINE = 46  # [px], for each kind of finding below the map
 _MOST_LINES = 24
+_MOST_RINGS = 20  # of a group, the largest
 _ASIDE = ((1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0), (0, -1), (0, 1))
 _NAMES: tuple[tuple[Severity, str], ...] = (("error", "error"), ("warning", "warning"), ("info", "remark"))
 
-Group = list[Finding]
 
-
-def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str) -> Image.Image:
+def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str, robot_area: float | None = None) -> Image.Image:
     """Draw a map with its findings: a ring and a number at each place, and below what they mean.
 
     Findings of one kind with one fix have one number.
@@ -40,11 +39,13 @@ def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str) -> Image.
         grid: The map.
         report: What was found in it.
         title: Headline.
+        robot_area: What the robot's footprint covers [m²]: smaller free areas are told last, on one line, and have no
+            ring. None means the smallest robot's.
     """
-    groups = _group(report.findings)
+    groups, small = group_findings(report.findings, robot_area)
     view = MapView(_as_costmap(grid))
     for group in reversed(groups):
-        for finding in group:
+        for finding in group[:_MOST_RINGS]:
             if finding.where is not None:
                 view.ring(finding.where, _RING, COLORS[finding.severity], 4)
     picture = view.finish()
@@ -59,14 +60,7 @@ def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str) -> Image.
         legend=(*_LEGEND, *severities),
         pixels_per_metre=view.pixels_per_metre,
     )
-    return _add_list(page, groups)
-
-
-def _group(findings: tuple[Finding, ...]) -> list[Group]:
-    groups: dict[tuple[str, str, str], Group] = {}
-    for finding in findings:
-        groups.setdefault((finding.severity, finding.kind, finding.fix), []).append(finding)
-    return list(groups.values())
+    return _add_list(page, groups, small)
 
 
 def _draw_tags(picture: Image.Image, view: MapView, groups: list[Group]) -> None:
@@ -75,7 +69,7 @@ def _draw_tags(picture: Image.Image, view: MapView, groups: list[Group]) -> None
     rings = [
         (number, finding, [float(at) for at in view.to_pixels([finding.where])[0]])
         for number, group in enumerate(groups, start=1)
-        for finding in group
+        for finding in group[:_MOST_RINGS]
         if finding.where is not None
     ]
     taken = [(x - _RING, y - _RING, x + _RING, y + _RING) for _, _, (x, y) in rings]
@@ -125,13 +119,14 @@ def _as_costmap(grid: OccupancyGrid) -> Costmap:
     return Costmap(costs, grid.resolution, grid.origin, _POINT, inflation_radius=0.0)
 
 
-def _add_list(page: Image.Image, groups: list[Group]) -> Image.Image:
+def _add_list(page: Image.Image, groups: list[Group], small: Group) -> Image.Image:
     shown = groups[:_MOST_LINES]
-    rest = len(groups) - len(shown)
-    whole = Image.new("RGB", (page.width, page.height + _LINE * len(shown) + (28 if rest else 0) + 16), PAGE)
+    last = [f"and {len(groups) - len(shown)} more"] if len(groups) > len(shown) else []
+    last += [tell_small(small)] if small else []
+    whole = Image.new("RGB", (page.width, page.height + _LINE * len(shown) + 28 * len(last) + 16), PAGE)
     whole.paste(page, (0, 0))
     draw = ImageDraw.Draw(whole)
-    letters, small = font(16), font(14)
+    letters, finer = font(16), font(14)
     room = page.width - 28 - 72
     for index, group in enumerate(shown):
         y = page.height + index * _LINE
@@ -141,18 +136,14 @@ def _add_list(page: Image.Image, groups: list[Group]) -> Image.Image:
         more = _tell_more(group)
         text = _fit(f"{first.kind} · {first.message}", 16, room - float(letters.getlength(plain(more))))
         draw.text((72, y), text + plain(more), font=letters, fill=INK)
-        draw.text((72, y + 20), _fit(f"Fix: {first.fix}", 14, room), font=small, fill=FAINT)
-    if rest:
-        draw.text((72, page.height + _LINE * len(shown)), f"and {rest} more", font=letters, fill=FAINT)
+        draw.text((72, y + 20), _fit(f"Fix: {first.fix}", 14, room), font=finer, fill=FAINT)
+    for index, text in enumerate(last):
+        draw.text((72, page.height + _LINE * len(shown) + 28 * index), _fit(text, 16, room), font=letters, fill=FAINT)
     return whole
 
 
 def _tell_more(group: Group) -> str:
-    if len(group) == 1:
-        return ""
-    if len(group) > MOST_A_KIND:  # The last tells of those that are not listed.
-        return f" · and {MOST_A_KIND - 1} more; {group[-1].message.partition(',')[0]}"
-    return f" · and {len(group) - 1} more"
+    return f" · and {len(group) - 1} more" if len(group) > 1 else ""
 
 
 def _fit(text: str, size: int, room: float) -> str:

@@ -4,7 +4,7 @@ import pytest
 from support.planted_maps import EDGE, changed, map_of, redrawn, room, warehouse
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
-from trundle.maps.check import check_grid
+from trundle.maps.check import areas, check_grid
 from trundle.robots import Robot
 from trundle.worlds import World
 
@@ -148,7 +148,17 @@ def test_free_specks_become_unknown():
     assert report.corrected.data[row, col] == -1
 
 
-def test_many_findings_of_a_kind_are_counted():
+def test_many_findings_of_a_kind_are_all_listed():
+    data = map_of(warehouse()).data.copy()
+    row, col = map_of(warehouse()).world_to_cell(-10.0, 2.0)
+    data[row : row + 60 : 6, col : col + 30 : 5] = 100
+    findings = check_grid(redrawn(map_of(warehouse()), data)).findings
+    assert len(findings) == 60
+    assert {finding.kind for finding in findings} == {"speckle"}
+
+
+def test_findings_beyond_the_most_of_a_kind_are_counted_in_one(monkeypatch):
+    monkeypatch.setattr(areas, "MOST_A_KIND", 20)
     data = map_of(warehouse()).data.copy()
     row, col = map_of(warehouse()).world_to_cell(-10.0, 2.0)
     data[row : row + 60 : 6, col : col + 30 : 5] = 100

@@ -122,9 +122,13 @@ class Chart:
         x, y = self.grid.cell_to_world(row, col)
         return float(x), float(y)
 
-    def square_metres(self, cells: float) -> str:
+    def area(self, cells: int) -> float:
+        """What so many cells cover [m²]."""
+        return round(cells * self.grid.resolution**2, 9)
+
+    def square_metres(self, cells: int) -> str:
         """An area as text."""
-        area = cells * self.grid.resolution**2
+        area = self.area(cells)
         return f"{area:.0f} m²" if area >= 10.0 else f"{area:.2g} m²"
 
     def take_from_world(self, kind: Kind, mask: Mask) -> bool:
@@ -141,7 +145,7 @@ class Chart:
     def list_areas(
         self, areas: Areas, chosen: Mask, kind: Kind, severity: Severity, words: tuple[str, str], fix: str
     ) -> list[Finding]:
-        """One finding for each of the chosen areas, the largest first, and one for those beyond the first twenty.
+        """One finding for each of the chosen areas, the largest first, and one for those that are too many.
 
         `words` are what one area is, with {area} and {cells} to fill in, and what several are called.
         """
@@ -151,12 +155,13 @@ class Chart:
         for index in indices[: MOST_A_KIND + 1].tolist():
             area = areas.area(index)
             message = words[0].format(area=self.square_metres(area.cells), cells=area.cells)
-            findings.append(Finding(kind, severity, message, self.place(*areas.middle(area)), fix))
+            where, size = self.place(*areas.middle(area)), self.area(area.cells)
+            findings.append(Finding(kind, severity, message, where, fix, size))
         return shorten(findings, len(indices), words[1])
 
 
 def shorten(findings: list[Finding], total: int, what: str) -> list[Finding]:
-    """Keep the first twenty findings of one kind, the largest, and tell of the rest in one."""
+    """Keep the most that are listed of one kind, the largest, and tell of the rest in one."""
     if total <= MOST_A_KIND:
         return findings
     next_one = findings[MOST_A_KIND]

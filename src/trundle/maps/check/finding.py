@@ -36,8 +36,8 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 PLACEMENT_KINDS: tuple[Kind, ...] = ("half_cell", "flipped", "rotated", "shifted")
 """The kinds that need a world to compare with."""
 
-MOST_A_KIND = 20
-"""So many findings of a kind are listed; the rest become one more."""
+MOST_A_KIND = 10_000
+"""So many findings of a kind are listed, for a map of noise; the rest become one more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,7 @@ class Finding:
         message: What is the matter, with its numbers.
         where: Its place (x, y) [m] in the map frame, or None where it has none.
         fix: What to do about it.
+        area_m2: How large it is [m²], or None where it has no area.
     """
 
     kind: Kind
@@ -58,6 +59,7 @@ class Finding:
     message: str
     where: tuple[float, float] | None
     fix: str
+    area_m2: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

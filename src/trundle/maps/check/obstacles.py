@@ -101,5 +101,6 @@ def _list_areas(chart: Chart, areas: Areas, kind: Kind, words: str, several: str
         width, height = area.col_end - area.col, area.row_end - area.row
         edge = chart.grid.resolution
         size = f"{width * edge:.2g} x {height * edge:.2g} m ({chart.square_metres(area.cells)})"
-        findings.append(Finding(kind, "error", words.format(size=size), chart.place(*areas.middle(area)), fix))
+        where = chart.place(*areas.middle(area))
+        findings.append(Finding(kind, "error", words.format(size=size), where, fix, chart.area(area.cells)))
     return shorten(findings, len(indices), several)
