@@ -25,7 +25,7 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
     Raises:
         OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
     """
-    path = Path(target)
+    path = output_path(target)
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
         os.close(handle)
@@ -61,7 +61,7 @@ def write_new_bytes(target: str | os.PathLike[str], content: bytes) -> bool:
     Raises:
         OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
     """
-    path = Path(target)
+    path = output_path(target)
     temporary: Path | None = None
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -105,7 +105,7 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
     Raises:
         OutputError: If it cannot be created or written to.
     """
-    folder = Path(target)
+    folder = output_path(target)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -113,6 +113,17 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
     return folder
+
+
+def output_path(target: str | os.PathLike[str]) -> Path:
+    """The path of what is to be written.
+
+    Raises:
+        OutputError: If the text cannot be a path.
+    """
+    if "\0" in os.fspath(target):
+        raise OutputError(f"cannot write {os.fspath(target)!r}: no path has a null character in it")
+    return Path(target)
 
 
 def _permissions(path: Path) -> int:

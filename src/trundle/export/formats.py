@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeAlias, cast
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
 from trundle.export.plain import check_encodable
 from trundle.export.scene import Scene
+from trundle.inputfile import exists
 from trundle.robots import Robot
 from trundle.worlds import World
 
@@ -156,7 +157,7 @@ def _export(kind: Kind, thing: object, path: str | os.PathLike[str], to: str | N
         raise InputError(f"{name} files hold no {kind}s; a {kind} can be written as {able}")
     if file.suffix.lower() not in chosen.suffixes:
         raise InputError(f"{file}: a file in the format {name} ends in {' or '.join(chosen.suffixes)}")
-    if file.is_dir():
+    if exists(file) and file.is_dir():
         raise OutputError(f"cannot write {file}: it is a folder")
     if isinstance(thing, World) and not thing.solids and name not in ("mjcf", "usd"):
         raise WorldError(f"world {thing.name!r} has no solids: there is nothing to write to {file}")

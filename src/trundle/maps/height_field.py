@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +13,7 @@ import numpy as np
 from trundle.errors import MapError
 from trundle.files import atomic_path
 from trundle.geometry import FloatArray
-from trundle.inputfile import open_file
+from trundle.npzfile import read_arrays
 
 _KEYS = ("heights", "resolution", "origin")
 _MOST_SAMPLES = 100_000_000
@@ -107,19 +105,7 @@ class HeightField:
             MapError: If it cannot be read, or lacks one of them; the message says which.
         """
         file = Path(path)
-        try:
-            with open_file(file) as stream:
-                stored = np.load(stream, allow_pickle=False)
-                if isinstance(stored, np.ndarray):
-                    raise MapError(f"{file}: one array alone: a height field is a .npz file, see HeightField.save")
-                names = stored.files
-                found = {key: stored[key] for key in _KEYS if key in names}
-        except OSError as error:
-            raise MapError(f"cannot read {file}: {error.strerror or error}") from error
-        except MapError:
-            raise
-        except (ValueError, zipfile.BadZipFile, zlib.error, EOFError, MemoryError) as error:
-            raise MapError(f"{file}: not a .npz file of numbers: {error}") from error
+        found, names = read_arrays(file, _KEYS, error=MapError)
         missing = [key for key in _KEYS[:2] if key not in found]
         if missing:
             there = ", ".join(names) or "none"
@@ -127,7 +113,7 @@ class HeightField:
         try:
             origin = tuple(np.asarray(found.get("origin", (0.0, 0.0)), dtype=np.float64).ravel().tolist())
             return cls(found["heights"], found["resolution"].item(), origin)  # pyright: ignore[reportArgumentType]
-        except (MapError, TypeError, ValueError) as error:
+        except (MapError, TypeError, ValueError, OverflowError) as error:
             raise MapError(f"{file}: {error}") from error
 
     def save(self, path: str | os.PathLike[str]) -> None:

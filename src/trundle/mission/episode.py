@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
@@ -16,7 +15,7 @@ import numpy.typing as npt
 from trundle.errors import InputError
 from trundle.files import write_bytes
 from trundle.geometry import FloatArray, Pose2D
-from trundle.inputfile import open_file
+from trundle.npzfile import read_arrays
 from trundle.path import Path
 
 Goal: TypeAlias = tuple[float, float] | tuple[float, float, float]
@@ -155,14 +154,16 @@ class Trajectory:
         Raises:
             InputError: If the file cannot be read, or is not a trajectory.
         """
+        arrays, _ = read_arrays(path, cls.columns(), error=InputError)
+        missing = [name for name in cls.columns() if name not in arrays]
+        if missing:
+            raise InputError(f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}")
         try:
-            with open_file(path) as stream, np.load(stream, allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in cls.columns()}
-        except KeyError as error:
-            raise InputError(f"{os.fspath(path)}: not a trajectory: {error.args[0]}") from error
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(f"cannot read the trajectory {os.fspath(path)}: {error}") from error
-        return cls(**arrays)
+            return cls(**arrays)
+        except InputError as error:
+            raise InputError(f"{os.fspath(path)}: {error}") from error
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{os.fspath(path)}: its arrays are no numbers: {error}") from error
 
 
 @dataclass(frozen=True, slots=True, eq=False)

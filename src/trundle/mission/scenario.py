@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from trundle.costmap import UnknownPolicy
 from trundle.errors import InputError, ScenarioError
-from trundle.files import write_text
+from trundle.files import output_path, write_text
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.episode import Episode, Goal
@@ -213,7 +213,7 @@ class Scenario(Config):
             OutputError: If it cannot be written.
         """
         here = Path.cwd()
-        folder = Path(path).resolve().parent
+        folder = output_path(path).resolve().parent
         paths: dict[str, str] = {}
         for key, value in self._paths().items():
             target = Path(value).resolve()

@@ -1,0 +1,57 @@
+"""Reading .npz files, which may be damaged in any way."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError
+from trundle.inputfile import open_file
+
+MAX_BYTES = 4_000_000_000
+"""Of all arrays together, unpacked."""
+
+
+def read_arrays(
+    path: str | os.PathLike[str], names: Sequence[str], *, error: type[InputError]
+) -> tuple[dict[str, npt.NDArray[Any]], list[str]]:
+    """Read arrays of numbers from a .npz file.
+
+    Args:
+        path: The file.
+        names: Arrays to read, where they are there.
+        error: Type of the exception.
+
+    Returns:
+        The arrays by name, and the names of all that are in the file.
+
+    Raises:
+        InputError: Of the type `error`, if the file cannot be read, is damaged, or unpacks to more than 4 GB.
+    """
+    try:
+        with open_file(path) as stream:
+            magic = stream.read(6)
+            if not magic.startswith(b"PK"):
+                what = "one array alone, and " if magic == b"\x93NUMPY" else ""
+                raise error(f"{os.fspath(path)}: {what}not a .npz file of numbers")
+            stream.seek(0)
+            with zipfile.ZipFile(stream) as archive:
+                size = sum(item.file_size for item in archive.infolist())
+            if size > MAX_BYTES:
+                raise error(f"{os.fspath(path)}: it unpacks to {size} bytes, more than the {MAX_BYTES} that are read")
+            stream.seek(0)
+            with np.load(stream, allow_pickle=False) as stored:
+                there = list(stored.files)
+                return {name: stored[name] for name in names if name in there}, there
+    except OSError as problem:
+        raise error(f"cannot read {os.fspath(path)}: {problem.strerror or problem}") from problem
+    except InputError:
+        raise
+    except Exception as problem:  # zipfile and numpy raise whatever the bytes lead them into
+        reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+        raise error(f"{os.fspath(path)}: not a .npz file of numbers: {reason}") from problem
