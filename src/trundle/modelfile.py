@@ -18,6 +18,7 @@ from trundle.inputfile import is_file
 from trundle.meshfile import read_mesh
 from trundle.mjcffile import check_mjcf
 from trundle.uris import describe_search, find_uri
+from trundle.xacro import expand_xacro
 from trundle.xmlfile import XmlElement, read_limited, read_xml
 
 if TYPE_CHECKING:
@@ -122,8 +123,7 @@ def _prepare_urdf(
     geometry: GeometryChoice | None,
 ) -> dict[str, bytes]:
     """Change a URDF in place so that MuJoCo takes it as it is meant; return its meshes by their new names."""
-    if any(element.tag.startswith("xacro:") for element in robot.iter()):
-        raise error(f"{path}: this is a xacro file; expand it first: xacro {path.name} > robot.urdf")
+    expand_xacro(path, robot, error=error)
     for extension in robot.findall("mujoco"):
         robot.remove(extension)
     for element in robot.iter():

@@ -114,7 +114,7 @@ def test_a_yaml_can_name_a_model_and_add_to_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("model: mini.step\n", "model must be the path of a .urdf, .xml, .mjcf file, got 'mini.step'"),
+        ("model: mini.step\n", "model must be the path of a .urdf, .xacro, .xml, .mjcf file, got 'mini.step'"),
         ("model: gone.urdf\n", "gone.urdf: there is no such file"),
         (YAML.replace("models/", "") + "colour: red\n", "colour: Extra inputs"),
         (YAML.replace("models/", "") + "paths: here\n", "paths must be a list"),

@@ -90,6 +90,8 @@ def _from_here(usd: str, path: Path) -> str:
 def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
     robot, start, goal = scene.robot, scene.start, scene.paths[-1].goal
     drive, limits = robot.drive, robot.limits
+    if drive.axles:
+        raise InputError(f"the robot {robot.name!r} has several wheels a side, and the script drives one of each")
     fastest = (2.0 * limits.linear_speed + limits.angular_speed * drive.track_width) / (2.0 * drive.wheel_radius)
     length = sum(plan.length for plan in scene.paths)
     route = [stretch for plan in scene.paths for stretch in plan_stretches(plan)]

@@ -16,6 +16,7 @@ from trundle.files import write_text
 from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
 from trundle.sim.mujoco.model import robot_spec
+from trundle.sim.mujoco.robot_parts import named_wheels
 
 _TYRE = (0.05, 0.05, 0.055, 1.0)
 _STEEL = (0.62, 0.64, 0.66, 1.0)
@@ -37,11 +38,11 @@ def export_robot(robot: Robot, path: Path) -> None:
     base = _add_link(root, model, "base_link")
     _add_chassis(base, robot, path)
     drive = robot.drive
-    for side, sign, joint in (("left", 1.0, drive.left_joint), ("right", -1.0, drive.right_joint)):
-        link = _add_link(root, model, f"wheel_{side}")
+    for wheel, name in named_wheels(robot):
+        link = _add_link(root, model, name)
         _add_roller(link, drive.wheel_radius, drive.wheel_width)
-        at = (0.0, sign * drive.track_width / 2.0, drive.wheel_radius)
-        _add_joint(root, joint, "continuous", "base_link", f"wheel_{side}", at, axis=(0.0, 1.0, 0.0))
+        at = (wheel.x, wheel.side * drive.track_width / 2.0, drive.wheel_radius)
+        _add_joint(root, wheel.joint, "continuous", "base_link", name, at, axis=(0.0, 1.0, 0.0))
     for index, caster in enumerate(robot.casters):
         _add_caster(root, model, caster, f"caster_{index}")
     for name, lidar in robot.lidars.items():

@@ -1,13 +1,15 @@
 """Robots: their drive, limits, footprint, casters and sensors, from YAML; the built-in ones are in `catalogue/`."""
 
-from trundle.robots.drive import DifferentialDrive, WheelSpeeds
+from trundle.robots.drive import Axle, DifferentialDrive, DriveWheel, WheelSpeeds
 from trundle.robots.limits import Limits
 from trundle.robots.robot import Body, Caster, Lidar, Robot, is_robot_file, robot_names
 
 __all__ = [
+    "Axle",
     "Body",
     "Caster",
     "DifferentialDrive",
+    "DriveWheel",
     "Lidar",
     "Limits",
     "Robot",

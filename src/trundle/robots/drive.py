@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from trundle.geometry import Twist2D
 from trundle.yamlfile import Config
@@ -19,8 +19,33 @@ class WheelSpeeds(NamedTuple):
     right: float
 
 
+class Axle(Config):
+    """A left and a right wheel of a drive with several.
+
+    Attributes:
+        x: Of the axle in base_link [m].
+        left_joint: Name of the left wheel's joint.
+        right_joint: Name of the right wheel's joint.
+    """
+
+    x: float
+    left_joint: str
+    right_joint: str
+
+
+class DriveWheel(NamedTuple):
+    """One wheel: its joint, +1 on the left and −1 on the right, and the x of its axle in base_link [m]."""
+
+    joint: str
+    side: int
+    x: float
+
+
 class DifferentialDrive(Config):
-    """Two driven wheels on one axle, with base_link on the ground midway between them.
+    """Driven wheels on the left and on the right, with base_link on the ground in the middle of them.
+
+    Of several on a side, as skid-steer robots have them, all turn alike, and the robot turns about base_link as it is
+    told: it does not skid.
 
     Attributes:
         wheel_radius: [m].
@@ -29,6 +54,7 @@ class DifferentialDrive(Config):
         right_joint: Name of the right wheel's joint.
         wheel_width: Width of a wheel [m], for pictures and masses.
         wheel_mass: Mass of one wheel [kg].
+        axles: The axles of a robot with several; none means one, at x = 0.
         max_wheel_speed: Largest speed of one wheel [rad/s]; none means that only the robot's limits hold.
     """
 
@@ -39,7 +65,27 @@ class DifferentialDrive(Config):
     right_joint: str
     wheel_width: Positive = 0.05
     wheel_mass: Positive = 1.0
+    axles: tuple[Axle, ...] = ()
     max_wheel_speed: Positive | None = None
+
+    @model_validator(mode="after")
+    def _check_axles(self) -> Self:
+        names = [wheel.joint for wheel in self.wheels]
+        if self.axles and (len(self.axles) < 2 or self.left_joint not in names or self.right_joint not in names):
+            raise ValueError("axles are two or more, with left_joint and right_joint on one of them; leave out for one")
+        if len(set(names)) < len(names):
+            raise ValueError("each wheel needs a joint of its own")
+        return self
+
+    @property
+    def wheels(self) -> tuple[DriveWheel, ...]:
+        """All wheels, the left one of each axle first."""
+        axles = self.axles or (Axle(x=0.0, left_joint=self.left_joint, right_joint=self.right_joint),)
+        return tuple(
+            wheel
+            for axle in axles
+            for wheel in (DriveWheel(axle.left_joint, 1, axle.x), DriveWheel(axle.right_joint, -1, axle.x))
+        )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
         """Wheel speeds [rad/s] that drive `twist` without slip: (2v ∓ w·track) / (2·radius)."""

@@ -3,32 +3,33 @@
 The model is read with MuJoCo's MjSpec and looked at as it stands, all joints at 0. Nothing of it is simulated: the
 simulators build their own model of the `Robot` that comes out, so it drives in all of them alike.
 
-What is read, in base_link (on the floor, midway between the drive wheels, x forward, which is left of the axle turned
+What is read, in base_link (on the floor, in the middle of the drive wheels, x forward, which is left of the axle turned
 by -90 degrees):
 
 - wheel radius, width and mass from the geometry and mass of the wheels' bodies; the track from the wheels' middles;
 - the footprint as the convex hull of all that collides, seen from above, with few corners (`model_shape`);
 - height, clearance, mass, centre of mass and inertia of everything but the drive wheels;
-- what else touches the floor as balls that slide without friction: casters, and the other wheels of a robot that skids;
-  where the robot would tip over without, a ball is put under its front or back, with a warning;
+- wheels one behind the other on each side as axles of one drive, with base_link under their middle (`model_wheels`);
+- what else touches the floor as balls that slide without friction; where the robot would tip over without, a ball is
+  put under its front or back, with a warning;
 - the largest speed from the velocity limits of a URDF's wheel joints.
 """
 
 from __future__ import annotations
 
-import math
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trundle.errors import RobotError, RobotWarning, UnknownNameError
+from trundle.errors import RobotError, RobotWarning
 from trundle.geometry import FloatArray, convex_hull
 from trundle.inputfile import check_regular
 from trundle.modelfile import compile_spec, drop_textures, read_spec
 from trundle.robots.model_shape import body_points, simplify_outline
+from trundle.robots.model_wheels import Frame, read_layout, root_of
+from trundle.xacro import expand_xacro
 from trundle.xmlfile import read_xml
 from trundle.yamlfile import Plain
 
@@ -44,29 +45,6 @@ _ASSUMED_LIMITS: dict[str, Plain] = {
     "linear_acceleration": 1.0,
     "angular_acceleration": 3.0,
 }
-
-
-@dataclass(frozen=True, slots=True)
-class _Wheel:
-    """A drive wheel: its middle [m] and axis in the model's world frame, and its sizes."""
-
-    center: FloatArray
-    axis: FloatArray
-    radius: float
-    width: float
-    mass: float
-    bodies: frozenset[int]
-
-
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """base_link in the model's world frame."""
-
-    origin: FloatArray
-    rotation: FloatArray
-
-    def local(self, points: FloatArray) -> FloatArray:
-        return (points - self.origin) @ self.rotation
 
 
 def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -> dict[str, Plain]:
@@ -91,27 +69,31 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     if not isinstance(drive, dict):
         raise RobotError(f"{path}: drive must be a mapping, got {drive!r}")
     model, data, name = _compile(path, folders)
-    joints = _pick_joints(path, model, drive)
-    left, right = (_read_wheel(path, model, data, joint, drive.get("wheel_radius")) for joint in joints)
-    radius, track, frame = _lay_out(path, model, data, joints, (left, right), drive)
-    bodies = np.flatnonzero(model.body_rootid == _root(model, joints[0]))
-    chassis = [int(body) for body in bodies if int(body) not in left.bodies | right.bodies]
+    layout = read_layout(path, model, data, drive)
+    radius, frame, wheels = layout.radius, layout.frame, layout.wheels
+    joints = wheels[0].joint, wheels[1].joint
+    bodies = np.flatnonzero(model.body_rootid == root_of(model, joints[0]))
+    rolling = frozenset[int]().union(*(wheel.bodies for wheel in wheels))
+    chassis = [int(body) for body in bodies if int(body) not in rolling]
     points = {body: [frame.local(part) for part in body_points(model, data, body)] for body in bodies.tolist()}
     everything = np.vstack([part for parts in points.values() for part in parts])
     height = float(everything[:, 2].max())
     casters, clearance = _read_underside([part for body in chassis for part in points[body]], radius)
     mass, center, inertia = _read_inertia(path, model, data, frame, chassis)
     outline = simplify_outline(convex_hull(everything[:, :2]))
-    casters = _keep_upright(path, casters, center, outline, radius)
+    axles = [(float(frame.local(left.center)[0]), left, right) for left, right in layout.axles]
+    casters = _keep_upright(path, casters, center, outline, radius, [x for x, _, _ in axles])
+    shafts: list[Plain] = [{"x": x, "left_joint": one.joint, "right_joint": other.joint} for x, one, other in axles]
     read: dict[str, Plain] = {
         "name": name,
         "drive": {
+            "axles": shafts if len(shafts) > 1 else [],
             "wheel_radius": radius,
-            "track_width": track,
+            "track_width": layout.track,
             "left_joint": joints[0],
             "right_joint": joints[1],
-            "wheel_width": max(0.005, (left.width + right.width) / 2.0),
-            "wheel_mass": (left.mass + right.mass) / 2.0,
+            "wheel_width": max(0.005, sum(wheel.width for wheel in wheels) / len(wheels)),
+            "wheel_mass": sum(wheel.mass for wheel in wheels) / len(wheels),
         },
         "footprint": outline.tolist(),
         "body": {
@@ -124,7 +106,7 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
         "casters": casters,
     }
     if "limits" not in given:
-        read["limits"] = _read_limits(path, joints, radius, track)
+        read["limits"] = _read_limits(path, joints, radius, layout.track)
     return _merge(read, given)
 
 
@@ -139,109 +121,6 @@ def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
     model, data = compile_spec(path, spec, error=RobotError)
     name = str(spec.modelname)
     return model, data, path.stem if name in ("", "MuJoCo Model") else name
-
-
-def _pick_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[str, str]:
-    """Names of the left and right wheel's joints: as given, or those that are plainly named so."""
-    import mujoco
-
-    hinges = [
-        str(model.joint(index).name)
-        for index in range(model.njnt)
-        if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_HINGE and model.joint(index).name
-    ]
-    names = [drive.get(key) for key in ("left_joint", "right_joint")]
-    found: list[str] = []
-    for side, name in zip(("left", "right"), names, strict=True):
-        if name is None:
-            matches = [hinge for hinge in hinges if side in hinge.lower() and "wheel" in hinge.lower()]
-            if len(matches) != 1:
-                raise RobotError(
-                    f"{path}: which joints drive the robot? It turns at: {', '.join(hinges) or 'none'}. Name two of "
-                    "them: left_joint and right_joint of Robot.from_model, or a robot's YAML with "
-                    f"model: {path.name} and drive: {{left_joint: …, right_joint: …}}"
-                )
-            name = matches[0]
-        if not isinstance(name, str) or name not in hinges:
-            raise UnknownNameError(f"turning joint of {path}:", str(name), hinges)
-        found.append(name)
-    if found[0] == found[1]:
-        raise RobotError(f"{path}: left_joint and right_joint are both {found[0]!r}; name two joints")
-    return found[0], found[1]
-
-
-def _root(model: Any, joint: str) -> int:
-    return int(model.body_rootid[int(model.jnt_bodyid[model.joint(joint).id])])
-
-
-def _read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> _Wheel:
-    index = int(model.joint(joint).id)
-    body = int(model.jnt_bodyid[index])
-    bodies = {body}
-    for other in range(body + 1, int(model.nbody)):
-        if int(model.body_parentid[other]) in bodies:
-            bodies.add(other)
-    axis = np.array(data.xaxis[index], dtype=np.float64)
-    anchor = np.array(data.xanchor[index], dtype=np.float64)
-    parts = [part for member in sorted(bodies) for part in body_points(model, data, member)]
-    if abs(axis[2]) > 0.05:
-        raise RobotError(f"{path}: joint {joint!r} turns about {axis.round(3).tolist()}, which is not level: no wheel")
-    mass = float(sum(model.body_mass[member] for member in bodies))
-    if not parts and given_radius is not None:
-        return _Wheel(anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies))
-    if not parts:
-        raise RobotError(
-            f"{path}: the wheel of joint {joint!r} has no geometry to read its radius from; give wheel_radius, or give "
-            "the wheel's link a <collision> with a cylinder or a sphere"
-        )
-    offset = np.vstack(parts) - anchor
-    along = offset @ axis
-    middle = (along.min() + along.max()) / 2.0
-    radius = float(np.linalg.norm(offset - np.outer(along, axis), axis=1).max())
-    return _Wheel(anchor + middle * axis, axis, radius, float(np.ptp(along)), mass, frozenset(bodies))
-
-
-def _lay_out(
-    path: Path, model: Any, data: Any, joints: tuple[str, str], wheels: tuple[_Wheel, _Wheel], drive: dict[str, Plain]
-) -> tuple[float, float, _Frame]:
-    """Wheel radius, track and base_link."""
-    left, right = wheels
-    across = left.center - right.center
-    distance = float(np.linalg.norm(across))
-    if distance < 1e-3:
-        raise RobotError(f"{path}: the wheels of {joints[0]!r} and {joints[1]!r} are in one place")
-    if min(abs(left.axis @ across), abs(right.axis @ across)) < 0.99 * distance:
-        raise RobotError(
-            f"{path}: {joints[0]!r} and {joints[1]!r} do not turn about one axle; a differential drive needs the left "
-            "and the right wheel of one axle"
-        )
-    given_radius, given_track = drive.get("wheel_radius"), drive.get("track_width")
-    if given_radius is None and abs(left.radius - right.radius) > 0.01 * left.radius:
-        raise RobotError(
-            f"{path}: the wheels have radii of {left.radius:g} and {right.radius:g} m; they must be alike: give "
-            "wheel_radius"
-        )
-    radius = (
-        (left.radius + right.radius) / 2.0 if given_radius is None else _positive(path, "wheel_radius", given_radius)
-    )
-    track = distance if given_track is None else _positive(path, "track_width", given_track)
-    y_axis = np.array([across[0], across[1], 0.0]) / math.hypot(across[0], across[1])
-    rotation = np.column_stack([[y_axis[1], -y_axis[0], 0.0], y_axis, [0.0, 0.0, 1.0]])
-    ahead = data.xmat[_root(model, joints[0])].reshape(3, 3)[:, 0]
-    if float(ahead @ rotation[:, 0]) < -0.5:
-        raise RobotError(
-            f"{path}: {joints[0]!r} is on the right side of the model and {joints[1]!r} on the left: the robot would "
-            "drive backwards; exchange the two"
-        )
-    # The floor is where the wheels' geometry ends, whatever radius is given for their speeds.
-    floor = np.array([0.0, 0.0, (left.radius + right.radius) / 2.0])
-    return radius, track, _Frame((left.center + right.center) / 2.0 - floor, rotation)
-
-
-def _positive(path: Path, key: str, value: Plain) -> float:
-    if not isinstance(value, int | float) or not (math.isfinite(value) and value > 0.0):
-        raise RobotError(f"{path}: {key} must be a positive number of metres, got {value!r}")
-    return float(value)
 
 
 def _read_underside(parts: list[FloatArray], radius: float) -> tuple[list[Plain], float]:
@@ -267,7 +146,7 @@ def _ball(x: float, y: float, radius: float) -> dict[str, Plain]:
 
 
 def _read_inertia(
-    path: Path, model: Any, data: Any, frame: _Frame, bodies: list[int]
+    path: Path, model: Any, data: Any, frame: Frame, bodies: list[int]
 ) -> tuple[float, FloatArray, FloatArray]:
     """Mass, centre of mass in base_link, and moments about it along base_link's axes, of some bodies."""
     masses = np.array([model.body_mass[body] for body in bodies])
@@ -286,10 +165,11 @@ def _read_inertia(
 
 
 def _keep_upright(
-    path: Path, casters: list[Plain], center: FloatArray, outline: FloatArray, radius: float
+    path: Path, casters: list[Plain], center: FloatArray, outline: FloatArray, radius: float, axles: list[float]
 ) -> list[Plain]:
     """Add a ball in front or behind where the centre of mass would not be carried."""
     ahead = [float(caster["x"]) for caster in casters if isinstance(caster, dict) and isinstance(caster["x"], float)]
+    ahead += axles
     added: list[Plain] = []
     words: list[str] = []
     for word, sign in (("front", 1.0), ("back", -1.0)):
@@ -311,7 +191,9 @@ def _keep_upright(
 def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: float) -> dict[str, Plain]:
     """Speeds from the velocity limits of a URDF's wheel joints, where both have one; accelerations are assumed."""
     speeds: list[float] = []
-    for joint in read_xml(path, error=RobotError).iter("joint"):
+    root = read_xml(path, error=RobotError)
+    expand_xacro(path, root, error=RobotError)
+    for joint in root.iter("joint"):
         limit = joint.find("limit")
         if joint.get("name") in joints and limit is not None:
             try:

@@ -24,7 +24,7 @@ from trundle.yamlfile import Config, Plain, compose, plain_value, validate
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
-MODEL_SUFFIXES = (".urdf", ".xml", ".mjcf")
+MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
 """Of files that `Robot.from_model` reads."""
 
 _PLUGINS: Registry[Robot] = Registry("robot", "trundle.robots", {})
@@ -289,7 +289,11 @@ class Robot(Config):
     @property
     def total_mass(self) -> float:
         """Chassis, wheels and casters [kg]."""
-        return self.body.mass + 2.0 * self.drive.wheel_mass + sum(caster.mass for caster in self.casters)
+        return (
+            self.body.mass
+            + len(self.drive.wheels) * self.drive.wheel_mass
+            + sum(caster.mass for caster in self.casters)
+        )
 
     def wheel_speeds(self, twist: Twist2D) -> WheelSpeeds:
         """Wheel speeds [rad/s] that drive a twist without slip."""

@@ -83,9 +83,9 @@ class Stage:
         """Put the robot at a pose (map frame), with its drive wheels turned by these angles [rad]."""
         upright = (math.cos(pose.yaw / 2.0), 0.0, 0.0, math.sin(pose.yaw / 2.0))
         self.data.joint("base_link").qpos[:] = (pose.x, pose.y, 0.0, *upright)
-        drive = self.robot.drive
-        self.data.joint(drive.left_joint).qpos[0] = wheel_positions.left
-        self.data.joint(drive.right_joint).qpos[0] = wheel_positions.right
+        for wheel in self.robot.drive.wheels:
+            turned = wheel_positions.left if wheel.side > 0 else wheel_positions.right
+            self.data.joint(wheel.joint).qpos[0] = turned
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)

@@ -91,6 +91,11 @@ class IsaacSimulator:
             raise InputError(f"physics_dt {physics_dt} s is out of range; use more than 0 and at most 0.02")
         if not 0.0 <= ground_offset <= 10.0:
             raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
+        if robot.drive.axles:
+            raise RobotError(
+                f"the robot {robot.name!r} has several wheels a side, and backend isaac drives one; use backend mujoco "
+                "or kinematic"
+            )
         # What can be wrong without Isaac Sim is said before it takes its minute to start.
         scene = None if environment is None else (environment, environment_path(environment))
         machine = robot_path(robot.name, robot_usd)

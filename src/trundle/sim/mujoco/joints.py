@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 
 import mujoco
 
-from trundle.errors import RobotError
+from trundle.errors import InputError, RobotError, RobotWarning
 from trundle.guard import read_guarded, read_limits
 from trundle.mjcffile import check_mjcf
 from trundle.modelfile import log_warnings
-from trundle.robots import Robot
+from trundle.robots import DifferentialDrive, Robot
+from trundle.robots.from_model import read_robot
+from trundle.robots.model_wheels import wheels_named
 from trundle.sim.mujoco.joint import Joint
 from trundle.sim.mujoco.model import robot_spec
+from trundle.sim.mujoco.robot_parts import traction_joints
 from trundle.sim.mujoco.urdf import urdf_joints
 from trundle.worlds.usd import need_usd
-from trundle.xmlfile import read_xml
+from trundle.xmlfile import XmlElement, read_xml
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
@@ -49,8 +53,10 @@ def list_joints(
     given = {"trusted": trusted, "time_limit_s": time_limit_s, "memory_limit_gb": memory_limit_gb}
     limits = read_limits(**given)
     if isinstance(source, Robot) or Path(source).suffix.lower() not in (*_SUFFIXES, *_USD_SUFFIXES):
-        joints = _model_joints(robot_spec(Robot.load(source, **given)).compile())
-        return [joint for joint in joints if joint.type != "floating"]
+        robot = Robot.load(source, **given)
+        hidden = set(traction_joints(robot)) - {wheel.joint for wheel in robot.drive.wheels}
+        joints = _model_joints(robot_spec(robot).compile())
+        return [joint for joint in joints if joint.type != "floating" and joint.name not in hidden]
     imports = ("trundle.sim.mujoco.usd",) if Path(source).suffix.lower() in _USD_SUFFIXES else ("mujoco",)
     return read_guarded(
         "trundle.sim.mujoco.joints:read_joints",
@@ -72,13 +78,28 @@ def read_joints(path: Path) -> list[Joint]:
         return usd_joints(path)
     root = read_xml(path, error=RobotError)
     if root.tag == "robot":
-        return urdf_joints(path, root)
+        return urdf_joints(path, root, wheels=_wheel_joints(path, root))
     if root.tag in ("mujoco", "mujocoinclude"):
         check_mjcf(path, root, error=RobotError)
         return _model_joints(_compile_without_assets(path))
     raise RobotError(
         f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
     )
+
+
+def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
+    """Joints of the wheels that `trundle drive` drives of a URDF; none of an arm.
+
+    Where the robot cannot be read, as without its meshes, those that are named so.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotWarning)
+        try:
+            read = read_robot(path, {}, ())
+        except InputError:
+            names = [joint.get("name", "") for joint in root.iter("joint") if joint.get("type") == "continuous"]
+            return frozenset(name for side in ("left", "right") for name in wheels_named(names, side))
+    return frozenset(wheel.joint for wheel in DifferentialDrive.model_validate(read["drive"]).wheels)
 
 
 def _compile_without_assets(path: Path) -> mujoco.MjModel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -37,14 +38,21 @@ def add_prism_mesh(spec: mujoco.MjSpec, name: str, outline: FloatArray, low: flo
     spec.add_mesh(name=name, uservert=vertices.ravel().tolist(), userface=np.ravel(faces).tolist())
 
 
-def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
-    """Dress a robot whose bodies are already there: chassis, wheels, casters, lidar pucks and a light at the front."""
+def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot, wheels: Sequence[tuple[str, int]]) -> None:
+    """Dress a robot whose bodies are already there: chassis, wheels, casters, lidar pucks and a light at the front.
+
+    Args:
+        spec: What to add to.
+        base: base_link.
+        robot: What it is.
+        wheels: Bodies of the wheels that are seen, with +1 on the left and -1 on the right.
+    """
     spec.add_material(name="robot:glow", rgba=_LIGHT, emission=0.6)
     _add_sun(base)
     _dress_chassis(spec, base, robot)
     drive = robot.drive
-    for side, sign in (("left", 1.0), ("right", -1.0)):
-        body = base.find_child(f"wheel_{side}")
+    for name, sign in wheels:
+        body = base.find_child(name)
         _add_roller(body, drive.wheel_radius, drive.wheel_width, _TYRE)
         _add_roller(body, 0.62 * drive.wheel_radius, 1.04 * drive.wheel_width, _STEEL)
         _add_spokes(body, 0.56 * drive.wheel_radius, sign * 0.525 * drive.wheel_width)

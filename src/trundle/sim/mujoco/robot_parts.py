@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from trundle.geometry import FloatArray
-from trundle.robots import Caster, Robot
+from trundle.robots import Caster, DriveWheel, Robot
 from trundle.sim.mujoco.robot_looks import add_looks, add_prism_mesh
 from trundle.sim.mujoco.world_parts import FLOOR_TYPE, SOLIDS_TYPE
 from trundle.sim.ramp import Motion
@@ -26,6 +26,9 @@ _CHASSIS_FRICTION = 0.8
 _GUARD = ":guard"
 _GUARD_SCALE = 0.98
 """A wheel meets solids as an ellipsoid so much smaller than its tread, so that a chassis as long meets them first."""
+
+_TRACTION_MASS = 1e-3
+"""Of a hidden wheel [kg]."""
 
 _HOLD = 0.65
 """Share of the traction that a servo answers a wheel with that is held; above it the wheels of a robot that pushes a
@@ -101,7 +104,7 @@ class FeedForward:
         inertia = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, data, inertia)
         base = int(model.body(BASE).dofadr[0])
-        wheel = int(model.joint(robot.drive.left_joint).dofadr[0])
+        wheel = int(model.joint(traction_joints(robot)[0]).dofadr[0])
         servo = Servo.of(robot)
         return cls(
             mass=float(inertia[base, base]),
@@ -153,23 +156,50 @@ def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
     base.add_freejoint(name="base_link")
     _add_chassis(spec, base, robot)
     servo = Servo.of(robot)
-    for side, sign, joint in (("left", 1.0, robot.drive.left_joint), ("right", -1.0, robot.drive.right_joint)):
-        _add_wheel(base, robot, side, sign, joint, servo)
-        actuator = spec.add_actuator(
-            name=joint,
-            target=joint,
-            trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            forcerange=(-servo.torque, servo.torque),
-            forcelimited=True,
-        )
-        actuator.set_to_velocity(kv=servo.gain)
+    several = bool(robot.drive.axles)
+    for side, sign, joint in zip(("left", "right"), (1, -1), traction_joints(robot), strict=True):
+        add_wheel = _add_traction if several else _add_wheel
+        add_wheel(base, robot, f"wheel_{side}", DriveWheel(joint, sign, 0.0), servo)
+        _add_servo(spec, joint, servo)
+    for wheel, name in named_wheels(robot) if several else ():
+        _add_carrying_wheel(base, robot, name, wheel)
+        _add_servo(spec, wheel.joint, servo)
     for index, caster in enumerate(robot.casters):
         if caster.is_swivel:
             _add_swivel_caster(base, caster, index)
         else:
             _add_ball(base, caster, index)
     if looks:
-        add_looks(spec, base, robot)
+        add_looks(spec, base, robot, [(name, wheel.side) for wheel, name in named_wheels(robot)])
+
+
+def traction_joints(robot: Robot) -> tuple[str, str]:
+    """Joints of the two wheels that grip: the drive's, or of several axles those of a hidden pair in their middle.
+
+    Wheels of several axles would scrub in every turn. So they carry the robot and turn as they are told, without
+    friction, and the pair in the middle drives it.
+    """
+    drive = robot.drive
+    return ("traction_left", "traction_right") if drive.axles else (drive.left_joint, drive.right_joint)
+
+
+def named_wheels(robot: Robot) -> list[tuple[DriveWheel, str]]:
+    """The wheels that a robot shows, with their bodies' names."""
+    if not robot.drive.axles:
+        return list(zip(robot.drive.wheels, ("wheel_left", "wheel_right"), strict=True))
+    words = {1: "left", -1: "right"}
+    return [(wheel, f"wheel_{words[wheel.side]}_{index // 2}") for index, wheel in enumerate(robot.drive.wheels)]
+
+
+def _add_servo(spec: mujoco.MjSpec, joint: str, servo: Servo) -> None:
+    actuator = spec.add_actuator(
+        name=joint,
+        target=joint,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        forcerange=(-servo.torque, servo.torque),
+        forcelimited=True,
+    )
+    actuator.set_to_velocity(kv=servo.gain)
 
 
 def chassis_inertial(robot: Robot) -> tuple[FloatArray, FloatArray]:
@@ -202,19 +232,54 @@ def _add_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> Non
         geom.meshname = "robot:chassis"
 
 
-def _add_wheel(base: mujoco.MjsBody, robot: Robot, side: str, sign: float, joint: str, servo: Servo) -> None:
-    drive = robot.drive
-    body = base.add_body(name=f"wheel_{side}", pos=(0.0, sign * drive.track_width / 2.0, drive.wheel_radius))
-    _set_cylinder_inertia(body, drive.wheel_mass, drive.wheel_radius, drive.wheel_width)
-    body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 1.0, 0.0), armature=servo.armature)
+def _add_wheel(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel, servo: Servo) -> None:
+    body = _add_wheel_body(base, robot, name, wheel)
+    body.joints[0].armature = servo.armature
     # An ellipsoid touches at one point, in the middle: a wide cylinder scrubs on a line, and yaw is 12 % short.
-    size = (drive.wheel_radius, drive.wheel_width / 2.0, drive.wheel_radius)
-    name = f"robot:wheel_{side}"
-    tread = _add_collider(body, name, mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=_WHEEL_FRICTION)
+    tread = _add_tread(body, robot, name)
     tread.contype = FLOOR_TYPE
-    # A wheel that grips what it runs into climbs it.
-    size = (_GUARD_SCALE * drive.wheel_radius, drive.wheel_width / 2.0, _GUARD_SCALE * drive.wheel_radius)
-    guard = _add_collider(body, f"{name}{_GUARD}", mujoco.mjtGeom.mjGEOM_ELLIPSOID, size, friction=0.0)
+    _add_guard(body, robot, name)
+
+
+def _add_traction(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel, servo: Servo) -> None:
+    """A wheel in the middle of several that grips in their place: it is almost weightless, and meets the floor."""
+    body = _add_wheel_body(base, robot, name, wheel)
+    _set_cylinder_inertia(body, _TRACTION_MASS, robot.drive.wheel_radius, robot.drive.wheel_width)
+    body.joints[0].armature = servo.armature
+    _add_tread(body, robot, name).contype = FLOOR_TYPE
+
+
+def _add_carrying_wheel(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel) -> None:
+    """One of several wheels of a side: it carries and turns, and slides without friction."""
+    body = _add_wheel_body(base, robot, name, wheel)
+    tread = _add_tread(body, robot, name)
+    tread.contype = FLOOR_TYPE
+    tread.friction = (0.0, 0.005, 0.0001)
+    tread.condim = 1
+    # Softer, so that the pair that grips carries the most.
+    tread.solref, tread.solimp = _SOFT_SOLREF, _SOFT_SOLIMP
+    _add_guard(body, robot, name)
+
+
+def _add_wheel_body(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel) -> mujoco.MjsBody:
+    drive = robot.drive
+    body = base.add_body(name=name, pos=(wheel.x, wheel.side * drive.track_width / 2.0, drive.wheel_radius))
+    _set_cylinder_inertia(body, drive.wheel_mass, drive.wheel_radius, drive.wheel_width)
+    body.add_joint(name=wheel.joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 1.0, 0.0))
+    return body
+
+
+def _add_tread(body: mujoco.MjsBody, robot: Robot, name: str) -> mujoco.MjsGeom:
+    radius, width = robot.drive.wheel_radius, robot.drive.wheel_width
+    kind = mujoco.mjtGeom.mjGEOM_ELLIPSOID
+    return _add_collider(body, f"robot:{name}", kind, (radius, width / 2.0, radius), friction=_WHEEL_FRICTION)
+
+
+def _add_guard(body: mujoco.MjsBody, robot: Robot, name: str) -> None:
+    """What a wheel meets solids with; one that grips what it runs into climbs it."""
+    radius, width = _GUARD_SCALE * robot.drive.wheel_radius, robot.drive.wheel_width
+    kind = mujoco.mjtGeom.mjGEOM_ELLIPSOID
+    guard = _add_collider(body, f"robot:{name}{_GUARD}", kind, (radius, width / 2.0, radius), friction=0.0)
     guard.contype = SOLIDS_TYPE
     guard.condim = 1
     guard.solref = _BUMPER_SOLREF

@@ -17,7 +17,7 @@ from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
-from trundle.sim.mujoco.robot_parts import FeedForward
+from trundle.sim.mujoco.robot_parts import FeedForward, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState, Scan
 from trundle.worlds import World
@@ -136,11 +136,14 @@ class MujocoSimulator:
         left_address, right_address = self._wheel_qpos
         left_speed, right_speed = self._wheel_qvel
         drive, free = self._feed_forward, (0.0, 0.0)
+        several = len(control) > 2  # wheels a side, which only turn along
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
         steady = False
         for motion in motions:
             if motion is not told or not steady:
                 free = drive.free(told, motion)
+            if several and motion is not told:
+                control[2::2], control[3::2] = motion.left, motion.right
             steady = motion is told
             control[0] = drive.held(free[0], told.left, qvel[left_speed])
             control[1] = drive.held(free[1], told.right, qvel[right_speed])
@@ -212,7 +215,7 @@ class MujocoSimulator:
 
 
 def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, int], tuple[int, int]]:
-    joints = [model.joint(name) for name in (robot.drive.left_joint, robot.drive.right_joint)]
+    joints = [model.joint(name) for name in traction_joints(robot)]
     left, right = joints
     return (int(left.qposadr[0]), int(right.qposadr[0])), (int(left.dofadr[0]), int(right.dofadr[0]))
 

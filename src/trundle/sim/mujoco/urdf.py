@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Set
 from pathlib import Path
 
 from trundle.errors import RobotError
 from trundle.sim.mujoco.joint import TYPES, Joint
+from trundle.xacro import expand_xacro
+from trundle.xmlfile import XmlElement
 
 _WITHOUT_AXIS = ("fixed", "floating")
 _WITH_LIMITS = ("revolute", "prismatic")
 
 
-def urdf_joints(path: Path, robot: ElementTree.Element) -> list[Joint]:
+def urdf_joints(path: Path, robot: XmlElement, *, wheels: Set[str] = frozenset()) -> list[Joint]:
     """List the joints below a URDF's `<robot>`, in the order of the file.
+
+    Args:
+        path: Of the file, for messages.
+        robot: Its `<robot>`; plain xacro in it is expanded.
+        wheels: Joints that a simulator drives, besides those that a transmission or ros2_control commands.
 
     Raises:
         RobotError: If a joint has no name, type, parent or child, an unknown type, or numbers that are none; or if the
-            file is a xacro that was not expanded.
+            file has xacro that is not plain.
     """
-    if any(element.tag.startswith("xacro:") for element in robot.iter()):
-        raise RobotError(f"{path}: this is a xacro file; expand it first: xacro {path.name} > robot.urdf")
-    driven = _driven_joints(robot)
+    expand_xacro(path, robot, error=RobotError)
+    driven = _driven_joints(robot) | wheels
     joints = [_joint(path, element, driven) for element in robot.findall("joint")]
     names = [joint.name for joint in joints]
     twice = next((name for name in names if names.count(name) > 1), None)

@@ -1,0 +1,299 @@
+"""The wheels that drive a model: which they are, their sizes, and where base_link lies between them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trundle.errors import RobotError, UnknownNameError
+from trundle.geometry import FloatArray
+from trundle.robots.model_shape import body_points
+from trundle.yamlfile import Plain
+
+_ALIKE = 0.02
+"""Wheels of one side have radii that differ by at most this share."""
+
+_BESIDE = 0.05
+"""How far [m] wheels of one side may be apart across it, and in height."""
+
+_OPPOSITE = 0.02
+"""How far [m] a wheel may be ahead of the one opposite."""
+
+_HOLONOMIC = re.compile(r"mecanum|swedish|omni", re.IGNORECASE)
+_ROLLERS = 4
+"""A wheel with so many turning parts of its own has rollers around it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A drive wheel: its joint, its middle [m] and axis in the model's world frame, and its sizes."""
+
+    joint: str
+    center: FloatArray
+    axis: FloatArray
+    radius: float
+    width: float
+    mass: float
+    bodies: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """base_link in the model's world frame."""
+
+    origin: FloatArray
+    rotation: FloatArray
+
+    def local(self, points: FloatArray) -> FloatArray:
+        """Points [m] in base_link."""
+        return (points - self.origin) @ self.rotation
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What drives, and where base_link lies: under the middle of all its wheels.
+
+    Attributes:
+        axles: Left and right wheel of each axle, the foremost first.
+        radius: Of the wheels [m].
+        track: Distance between the wheels of an axle [m].
+        frame: base_link.
+    """
+
+    axles: tuple[tuple[Wheel, Wheel], ...]
+    radius: float
+    track: float
+    frame: Frame
+
+    @property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """All of them."""
+        return tuple(wheel for axle in self.axles for wheel in axle)
+
+
+def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> Layout:
+    """Find the wheels that drive a model. Those of one side, one behind the other, count as one.
+
+    Args:
+        path: Of the file, for messages.
+        model: Compiled.
+        data: Its state, all joints at 0.
+        drive: Settings of the drive that are given.
+
+    Raises:
+        RobotError: If they cannot be told, do not pair up, or are no wheels that roll straight on.
+        UnknownNameError: If a joint is not there.
+    """
+    names = _name_joints(path, model, drive)
+    given = drive.get("wheel_radius")
+    sides = [[read_wheel(path, model, data, joint, given) for joint in side] for side in names]
+    chosen = {joint for side in names for joint in side}
+    if len(sides[0]) == len(sides[1]) == 1:
+        found = [_behind(path, model, data, side[0], chosen, given) for side in sides]
+        if len(found[0]) == len(found[1]):
+            sides = [[*side, *more] for side, more in zip(sides, found, strict=True)]
+    for wheel in (*sides[0], *sides[1]):
+        _refuse_rollers(path, model, wheel)
+    axles = _pair(path, sides[0], sides[1])
+    return _lay_out(path, model, data, axles, drive)
+
+
+def hinge_names(model: Any) -> list[str]:
+    """Names of the joints that turn."""
+    import mujoco
+
+    return [
+        str(model.joint(index).name)
+        for index in range(model.njnt)
+        if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_HINGE and model.joint(index).name
+    ]
+
+
+def root_of(model: Any, joint: str) -> int:
+    """The body that carries all others of the robot that a joint belongs to."""
+    return int(model.body_rootid[int(model.jnt_bodyid[model.joint(joint).id])])
+
+
+def wheels_named(joints: Sequence[str], side: str) -> list[str]:
+    """Those of some joints that are plainly named as wheels of a side, "left" or "right"."""
+    return [
+        joint
+        for joint in joints
+        if side in joint.lower() and "wheel" in joint.lower() and "caster" not in joint.lower()
+    ]
+
+
+def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[str], list[str]]:
+    """Joints of the left and the right wheels: as given, or those that are plainly named so."""
+    hinges = hinge_names(model)
+    found: list[list[str]] = []
+    for side in ("left", "right"):
+        name = drive.get(f"{side}_joint")
+        if name is None:
+            matches = wheels_named(hinges, side)
+            if not matches:
+                raise RobotError(_which_joints(path, hinges))
+            found.append(matches)
+            continue
+        if not isinstance(name, str) or name not in hinges:
+            raise UnknownNameError(f"turning joint of {path}:", str(name), hinges)
+        found.append([name])
+    left, right = found
+    if left == right:
+        raise RobotError(f"{path}: left_joint and right_joint are both {left[0]!r}; name two joints")
+    if len(left) != len(right):
+        raise RobotError(_which_joints(path, hinges))
+    return left, right
+
+
+def _which_joints(path: Path, hinges: list[str]) -> str:
+    return (
+        f"{path}: which joints drive the robot? It turns at: {', '.join(hinges) or 'none'}. Name two of "
+        "them: left_joint and right_joint of Robot.from_model, or a robot's YAML with "
+        f"model: {path.name} and drive: {{left_joint: …, right_joint: …}}"
+    )
+
+
+def _behind(path: Path, model: Any, data: Any, wheel: Wheel, chosen: set[str], given_radius: Plain) -> list[Wheel]:
+    """Wheels like one, before and behind it on the same side."""
+    found: list[Wheel] = []
+    for joint in hinge_names(model):
+        index = int(model.joint(joint).id)
+        axis = np.array(data.xaxis[index], dtype=np.float64)
+        inside = int(model.jnt_bodyid[index]) in wheel.bodies
+        if joint in chosen or inside or "wheel" not in joint.lower() or abs(float(axis @ wheel.axis)) < 0.99:
+            continue
+        try:
+            other = read_wheel(path, model, data, joint, given_radius)
+        except RobotError:
+            continue
+        off = other.center - wheel.center
+        beside = abs(float(off @ wheel.axis)) <= _BESIDE and abs(float(off[2])) <= _BESIDE
+        if beside and abs(other.radius - wheel.radius) <= _ALIKE * wheel.radius:
+            found.append(other)
+    return found
+
+
+def _refuse_rollers(path: Path, model: Any, wheel: Wheel) -> None:
+    """Refuse mecanum and omni wheels, which roll sideways too.
+
+    Raises:
+        RobotError: If it is one, by its names or by the rollers around it.
+    """
+    names = [wheel.joint, *(str(model.body(body).name) for body in wheel.bodies)]
+    first = next((match for name in names if (match := _HOLONOMIC.search(name))), None)
+    rollers = sum(int(model.jnt_bodyid[index]) in wheel.bodies for index in range(model.njnt)) - 1
+    if first is None and rollers < _ROLLERS:
+        return
+    kind = "an omni" if first is not None and first.group().lower() == "omni" else "a mecanum"
+    if first is None:
+        kind = "a mecanum or omni"
+    why = f"with {rollers} rollers" if rollers >= _ROLLERS else "by its name"
+    raise RobotError(
+        f"{path}: the wheel of joint {wheel.joint!r} is {kind} wheel, {why}: it rolls sideways as well. trundle drives "
+        "robots with a left and a right side of plain wheels, on one axle or several"
+    )
+
+
+def _pair(path: Path, left: Sequence[Wheel], right: Sequence[Wheel]) -> tuple[tuple[Wheel, Wheel], ...]:
+    """Each left wheel with the one opposite, the foremost first."""
+    across = np.mean([wheel.center for wheel in left], axis=0) - np.mean([wheel.center for wheel in right], axis=0)
+    axis = left[0].axis * (1.0 if float(left[0].axis @ across) >= 0.0 else -1.0)
+    forward = np.array([axis[1], -axis[0], 0.0])
+    sides = [sorted(side, key=lambda wheel: -float(wheel.center @ forward)) for side in (left, right)]
+    axles = tuple(zip(*sides, strict=True))
+    for first, second in axles:
+        _check_axle(path, first, second)
+        if len(axles) > 1 and abs(float((first.center - second.center) @ forward)) > _OPPOSITE:
+            raise RobotError(
+                f"{path}: the wheels of {first.joint!r} and {second.joint!r} are not opposite each other; each left "
+                "wheel needs a right one on its axle"
+            )
+    return axles
+
+
+def _check_axle(path: Path, left: Wheel, right: Wheel) -> None:
+    across = left.center - right.center
+    distance = float(np.linalg.norm(across))
+    if distance < 1e-3:
+        raise RobotError(f"{path}: the wheels of {left.joint!r} and {right.joint!r} are in one place")
+    if min(abs(left.axis @ across), abs(right.axis @ across)) < 0.99 * distance:
+        raise RobotError(
+            f"{path}: {left.joint!r} and {right.joint!r} do not turn about one axle; a differential drive needs the "
+            "left and the right wheel of one axle"
+        )
+
+
+def _lay_out(
+    path: Path, model: Any, data: Any, axles: tuple[tuple[Wheel, Wheel], ...], drive: dict[str, Plain]
+) -> Layout:
+    wheels = [wheel for axle in axles for wheel in axle]
+    radii = [wheel.radius for wheel in wheels]
+    given_radius, given_track = drive.get("wheel_radius"), drive.get("track_width")
+    if given_radius is None and max(radii) - min(radii) > 0.01 * max(radii):
+        raise RobotError(
+            f"{path}: the wheels have radii of {', '.join(f'{radius:g}' for radius in radii[:-1])} and {radii[-1]:g} "
+            "m; they must be alike: give wheel_radius"
+        )
+    middle_radius = sum(radii) / len(radii)
+    radius = middle_radius if given_radius is None else _positive(path, "wheel_radius", given_radius)
+    left, right = (np.mean([axle[side].center for axle in axles], axis=0) for side in (0, 1))
+    across = left - right
+    tracks = [float(np.linalg.norm(one.center - other.center)) for one, other in axles]
+    track = sum(tracks) / len(tracks) if given_track is None else _positive(path, "track_width", given_track)
+    y_axis = np.array([across[0], across[1], 0.0]) / math.hypot(across[0], across[1])
+    rotation = np.column_stack([[y_axis[1], -y_axis[0], 0.0], y_axis, [0.0, 0.0, 1.0]])
+    first, second = axles[0]
+    ahead = data.xmat[root_of(model, first.joint)].reshape(3, 3)[:, 0]
+    if float(ahead @ rotation[:, 0]) < -0.5:
+        raise RobotError(
+            f"{path}: {first.joint!r} is on the right side of the model and {second.joint!r} on the left: the robot "
+            "would drive backwards; exchange the two"
+        )
+    # The floor is where the wheels' geometry ends, whatever radius is given for their speeds.
+    floor = np.array([0.0, 0.0, middle_radius])
+    return Layout(axles, radius, track, Frame((left + right) / 2.0 - floor, rotation))
+
+
+def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> Wheel:
+    """Read a wheel off its body's geometry and mass.
+
+    Raises:
+        RobotError: If its joint is not level, or it has no geometry and no radius is given.
+    """
+    index = int(model.joint(joint).id)
+    body = int(model.jnt_bodyid[index])
+    bodies = {body}
+    for other in range(body + 1, int(model.nbody)):
+        if int(model.body_parentid[other]) in bodies:
+            bodies.add(other)
+    axis = np.array(data.xaxis[index], dtype=np.float64)
+    anchor = np.array(data.xanchor[index], dtype=np.float64)
+    parts = [part for member in sorted(bodies) for part in body_points(model, data, member)]
+    if abs(axis[2]) > 0.05:
+        raise RobotError(f"{path}: joint {joint!r} turns about {axis.round(3).tolist()}, which is not level: no wheel")
+    mass = float(sum(model.body_mass[member] for member in bodies))
+    if not parts and given_radius is not None:
+        return Wheel(joint, anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies))
+    if not parts:
+        raise RobotError(
+            f"{path}: the wheel of joint {joint!r} has no geometry to read its radius from; give wheel_radius, or give "
+            "the wheel's link a <collision> with a cylinder or a sphere"
+        )
+    offset = np.vstack(parts) - anchor
+    along = offset @ axis
+    middle = (along.min() + along.max()) / 2.0
+    radius = float(np.linalg.norm(offset - np.outer(along, axis), axis=1).max())
+    return Wheel(joint, anchor + middle * axis, axis, radius, float(np.ptp(along)), mass, frozenset(bodies))
+
+
+def _positive(path: Path, key: str, value: Plain) -> float:
+    if not isinstance(value, int | float) or not (math.isfinite(value) and value > 0.0):
+        raise RobotError(f"{path}: {key} must be a positive number of metres, got {value!r}")
+    return float(value)

@@ -1,0 +1,212 @@
+"""Plain xacro: properties, arguments with defaults and `${…}` with arithmetic; whatever has more is for ROS's xacro.
+
+Expressions are read with Python's parser and computed here, from numbers, names and a few functions: nothing of a file
+is ever run.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias, cast
+
+from trundle.errors import InputError
+from trundle.xmlfile import XmlElement
+
+Value: TypeAlias = float | int | bool | str
+
+_PREFIX = "xacro:"
+_PLACE = re.compile(r"\$(\$*)(\{([^{}]*)\}|\(([^()]*)\))")
+_LONGEST = 1_000
+_DEEPEST = 50
+_LARGEST_POWER = 100.0
+
+_BINARY: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "abs": abs, "acos": math.acos, "asin": math.asin, "atan": math.atan, "atan2": math.atan2, "ceil": math.ceil,
+    "cos": math.cos, "degrees": math.degrees, "exp": math.exp, "fabs": math.fabs, "float": float, "floor": math.floor,
+    "hypot": math.hypot, "int": int, "log": math.log, "max": max, "min": min, "radians": math.radians, "round": round,
+    "sin": math.sin, "sqrt": math.sqrt, "tan": math.tan,
+}  # fmt: skip
+_CONSTANTS: dict[str, Value] = {"pi": math.pi, "tau": math.tau, "e": math.e, "True": True, "False": False}
+
+
+def expand_xacro(path: Path, root: XmlElement, *, error: type[InputError]) -> None:
+    """Expand plain xacro in place; a file without any stays as it is.
+
+    Taken: `<xacro:property name= value=>`, `<xacro:arg name= default=>`, `$(arg name)`, and `${…}` of numbers, names,
+    + - * / // % **, brackets and functions of `math`.
+
+    Args:
+        path: For messages.
+        root: The document.
+        error: Type of the exception.
+
+    Raises:
+        InputError: Of the type `error`, if it has more of xacro (macros, includes, conditions), with the command that
+            expands it; or if an expression cannot be computed.
+    """
+    elements = [cast("XmlElement", element) for element in root.iter()]
+    marked = any(element.tag.startswith(_PREFIX) for element in elements)
+    if not marked and not any("${" in value or "$(" in value for element in elements for value in _texts(element)):
+        return
+    scope = _Scope(path, error)
+    for element in elements:
+        if element.tag.startswith(_PREFIX):
+            scope.define(element)
+    for element in elements:
+        for child in [child for child in element if child.tag.startswith(_PREFIX)]:
+            element.remove(child)
+        for key, value in element.attrib.items():
+            element.set(key, scope.fill(element, value))
+        if element.text:
+            element.text = scope.fill(element, element.text)
+
+
+def _texts(element: XmlElement) -> list[str]:
+    return [*element.attrib.values(), element.text or ""]
+
+
+@dataclass(slots=True)
+class _Scope:
+    """What is defined in a file. Properties are computed where they are used, so their order does not matter."""
+
+    path: Path
+    error: type[InputError]
+    properties: dict[str, str] = field(default_factory=dict[str, str])
+    arguments: dict[str, str] = field(default_factory=dict[str, str])
+    _open: list[str] = field(default_factory=list[str])
+    _known: dict[str, Value] = field(default_factory=dict[str, Value])
+
+    def define(self, element: XmlElement) -> None:
+        """Take a property or an argument; of one that comes twice the last counts, as in xacro."""
+        name, kind = element.get("name", ""), element.tag.removeprefix(_PREFIX)
+        if kind == "property" and name and "value" in element.attrib and not len(element):
+            self.properties[name] = element.attrib["value"]
+        elif kind == "arg" and name and "default" in element.attrib:
+            self.arguments[name] = element.attrib["default"]
+        elif kind == "arg" and name:
+            raise self.fault(element, f"the argument {name!r} has no default, so its value is not known")
+        else:
+            raise self.fault(element, f"<{element.tag}> is more xacro than trundle expands")
+
+    def fault(self, element: XmlElement, what: str) -> InputError:
+        """An error that says how the file is expanded."""
+        out = self.path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
+        return self.error(
+            f"{self.path}:{element.line}: {what}. Expand the file first: ros2 run xacro xacro {self.path.name} > {out}"
+        )
+
+    def fill(self, element: XmlElement, text: str) -> str:
+        """A text with what its `${…}` and `$(…)` stand for."""
+        return _PLACE.sub(lambda match: self._replace(element, match), text)
+
+    def _replace(self, element: XmlElement, match: re.Match[str]) -> str:
+        dollars, whole, expression, command = match.group(1, 2, 3, 4)
+        if dollars:  # $${ and $$( are xacro's words for ${ and $( themselves.
+            return dollars[:-1] + "$" + whole
+        if command is not None:
+            words = command.split()
+            if len(words) != 2 or words[0] != "arg":
+                raise self.fault(element, f"$({command}) is more xacro than trundle expands")
+            return _as_text(self._look_up(element, words[1], self.arguments, "argument"))
+        return _as_text(self._compute(element, expression))
+
+    def _look_up(self, element: XmlElement, name: str, known: dict[str, str], what: str) -> Value:
+        if name not in known:
+            raise self.fault(element, f"there is no {what} {name!r}")
+        mark = f"{what} {name}"
+        if mark in self._known:
+            return self._known[mark]
+        if mark in self._open or len(self._open) > _DEEPEST:
+            raise self.error(f"{self.path}:{element.line}: the {what} {name!r} is defined by itself")
+        self._open.append(mark)
+        value = self.fill(element, known[name])
+        self._open.pop()
+        if len(value) > _LONGEST:
+            raise self.error(f"{self.path}:{element.line}: the {what} {name!r} is longer than {_LONGEST} characters")
+        self._known[mark] = _as_value(value)
+        return self._known[mark]
+
+    def _compute(self, element: XmlElement, expression: str) -> Value:
+        try:
+            if len(expression) > _LONGEST:
+                raise ValueError(f"it is longer than {_LONGEST} characters")
+            return self._visit(element, ast.parse(expression.strip(), mode="eval").body)
+        except (ArithmeticError, ValueError, TypeError, SyntaxError, RecursionError, MemoryError) as problem:
+            reason = " ".join(str(problem).split()) or type(problem).__name__
+            raise self.fault(element, f"cannot compute ${{{expression[:80]}}}: {reason}") from problem
+
+    def _visit(self, element: XmlElement, node: ast.expr) -> Value:
+        match node:
+            case ast.Constant(value=bool() | int() | float() | str() as value):
+                return value
+            case ast.Name(id=name):
+                if name in self.properties:
+                    return self._look_up(element, name, self.properties, "property")
+                if name in _CONSTANTS:
+                    return _CONSTANTS[name]
+                raise self.fault(element, f"there is no property {name!r}")
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
+                value = _number(self._visit(element, operand))
+                return -value if isinstance(sign, ast.USub) else value
+            case ast.BinOp(left=left, op=kind, right=right):
+                first, second = (_number(self._visit(element, side)) for side in (left, right))
+                if isinstance(kind, ast.Pow):
+                    return _power(first, second)
+                if type(kind) in _BINARY:
+                    return _BINARY[type(kind)](first, second)
+            case ast.Call(func=ast.Name(id=name), args=given, keywords=[]) if name in _FUNCTIONS:
+                return _FUNCTIONS[name](*(_number(self._visit(element, part)) for part in given))
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="math"), attr=name), args=given, keywords=[]) if (
+                name in _FUNCTIONS
+            ):
+                return _FUNCTIONS[name](*(_number(self._visit(element, part)) for part in given))
+            case ast.Attribute(value=ast.Name(id="math"), attr="pi" | "tau" | "e" as name):
+                return _CONSTANTS[name]
+            case _:
+                pass
+        raise ValueError("it has more than numbers, names, + - * / // % **, brackets and functions of math")
+
+
+def _number(value: Value) -> float:
+    if isinstance(value, str):
+        raise TypeError(f"{value!r} is no number")
+    return value
+
+
+def _power(base: float, exponent: float) -> float:
+    # Of whole numbers a power can fill the memory.
+    if abs(exponent) > _LARGEST_POWER:
+        raise ValueError(f"the exponent {exponent:g} is above {_LARGEST_POWER:g}")
+    result = float(base) ** exponent
+    if isinstance(result, complex):
+        raise ValueError("it is no real number")
+    return result
+
+
+def _as_value(text: str) -> Value:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return {"true": True, "false": False}.get(text.strip().lower(), text)
+
+
+def _as_text(value: Value) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)
