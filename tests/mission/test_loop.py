@@ -1,5 +1,6 @@
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
+from trundle.sim import Contact
 
 
 class Log:
@@ -159,6 +161,19 @@ def test_a_robot_that_does_not_move_is_stuck(make_sim, navigator, start):
     episode = run(make_sim(drag=1.0), navigator, start, (6.5, 1.5))
     assert episode.outcome is Outcome.STUCK
     assert episode.metrics.distance_m == 0.0
+
+
+def test_every_contact_of_a_period_is_in_the_metrics(make_sim, navigator, start):
+    sim = make_sim(wall_x=3.0)
+    step = sim.step
+
+    def step_with_more(command, dt):
+        state = step(command, dt)
+        more = tuple(Contact("wheel_left", name, 0.0, 0.0) for name in ("post", "rack", "wall"))
+        return replace(state, contacts=state.contacts + more) if state.contacts else state
+
+    sim.step = step_with_more
+    assert run(sim, navigator, start, (6.5, 1.5)).metrics.contacts == ("wall", "post", "rack")
 
 
 def test_a_contact_ends_the_run_and_is_named(make_sim, navigator, start):

@@ -11,7 +11,7 @@ from trundle.mission import Outcome
 from trundle.sim import Simulator, simulate
 from trundle.sim.isaac import IsaacSimulator
 from trundle.sim.isaac.application import Application
-from trundle.solids import OccupancyCells, Solid
+from trundle.solids import Box, OccupancyCells, Solid
 from trundle.testing import check_simulator
 from trundle.worlds import World
 
@@ -62,6 +62,15 @@ def test_contacts_with_blocked_cells_name_the_cell(fake):
         touched = {contact.other for contact in sim.reset(Pose2D(1.6, 1.0)).contacts}
     assert touched
     assert touched <= {f"map[{row},{col}]" for row in range(18, 22) for col in (30, 31)}
+
+
+def test_every_contact_of_a_control_period_is_reported(fake):
+    behind = Solid("behind", Box((0.4, 0.2, 0.4)), Pose3D((-0.805, 0.0, 0.2)))
+    ahead = [Solid(f"ahead_{side}", Box((0.2, 0.2, 0.4)), Pose3D((0.74, 0.15 * side, 0.2))) for side in (-1, 1)]
+    with IsaacSimulator(World("room", (behind, *ahead)), trundle.Robot.load("nova_carter"), headless=True) as sim:
+        sim.reset(Pose2D(0.0, 0.0))
+        state = sim.step(Twist2D(0.5, 0.0), 2.0)
+    assert [contact.other for contact in state.contacts] == ["behind", "ahead_-1", "ahead_1"]
 
 
 def test_the_start_pose_is_written_on_the_robots_prim_above_the_ground(fake):

@@ -48,12 +48,12 @@ class ContactReader:
     def read(self, touched: dict[tuple[str, str], Contact]) -> None:
         """Add what the robot touches now to `touched`, by part and solid; the first place of each pair stays."""
         for own, other, points in self._touching():
-            above = [point for point in points if point[2] > self._floor + FLOOR_BAND]
-            if not above:
-                continue
-            x, y, _ = above[0]
-            part, name = own.rpartition("/")[2], self._cells.name(self._name(other), x, y)
-            touched.setdefault((part, name), Contact(part, name, x, y))
+            part = own.rpartition("/")[2]
+            for x, y, z in points:
+                if z > self._floor + FLOOR_BAND:
+                    # All cells of a map are one collider.
+                    name = self._cells.name(self._name(other), x, y)
+                    touched.setdefault((part, name), Contact(part, name, x, y))
 
     def _touching(self) -> list[tuple[str, str, list[tuple[float, float, float]]]]:
         """Pairs that touch after the last physics step: the robot's body, the other's collider, and where [m]."""
