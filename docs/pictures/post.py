@@ -53,7 +53,7 @@ class OtherTrack:
                 "angular_acceleration": over * robot.limits.angular_acceleration,
             }
         )
-        self.robot = robot
+        self.robot, self.world = robot, world
         self._commanding = robot.drive.model_copy(update={"track_width": track_width})
         self._simulator: Simulator = trundle.simulate(world, robot.model_copy(update={"limits": limits}))
 

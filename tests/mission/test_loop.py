@@ -57,7 +57,9 @@ def test_a_free_goal_is_reached_around_the_block(make_sim, navigator, start):
     metrics = episode.metrics
     assert metrics.distance_m > 5.5
     assert metrics.path_length_m == pytest.approx(episode.paths[0].length)
-    assert metrics.spl == pytest.approx(metrics.path_length_m / max(metrics.path_length_m, metrics.distance_m))
+    assert metrics.measured_on == "map"
+    assert math.dist(start.as_tuple()[:2], (6.5, 1.5)) < metrics.shortest_path_m < metrics.path_length_m
+    assert metrics.spl == pytest.approx(metrics.shortest_path_m / metrics.distance_m)
     assert 0.3 < metrics.min_clearance_m < 0.9
     assert 0.0 <= metrics.mean_cross_track_error_m <= metrics.max_cross_track_error_m < 0.3
     assert metrics.time_s == pytest.approx(episode.trajectory.time[-1])

@@ -49,10 +49,11 @@ class Metrics:
         time_s: Simulated time [s].
         distance_m: Driven by base_link [m].
         path_length_m: Planned [m]: the first plan to each goal, summed; plans made on the way do not count.
-        spl: Success weighted by path length, 0..1: success · l / max(distance, l) with l = `path_length_m` (Anderson et
-            al., "On Evaluation of Embodied Navigation Agents", 2018). 0 unless arrived.
-        min_clearance_m: Smallest distance [m] from the oriented footprint to an occupied or unknown cell, at all poses
-            of the trajectory; 0 is contact, and `CLEARANCE_CAP` stands for that or more.
+        spl: Success weighted by path length, 0..1: success · l / max(distance, l) with l = `shortest_path_m` (Anderson
+            et al., "On Evaluation of Embodied Navigation Agents", 2018). 0 unless arrived.
+        min_clearance_m: Smallest distance [m] from the oriented footprint, at all poses of the trajectory, to a solid
+            of the world that reaches between the robot's ground clearance and its height, whether its map has it or
+            not; 0 where there was a contact, and `CLEARANCE_CAP` stands for that or more.
         mean_cross_track_error_m: Mean distance [m] from base_link to the path that was followed; none without a path.
         max_cross_track_error_m: Largest such distance [m]; none without a path.
         smoothness_rad_per_m: Turning per distance [rad/m]: the sum of all changes in yaw, as positive numbers, over
@@ -62,6 +63,12 @@ class Metrics:
         replans: How often it planned again, beyond the first plan to each goal.
         real_time_factor: Simulated time over the wall time of the loop.
         contacts: Names of what it touched, in order of first touch.
+        shortest_path_m: Length [m] of the shortest path of the footprint's inscribed disc through the goals in turn, in
+            any direction, in the world's true map (cells of the costmap's resolution, every cell that a solid reaches
+            into is blocked, except where the robot drove). None unless arrived.
+        measured_on: "world" where `min_clearance_m` and `shortest_path_m` are measured on the world's solids; "map"
+            where the simulator does not know them, as in an environment of Isaac Sim or on a real robot: on the
+            robot's first costmap then, where unknown cells count as solid.
     """
 
     time_s: float
@@ -76,6 +83,8 @@ class Metrics:
     replans: int
     real_time_factor: float
     contacts: tuple[str, ...] = ()
+    shortest_path_m: float | None = None
+    measured_on: str = "map"
 
 
 _WHOLE = ("goal", "path")

@@ -24,11 +24,12 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
 from trundle.mission.metrics import compute_metrics
+from trundle.mission.truth import measure_truth
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.sim import RobotState, Simulator
+from trundle.sim import RobotState, Simulator, world_of
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -283,16 +284,27 @@ class _Drive:
         info = self._info
         columns = [np.array(column) for column in zip(*self._rows, strict=True)]
         trajectory = Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
+        arrived = outcome is Outcome.ARRIVED
+        truth = measure_truth(
+            trajectory.poses,
+            (info.start.as_tuple(), *info.goals),
+            info.robot,
+            world_of(self._sim),
+            info.costmap,
+            arrived=arrived,
+            touched=bool(self._contacts),
+        )
         metrics = compute_metrics(
             trajectory,
             self._paths,
             info.costmap,
-            arrived=outcome is Outcome.ARRIVED,
+            arrived=arrived,
             path_length_m=info.path_length_m,
             planning_s=self._planning_s,
             replans=self._replans,
             wall_s=wall_s,
             contacts=tuple(self._contacts),
+            truth=truth,
         )
         return Episode(
             outcome=outcome,

@@ -9,10 +9,8 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
 from trundle.mission.episode import Metrics, Trajectory
+from trundle.mission.truth import CLEARANCE_CAP, Truth
 from trundle.path import Path
-
-CLEARANCE_CAP = 2.0
-"""Distances above this [m] are not told apart."""
 
 _LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance says nothing
 _CHUNK = 1_000_000  # distances at a time
@@ -29,31 +27,38 @@ def compute_metrics(
     replans: int,
     wall_s: float,
     contacts: Sequence[str],
+    truth: Truth | None = None,
 ) -> Metrics:
     """Compute the figures of a run; see `Metrics` for what they are.
 
     Args:
         trajectory: The run.
         paths: What its column `path` counts.
-        costmap: What the clearance is measured on.
+        costmap: What the clearance is measured on where the truth is not known.
         arrived: Whether it was a success.
         path_length_m: Length [m] of the first plans to all goals.
         planning_s: Wall time spent on planning [s].
         replans: Plans beyond the first ones.
         wall_s: Wall time of the loop [s].
         contacts: What was touched.
+        truth: What was measured around the robot; none means that nothing is known but the costmap and the plans, and
+            `path_length_m` stands for the shortest path.
     """
+    if truth is None:
+        clearance = float(costmap.clearance(trajectory.poses, CLEARANCE_CAP).min())
+        truth = Truth(clearance, path_length_m if arrived else None, "map")
     distance = path_length(np.column_stack([trajectory.x, trajectory.y]))
     turning = float(np.abs(wrap_angles(np.diff(trajectory.yaw))).sum())
     errors = cross_track_errors(trajectory, paths)
     simulated = float(trajectory.time[-1])
-    longest = max(distance, path_length_m)
+    shortest = truth.shortest_path_m or 0.0
+    longest = max(distance, shortest)
     return Metrics(
         time_s=simulated,
         distance_m=distance,
         path_length_m=path_length_m,
-        spl=(path_length_m / longest if longest > 0.0 else 1.0) if arrived else 0.0,
-        min_clearance_m=float(costmap.clearance(trajectory.poses, CLEARANCE_CAP).min()),
+        spl=(shortest / longest if longest > 0.0 else 1.0) if arrived else 0.0,
+        min_clearance_m=truth.min_clearance_m,
         mean_cross_track_error_m=float(errors.mean()) if len(errors) else None,
         max_cross_track_error_m=float(errors.max()) if len(errors) else None,
         smoothness_rad_per_m=turning / distance if distance >= _LEAST_DISTANCE else None,
@@ -61,6 +66,8 @@ def compute_metrics(
         replans=replans,
         real_time_factor=simulated / wall_s if wall_s > 0.0 else 0.0,
         contacts=tuple(contacts),
+        shortest_path_m=truth.shortest_path_m,
+        measured_on=truth.measured_on,
     )
 
 

@@ -1,5 +1,5 @@
 """Simulators: what moves the robot when it is told a twist."""
 
-from trundle.sim.simulator import Contact, RobotState, Scan, Simulator, simulate, simulator_names
+from trundle.sim.simulator import Contact, RobotState, Scan, Simulator, simulate, simulator_names, world_of
 
-__all__ = ["Contact", "RobotState", "Scan", "Simulator", "simulate", "simulator_names"]
+__all__ = ["Contact", "RobotState", "Scan", "Simulator", "simulate", "simulator_names", "world_of"]

@@ -12,6 +12,7 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
+from trundle.sim.distances import place_outline
 from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
 from trundle.sim.simulator import Contact
 from trundle.solids import OccupancyCells, Solid
@@ -93,7 +94,7 @@ class FootprintChecker:
         low, high = poses[:, :2].min(axis=0) - self._reach, poses[:, :2].max(axis=0) + self._reach
         box = self._bounds
         near = (box[:, 0] < high[0]) & (box[:, 2] > low[0]) & (box[:, 1] < high[1]) & (box[:, 3] > low[1])
-        outlines = _placed(self._outline, poses) if near.any() or self._fields else None
+        outlines = place_outline(self._outline, poses) if near.any() or self._fields else None
         contacts: list[Contact] = []
         if outlines is None:
             return ()
@@ -118,7 +119,7 @@ class FootprintChecker:
     def _touched_cells(self, field: CellField, poses: FloatArray) -> list[Contact]:
         local = field.frame.inverse()
         placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
-        outlines = _placed(self._outline, placed)
+        outlines = place_outline(self._outline, placed)
         rows, cols = field.blocked.shape
         low = np.floor(outlines.min(axis=(0, 1)) / field.resolution).astype(int)
         high = np.floor(outlines.max(axis=(0, 1)) / field.resolution).astype(int) + 1
@@ -174,14 +175,6 @@ def _disc_depth(outlines: FloatArray, disc: Disc) -> FloatArray:
     distance = np.linalg.norm(offset - along[..., None] * edges, axis=-1).min(axis=1)
     inside = (edges[..., 0] * offset[..., 1] - edges[..., 1] * offset[..., 0] > 0.0).all(axis=1)
     return np.where(inside, disc.radius + distance, disc.radius - distance)
-
-
-def _placed(outline: FloatArray, poses: FloatArray) -> FloatArray:
-    """Outlines (P, N, 2) at poses (P, 3)."""
-    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
-    x = poses[:, 0, None] + cos * outline[:, 0] - sin * outline[:, 1]
-    y = poses[:, 1, None] + sin * outline[:, 0] + cos * outline[:, 1]
-    return np.stack([x, y], axis=-1)
 
 
 def _bounds(section: Polygon | Disc) -> tuple[float, float, float, float]:

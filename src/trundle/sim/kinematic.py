@@ -43,6 +43,7 @@ class KinematicSimulator:
         if not 0.0 < timestep <= 1.0:
             raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 1")
         self._robot = robot
+        self._world = world
         self._timestep = timestep
         self._ramp = CommandRamp(robot, timestep)
         self._footprint = FootprintChecker(world, robot)
@@ -58,6 +59,11 @@ class KinematicSimulator:
     def robot(self) -> Robot:
         """The robot that it moves."""
         return self._robot
+
+    @property
+    def world(self) -> World:
+        """The world that it moves through."""
+        return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""

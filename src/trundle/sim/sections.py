@@ -70,6 +70,42 @@ def piece_section(piece: Piece, low: float, high: float) -> Polygon | None:
     return _cut(piece.corners, piece.edges, low, high)
 
 
+def cut_triangles(triangles: FloatArray, low: float, high: float) -> FloatArray:
+    """The parts of triangles between two heights [m], seen from above.
+
+    Args:
+        triangles: Corners [m], shape (T, 3, 3).
+        low: Lowest height [m].
+        high: Highest height [m].
+
+    Returns:
+        Convex polygons of nine corners, some of them repeated, of those that have such a part; shape (K, 9, 2). An
+        upright triangle's corners are on one line.
+    """
+    heights = triangles[:, :, 2]
+    triangles = triangles[(heights.min(axis=1) <= high) & (heights.max(axis=1) >= low)]
+    start, end = triangles, np.roll(triangles, -1, axis=1)
+    rise = end[..., 2] - start[..., 2]
+    points = np.repeat(start[:, :, None], 3, axis=2)  # Of each edge: its start, and where it enters and leaves.
+    valid = np.zeros(points.shape[:3], dtype=bool)
+    valid[:, :, 0] = (start[..., 2] >= low) & (start[..., 2] <= high)
+    upward = rise > 0.0
+    for place, planes in ((1, np.where(upward, low, high)), (2, np.where(upward, high, low))):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = (planes - start[..., 2]) / rise
+        crosses = (share > 0.0) & (share < 1.0)
+        along = np.where(crosses, share, 0.0)[..., None]
+        points[:, :, place] = start + along * (end - start)
+        valid[:, :, place] = crosses
+    points, valid = points.reshape(len(triangles), 9, 3), valid.reshape(len(triangles), 9)
+    points, valid = points[valid.any(axis=1)], valid[valid.any(axis=1)]
+    # A corner that is not there is the one before it, and before the first the last.
+    slots = np.where(valid, np.arange(9), -1)
+    slots = np.maximum.accumulate(slots, axis=1)
+    slots = np.where(slots < 0, slots[:, -1:], slots)
+    return np.take_along_axis(points, slots[..., None], axis=1)[..., :2]
+
+
 def outline_segments(solid: Solid, height: float) -> FloatArray:
     """The outline of a solid's cut at one height [m], as segments (x0, y0, x1, y1) [m], shape (N, 4).
 

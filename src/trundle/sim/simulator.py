@@ -121,6 +121,15 @@ class Simulator(Protocol):
         ...
 
 
+def world_of(simulator: Simulator) -> World | None:
+    """The world that a simulator moves its robot through; none where it does not say.
+
+    It says so by an attribute `world`, which is no part of `Simulator`: a real robot has none, and neither do
+    simulators that were written before. What a run is measured on depends on it; see `trundle.mission.Metrics`.
+    """
+    return getattr(simulator, "world", None)
+
+
 def simulator_names() -> list[str]:
     """Names that `simulate` takes as a backend, sorted."""
     return SIMULATORS.names()

@@ -101,6 +101,7 @@ class IsaacSimulator:
         machine = robot_path(robot.name, robot_usd)
         given_root(assets_root)
         self._robot = robot
+        self._world = world if world.solids or environment is None else None
         self._physics_dt = physics_dt
         self._ground_offset = ground_offset
         self._ramp = CommandRamp(robot, physics_dt)
@@ -135,6 +136,11 @@ class IsaacSimulator:
     def application(self) -> Application:
         """The Isaac Sim that it runs in."""
         return self._application
+
+    @property
+    def world(self) -> World | None:
+        """The world that it moves through; none in an environment whose solids are not known."""
+        return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.

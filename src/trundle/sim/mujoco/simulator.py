@@ -68,6 +68,7 @@ class MujocoSimulator:
             raise InputError(f"casters {casters!r} is not a way to stand; use 'trailing' or 'reversed'")
         log_warnings()
         self._robot = robot
+        self._world = world
         self._timestep = timestep
         self._rest = _resting_state(robot, timestep, casters)
         try:
@@ -93,6 +94,11 @@ class MujocoSimulator:
     def robot(self) -> Robot:
         """The robot that it moves."""
         return self._robot
+
+    @property
+    def world(self) -> World:
+        """The world that it moves through."""
+        return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run.

@@ -1,0 +1,124 @@
+"""What a run is measured on: the solids of the simulated world, whatever the robot's map says."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.geometry import FloatArray
+from trundle.planning.grid_search import GridSearch
+from trundle.robots import Robot
+from trundle.sim.clearance import least_clearance, map_world
+from trundle.worlds import World
+
+MeasuredOn: TypeAlias = Literal["world", "map"]
+
+CLEARANCE_CAP = 2.0
+"""Clearances above this [m] are not told apart."""
+
+_END_TOLERANCE_M = 0.5
+"""How far an end of the shortest path may be moved: the cells hold all of every solid, and more at its edges."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What was measured around the robot; see `Metrics` for what it means.
+
+    Attributes:
+        min_clearance_m: [m].
+        shortest_path_m: [m]; none where the robot did not arrive.
+        measured_on: "world", or "map" where the simulator does not know its solids.
+    """
+
+    min_clearance_m: float
+    shortest_path_m: float | None
+    measured_on: MeasuredOn
+
+
+def measure_truth(
+    poses: FloatArray,
+    ends: Sequence[Sequence[float]],
+    robot: Robot,
+    world: World | None,
+    costmap: Costmap,
+    *,
+    arrived: bool,
+    touched: bool,
+) -> Truth:
+    """Measure a run's surroundings.
+
+    Args:
+        poses: Driven (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
+        ends: Start and goals, in order: (x, y, …).
+        robot: What drove.
+        world: Where it drove; none where that is not known.
+        costmap: The robot's own first one, which stands for the world where there is none.
+        arrived: Whether a shortest path is asked for.
+        touched: Whether there was a contact: nothing is nearer.
+    """
+    points = np.array([end[:2] for end in ends], dtype=np.float64)
+    true_map = costmap
+    if world is not None:
+        margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * costmap.resolution
+        around = np.concatenate([poses[:, :2], points])
+        true_map = map_world(world, robot, around, resolution=costmap.resolution, margin=margin)
+    if touched:
+        clearance = 0.0
+    elif world is not None:
+        clearance = least_clearance(world, robot, poses, true_map, cap=CLEARANCE_CAP)
+    else:
+        clearance = float(costmap.clearance(poses, CLEARANCE_CAP).min())
+    shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
+    return Truth(clearance, shortest, "map" if world is None else "world")
+
+
+def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:
+    """Length [m] of the shortest path of the footprint's inscribed disc through some points in turn.
+
+    It is the shortest in any direction past the cells that the disc's centre must keep off; cells that the robot has
+    driven through count as free, as it has shown.
+
+    Args:
+        true_map: Where the disc collides.
+        points: Start and goals [m], shape (M, 2).
+        driven: Where the robot was [m], shape (N, 2).
+    """
+    blocked = true_map.data >= INSCRIBED
+    _free(blocked, true_map, driven)
+    search = GridSearch(blocked)
+    tolerance = _END_TOLERANCE_M / true_map.resolution
+    rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
+    cells = np.stack([rows, cols], axis=1).tolist()
+    length = 0.0
+    for leg, (start, goal) in enumerate(itertools.pairwise(cells)):
+        path = search.any_angle_path(start, goal, start_tolerance=tolerance, goal_tolerance=tolerance)
+        if path.status != "found":
+            length += math.dist(points[leg], points[leg + 1])  # No path is shorter.
+            continue
+        turns = path.waypoints[1:-1]
+        inner = np.stack(true_map.cell_to_world(turns[:, 0], turns[:, 1]), axis=1)
+        line = np.concatenate([points[leg, None], inner, points[leg + 1, None]])
+        length += float(np.hypot(*np.diff(line, axis=0).T).sum())
+    return length
+
+
+def _free(blocked: npt.NDArray[np.bool_], true_map: Costmap, driven: FloatArray) -> None:
+    """Free the cells of a driven line, so that a path among cells may follow it."""
+    steps = np.diff(driven, axis=0)
+    parts = np.maximum(np.ceil(4.0 * np.hypot(*steps.T) / true_map.resolution).astype(int), 1)
+    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    shares = number / np.repeat(parts, parts)
+    between = np.repeat(driven[:-1], parts, axis=0) + shares[:, None] * np.repeat(steps, parts, axis=0)
+    points = np.concatenate([between, driven[-1:]])
+    rows, cols = true_map.world_to_cell(points[:, 0], points[:, 1])
+    # A diagonal step needs the two cells beside it.
+    for row, col in ((rows, cols), (rows[:-1], cols[1:]), (rows[1:], cols[:-1])):
+        inside = true_map.contains(row, col)
+        blocked[row[inside], col[inside]] = False

@@ -1,0 +1,137 @@
+"""How far a robot's footprint stays from what stands in a world: exact distances, for the poses of a whole run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from trundle import _core
+from trundle.costmap import Costmap
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.maps.rasterise import HeightBand, SolidRaster
+from trundle.robots import Robot
+from trundle.sim.distances import disc_distances, place_outline, polygon_distances
+from trundle.sim.sections import Disc, Polygon, cut_triangles, slab_section
+from trundle.solids import Mesh, OccupancyCells, Solid, solids_bounds
+from trundle.worlds import World
+
+_MOST_CELLS = 60_000_000
+"""Of a map of a world; its cells are made larger until there are no more."""
+
+_LETHAL = 254
+
+
+def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
+    """The true map of a world for a robot: its solids between the robot's clearance and its height, inflated.
+
+    Args:
+        world: What stands around.
+        robot: Whose heights and footprint count.
+        points: What the map must reach [m], beside the world, shape (N, 2).
+        resolution: Edge of a cell [m]; larger where there would be more than 60 million.
+        margin: Added on all sides [m].
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    if world.solids:
+        first, last = (np.asarray(corner)[:2] for corner in world.bounds)
+        low, high = np.minimum(low, first), np.maximum(high, last)
+    size = high - low + 2.0 * margin
+    edge = max(resolution, math.sqrt(float(np.prod(size)) / _MOST_CELLS))
+    corner = np.floor((low - margin) / edge) * edge
+    cols, rows = (int(count) for count in np.ceil((high + margin - corner) / edge))
+    cells = np.zeros((rows, cols), dtype=np.int8)
+    band = HeightBand(robot.body.clearance, robot.body.height)
+    SolidRaster(cells, edge, (float(corner[0]), float(corner[1])), band).add(world.solids)
+    return Costmap.from_grid(OccupancyGrid(cells, edge, Pose2D(float(corner[0]), float(corner[1]))), robot.outline)
+
+
+def least_clearance(world: World, robot: Robot, poses: FloatArray, true_map: Costmap, *, cap: float) -> float:
+    """Smallest distance [m] from the oriented footprint, at any of some poses, to a solid at the robot's heights.
+
+    Args:
+        world: What stands around.
+        robot: Whose footprint, and heights from its clearance to its height.
+        poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
+        true_map: Of `map_world`, which reaches `cap` beyond the robot everywhere. It tells which poses and solids need
+            a closer look: its cells hold every solid, and reach at most a cell's diagonal beyond.
+        cap: Larger distances are given as this one [m].
+
+    Returns:
+        0 where the footprint overlaps something.
+    """
+    coarse = true_map.clearance(poses, cap)
+    beyond = math.sqrt(2.0) * true_map.resolution + 1e-6
+    least = float(min(cap, coarse.min() + beyond))
+    near = poses[coarse <= least]
+    low, high = robot.body.clearance, robot.body.height
+    flat: list[Solid] = []
+    for solid in world.solids:
+        if isinstance(solid.shape, OccupancyCells):
+            base = solid.pose.position[2]
+            if base < high and base + solid.shape.height > low:
+                least = min(least, _cells_clearance(solid, solid.shape, robot, near, cap))
+        else:
+            flat.append(solid)
+    if not flat or len(near) == 0:
+        return least
+    lows, highs = solids_bounds(flat)
+    level = np.flatnonzero((lows[:, 2] < high) & (highs[:, 2] > low))
+    # From each pose to each solid's bounds: what is farther than the least so far cannot be nearer.
+    gaps = np.maximum(np.maximum(lows[level, None, :2] - near[:, :2], near[:, :2] - highs[level, None, :2]), 0.0)
+    reach = np.hypot(gaps[..., 0], gaps[..., 1]) - robot.circumscribed_radius
+    for index in np.argsort(reach.min(axis=1), kind="stable"):
+        close = reach[index] < least
+        if not close.any():
+            break
+        outlines = place_outline(robot.outline, near[close])
+        least = min(least, _solid_clearance(flat[int(level[index])], outlines, low, high, least))
+    return least
+
+
+def _solid_clearance(solid: Solid, outlines: FloatArray, low: float, high: float, cap: float) -> float:
+    """Smallest distance from outlines (P, N, 2) to a solid between two heights; `cap` or more where it is no nearer."""
+    if not isinstance(solid.shape, Mesh):
+        match slab_section(solid, low, high):
+            case Disc() as disc:
+                return float(disc_distances(outlines, disc).min())
+            case Polygon(corners):
+                return float(polygon_distances(outlines, corners[None]).min())
+            case None:
+                return cap
+    polygons = cut_triangles(solid.pose.transform_points(solid.shape.vertices)[solid.shape.faces], low, high)
+    first, last = outlines.min(axis=(0, 1)) - cap, outlines.max(axis=(0, 1)) + cap
+    near = (polygons.min(axis=1) <= last).all(axis=1) & (polygons.max(axis=1) >= first).all(axis=1)
+    return float(polygon_distances(outlines, polygons[near]).min()) if near.any() else cap
+
+
+def _cells_clearance(solid: Solid, cells: OccupancyCells, robot: Robot, poses: FloatArray, cap: float) -> float:
+    x, y, _ = solid.pose.position
+    frame = Pose2D(x, y, solid.pose.yaw())
+    local = frame.inverse()
+    placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
+    # Only the cells around, with a free rim: the edge of a map would count as blocked.
+    reach = robot.circumscribed_radius + cap + cells.resolution
+    first = np.floor((placed[:, :2].min(axis=0) - reach) / cells.resolution).astype(int)
+    last = np.ceil((placed[:, :2].max(axis=0) + reach) / cells.resolution).astype(int)
+    window = np.zeros((last - first)[::-1], dtype=np.uint8)
+    inner_first, inner_last = np.maximum(first, 0), np.minimum(last, cells.blocked.shape[::-1])
+    if (inner_first >= inner_last).any():
+        return cap
+    (col, row), (col_end, row_end) = inner_first, inner_last
+    window[row - first[1] : row_end - first[1], col - first[0] : col_end - first[0]] = (
+        _LETHAL * cells.blocked[row:row_end, col:col_end]
+    )
+    origin = first * cells.resolution
+    distances = _core.footprint_clearance(
+        window,
+        cells.resolution,
+        float(origin[0]),
+        float(origin[1]),
+        0.0,
+        np.ascontiguousarray(robot.outline),
+        np.ascontiguousarray(placed),
+        cap,
+    )
+    return float(distances.min())
