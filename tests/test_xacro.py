@@ -1,6 +1,7 @@
 """Plain xacro in a URDF."""
 
 import itertools
+import random
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,7 @@ def test_a_file_without_xacro_stays_as_it_is():
         '<box size="${1 / 0}"/>',
         '<box size="${9 ** 9 ** 9}"/>',
         '<box size="${1 +}"/>',
+        '<xacro:property name="a" value="' + "9" * 900 + '"/><box size="${a * a * a * a * a * a}"/>',
     ],
 )
 def test_more_than_plain_xacro_says_which_command_expands_it(body):
@@ -103,3 +105,38 @@ def test_doubling_numbers_end_at_once():
         f'<xacro:property name="{name}" value="${{{below} + {below}}}"/>' for name, below in itertools.pairwise(names)
     )
     assert float(value("${n0}", chain + '<xacro:property name="n39" value="1"/>')) == 2.0**39
+
+
+def test_any_expression_ends_in_a_value_or_in_one_error():
+    rng = random.Random(0)
+    pieces = [
+        "1",
+        "a",
+        "(",
+        ")",
+        "+",
+        "-",
+        "*",
+        "/",
+        "**",
+        "%",
+        "sin",
+        ",",
+        ".",
+        "'x'",
+        "[",
+        "]",
+        "if",
+        "9e99",
+        " ",
+        "pi",
+    ]
+    computed = 0
+    for _ in range(2_000):
+        expression = "".join(rng.choices(pieces, k=rng.randint(1, 6)))
+        try:
+            value(f"${{{expression}}}", '<xacro:property name="a" value="0.5"/>')
+        except RobotError:
+            continue
+        computed += 1
+    assert computed > 50

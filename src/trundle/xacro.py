@@ -122,7 +122,7 @@ class _Scope:
             if len(words) != 2 or words[0] != "arg":
                 raise self.fault(element, f"$({command}) is more xacro than trundle expands")
             return _as_text(self._look_up(element, words[1], self.arguments, "argument"))
-        return _as_text(self._compute(element, expression))
+        return self._compute(element, expression)
 
     def _look_up(self, element: XmlElement, name: str, known: dict[str, str], what: str) -> Value:
         if name not in known:
@@ -140,11 +140,11 @@ class _Scope:
         self._known[mark] = _as_value(value)
         return self._known[mark]
 
-    def _compute(self, element: XmlElement, expression: str) -> Value:
+    def _compute(self, element: XmlElement, expression: str) -> str:
         try:
             if len(expression) > _LONGEST:
                 raise ValueError(f"it is longer than {_LONGEST} characters")
-            return self._visit(element, ast.parse(expression.strip(), mode="eval").body)
+            return _as_text(self._visit(element, ast.parse(expression.strip(), mode="eval").body))
         except (ArithmeticError, ValueError, TypeError, SyntaxError, RecursionError, MemoryError) as problem:
             reason = " ".join(str(problem).split()) or type(problem).__name__
             raise self.fault(element, f"cannot compute ${{{expression[:80]}}}: {reason}") from problem

@@ -175,7 +175,7 @@ def load_source(
         kind = "scenario" if sources.is_scenario(Path(source)) else "robot"
     elif (
         source in robot_names()
-        or (suffix == ".urdf" and FORMATS[form].robot is not None)
+        or (source.lower().endswith((".urdf", ".urdf.xacro")) and FORMATS[form].robot is not None)
         or (suffix in (".xml", ".mjcf") and FORMATS[form].world is None)
     ):
         kind = "robot"
