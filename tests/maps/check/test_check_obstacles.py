@@ -73,6 +73,16 @@ def test_walls_that_are_two_cells_off_or_thicker_are_no_findings():
     assert named(check_grid(redrawn(grid, thin), world=room())) == []
 
 
+def test_an_area_that_lies_along_what_remains_is_one_finding():
+    bar = Solid("bar", Box((3.0, 0.1, 1.0)), Pose3D((-2.0, 3.05, 0.5)))
+    block = Solid("block", Box((0.8, 0.5, 1.0)), Pose3D((-2.0, 3.35, 0.5)))
+    world = World("bar", (*room().solids, bar, block), seeds=((0.0, 2.5),))
+    grid = OccupancyGrid.from_world(world, resolution=EDGE)
+    (finding,) = named(check_grid(changed(grid, (-3.5, 3.0, -0.5, 3.1, 0)), world=world))
+    assert finding.kind == "missing_obstacle"
+    assert finding.area_m2 == pytest.approx(0.3)
+
+
 def test_small_things_and_unknown_cells_are_no_findings():
     grid = map_of(room())
     small = changed(grid, (-1.0, 2.0, -0.75, 2.25, 100), (-3.5, 0.25, -2.5, 0.95, -1))

@@ -16,6 +16,8 @@ LEAST_AREA = 0.09
 TOLERANCE = 2
 """So far [cells] a map's walls may be off, as a noisy or a thicker map's are."""
 
+_MOSTLY = 0.5  # of an area beyond the tolerance, or beside such cells, make all of it one
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contradictions:
@@ -72,7 +74,10 @@ def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
     """Connected areas of cells that differ, each with a part beyond the tolerance from an obstacle of the other."""
     core = differs & ~_grow(obstacles, TOLERANCE)
     # With what is within the tolerance, but not all of a wall that is a cell off.
-    return Areas(differs & _grow(core, TOLERANCE + 1), diagonal=True)
+    near = differs & _grow(core, TOLERANCE + 1)
+    whole = Areas(differs, diagonal=True)
+    shares = np.bincount(whole.labels[near], minlength=len(whole) + 1)[1:] / np.maximum(whole.sizes, 1)
+    return Areas(near | whole.select(shares >= _MOSTLY), diagonal=True)
 
 
 def _grow(mask: Mask, radius: int) -> Mask:
