@@ -158,3 +158,41 @@ def test_it_parks_along_a_planned_path_with_a_change_of_direction(radius):
     assert not costmap.footprint_collides(as_array(poses)).any()
     assert min(twist.v for twist in twists) < -0.1
     assert max(twist.v for twist in twists) > 0.1
+
+
+TURN = math.radians(50.0)
+
+
+def beside_swing(gap):
+    """A costmap and a pose from where a turn to the left by 50° brings a rear corner so close [m] to a cell."""
+    rear = CARTER.outline[np.argmin(CARTER.outline[:, 0] - 1e-3 * CARTER.outline[:, 1])]
+    radius, angle = math.hypot(*rear), math.atan2(rear[1], rear[0]) + math.pi / 4
+    assert math.pi < angle < 1.5 * math.pi
+    # The upper right corner of the cell is at (-0.5, -0.5).
+    pose = Pose2D(
+        -0.5 - (radius + gap) * math.cos(angle), -0.5 - (radius + gap) * math.sin(angle), math.pi / 4 - TURN / 2
+    )
+    return costmap_with((-0.525, -0.525, -0.525, -0.525)), pose
+
+
+@pytest.mark.parametrize("gap", [0.002, 0.006, 0.009])
+def test_a_turn_that_is_planned_closer_than_the_padding_is_driven(gap):
+    costmap, pose = beside_swing(gap)
+    x, y, yaw = pose.as_tuple()
+    end = yaw + TURN
+    path = Path(np.array([(x, y, yaw), (x, y, end), (x + 2.0 * math.cos(end), y + 2.0 * math.sin(end), end)]))
+    assert costmap.clearance([pose.as_tuple()])[0] > 0.02
+    poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap)
+    assert poses[-1].distance_to(path.goal) < 0.05
+    assert not costmap.footprint_collides(as_array(poses)).any()
+    poses, _ = follow(RegulatedPurePursuit(CARTER), Path(path.poses[:2]), costmap)
+    assert abs(wrap_angle(poses[-1].yaw - end)) < 0.03
+
+
+def test_a_turn_that_would_touch_something_is_not_begun_closer_than_the_padding():
+    costmap, pose = beside_swing(-0.01)
+    x, y, yaw = pose.as_tuple()
+    end = yaw + TURN
+    path = Path(np.array([(x, y, yaw), (x, y, end), (x + 2.0 * math.cos(end), y + 2.0 * math.sin(end), end)]))
+    poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap)
+    assert costmap.clearance(as_array(poses)).min() >= 0.01 - 1e-6

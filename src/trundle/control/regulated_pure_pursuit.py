@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, cost_under
-from trundle.control.sections import Section, Vertex, changes_direction, cut_sections, path_vertices
+from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, pad_outline, wrap_angle
@@ -28,6 +28,8 @@ _SIMULATION_STEP_M = 0.05
 _TURN_DONE_RAD = 0.02
 _SECTION_DONE_M = 0.01
 _SECTION_MISSED_M = 0.02
+_ROOM_STEP_M = 0.005
+_ROOM_STEP_RAD = math.radians(0.5)
 _SLOWER = (1.0, 0.5, 0.25)
 
 
@@ -47,7 +49,8 @@ class PursuitSettings:
         approach_velocity_scaling_dist: Nearer to the end than this the robot drives slower [m].
         min_approach_linear_velocity: But not slower than this [m/s].
         approach_deceleration: Share of the robot's deceleration that is used to stop at the end of a section.
-        footprint_padding: What the footprint is widened by in the check of each command [m].
+        footprint_padding: What the footprint is widened by in the check of each command [m]; where the path itself
+            comes closer to something, half of what it keeps there.
     """
 
     desired_linear_vel: float | None = None
@@ -98,6 +101,7 @@ class RegulatedPurePursuit:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
         self._outline = pad_outline(robot.outline, self.settings.footprint_padding)
+        self._outlines: list[FloatArray] = []
         self._vertices: list[Vertex] = []
         self._sections: list[Section] | None = None
         self._lookaheads: list[float] = []
@@ -145,6 +149,8 @@ class RegulatedPurePursuit:
         self._index, self._s, self._turn = 0, 0.0, None
         if len(vertices) == 1:
             self._sections = []
+            at = vertices[0]
+            self._outlines = [self._pad(costmap, [turn_by((at.x, at.y, pose.yaw), at.turn)])]
             self._begin_turn(vertices[0].turn, pose)
             self._done = self._turn is None
             return
@@ -157,8 +163,31 @@ class RegulatedPurePursuit:
             sections = cut_sections(vertices, stops)
             self._lookaheads, bend = self._choose_lookaheads(sections, stops, pose, costmap)
         self._sections = sections
+        driven = [section.motions() for section in sections]
+        driven[0].append(turn_by(driven[0][0][0], -vertices[0].turn))
+        self._outlines = [self._pad(costmap, motions) for motions in driven]
         if stops[0]:
             self._begin_turn(vertices[0].turn, pose)
+
+    def _pad(self, costmap: Costmap, motions: list[Motion]) -> FloatArray:
+        """The padded outline; where motions of the path come closer to something, padded by half of what they keep.
+
+        Where they touch something the path is blocked, and the robot keeps its distance.
+        """
+        first, last = (np.array(ends) for ends in zip(*motions, strict=True))
+        hit = np.isfinite(costmap.footprint_sweeps(first, last, outline=self._outline))
+        if not hit.any():
+            return self._outline
+        room = min(_least_room(costmap, *ends) for ends in zip(first[hit], last[hit], strict=True))
+        if room == 0.0:
+            return self._outline
+        return pad_outline(self._robot.outline, min(0.5 * room, self.settings.footprint_padding))
+
+    @property
+    def _padded(self) -> FloatArray:
+        """The padded outline for the section, or the turn at its end, that is under way."""
+        turned = self._index - 1 if self._turn is not None else self._index
+        return self._outlines[max(turned, 0)]
 
     def _choose_lookaheads(
         self, sections: list[Section], stops: list[bool], pose: Pose2D, costmap: Costmap
@@ -318,12 +347,19 @@ class RegulatedPurePursuit:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
         if self._inflation_covers_stop(costmap) and cost_under(costmap, pose.x, pose.y) == 0:
             return True
-        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._outline)
+        return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._padded)
 
     def _inflation_covers_stop(self, costmap: Costmap) -> bool:
         limits = self._robot.limits
         stop = limits.linear_speed * (0.1 + limits.linear_speed / (2.0 * limits.linear_acceleration))
         return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop
+
+
+def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:
+    """The least distance [m] that the footprint keeps from everything on a straight line or a turn in place."""
+    length, turn = math.dist(first[:2], last[:2]), abs(float(last[2] - first[2]))
+    pieces = max(1, math.ceil(max(length / _ROOM_STEP_M, turn / _ROOM_STEP_RAD)))
+    return float(costmap.clearance(np.linspace(first, last, pieces + 1)).min())
 
 
 def _travel_yaw(section: Section, yaw: float) -> float:

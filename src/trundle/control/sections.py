@@ -13,6 +13,9 @@ from trundle.path import Path
 _SAME_PLACE_M = 1e-6
 _STRAIGHT_RAD = 1e-4
 
+Motion = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""The first and the last pose (x, y, yaw) [m, m, rad] of a straight line or a turn in place, its yaw not wrapped."""
+
 
 @dataclass(frozen=True, slots=True)
 class Vertex:
@@ -53,6 +56,15 @@ class Section:
             self.headings.append(math.atan2(y1 - y0, x1 - x0))
         self.length = self.starts[-1]
 
+    def motions(self) -> list[Motion]:
+        """The lines along it and the turn at its end, as a robot drives them."""
+        turn = math.pi if self.backward else 0.0
+        motions: list[Motion] = []
+        for (x0, y0), (x1, y1), heading in zip(self.points, self.points[1:], self.headings, strict=False):
+            motions.append(((x0, y0, heading + turn), (x1, y1, heading + turn)))
+        end = motions[-1][1]
+        return [*motions, turn_by(end, self.end_turn)]
+
     def point_at(self, s: float) -> tuple[float, float]:
         """Point (x, y) at arc length `s` [m]; past the end it goes on straight."""
         leg = self._leg_at(s)
@@ -81,6 +93,12 @@ class Section:
 
     def _leg_at(self, s: float) -> int:
         return min(max(bisect.bisect_right(self.starts, s) - 1, 0), len(self.headings) - 1)
+
+
+def turn_by(pose: tuple[float, float, float], turn: float) -> Motion:
+    """A turn in place from a pose (x, y, yaw) by an angle [rad]."""
+    x, y, yaw = pose
+    return pose, (x, y, yaw + turn)
 
 
 def path_vertices(path: Path) -> list[Vertex]:
