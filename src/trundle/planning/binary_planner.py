@@ -16,6 +16,7 @@ from trundle.planning.ends import End
 from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner, to_grid, to_map
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.kept_search import KeptSearch
+from trundle.planning.tight_places import TightPlaces
 
 _SHORTCUT_STEP_CELLS = 8
 """The shortcut may turn where the grid path turns, and at every so many cells of it."""
@@ -25,9 +26,10 @@ class BinaryPlanner(FootprintPlanner):
     """The shortest way past cells of 253 and more, whatever the others cost.
 
     The grid path is shortened by the cheapest lines of sight, and checked with the footprint like that of any
-    `FootprintPlanner`, whose options these are. `Path.cost` is its
-    length [m]. The search of the last costmap is kept, so that the next plan on it only has to search; where
-    `Costmap.update` made another one of it, the search is updated as well.
+    `FootprintPlanner`, whose options these are. Where that hits something, which is mostly at the corners that a
+    shortest path touches, it is led past with more room. `Path.cost` is its length [m]. The search of the last costmap
+    is kept, so that the next plan on it only has to search; where `Costmap.update` made another one of it, the search
+    is updated as well.
     """
 
     method: ClassVar[str]
@@ -36,6 +38,7 @@ class BinaryPlanner(FootprintPlanner):
     def __init__(self, **options: Unpack[FootprintOptions]) -> None:
         super().__init__(**options)
         self._kept = KeptSearch(INSCRIBED, self.method)
+        self._tight_places = TightPlaces()
 
     def _find_way(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypedDict
 
@@ -16,13 +17,14 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
-from trundle.planning.detours import block, places_to_avoid
+from trundle.planning.detours import Detours
 from trundle.planning.ends import End, place_to_turn, place_with_room
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
 from trundle.planning.options import check_count, check_number
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query, no_path, none_found
+from trundle.planning.tight_places import TightPlaces
 
 
 def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:
@@ -63,21 +65,33 @@ class _Failure:
     replans: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    """The motions along a path, where they hit something as of `fit_motions`, and what it took."""
+
+    motions: list[Motion]
+    hits: FloatArray
+    owners: list[int]
+    cost: float
+    replans: int
+
+
 class FootprintPlanner(PosePlanner):
     """A way for a point, and a check of every pose with the footprint.
 
-    A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The way
-    is checked with all that the oriented footprint sweeps over, with the turns at its vertices and both ends, where the
-    long way round is tried too. On a hit the cells of the colliding poses become lethal for this query, and
-    it is planned again. Where that finds nothing and the robot cannot turn round at the start or the goal, it first
-    drives straight on to where it can, and into the goal from such a place behind it.
+    A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The
+    path is checked with all that the oriented footprint sweeps over, with the turns at its vertices and both ends,
+    where the long way round is tried too. On a hit, planners of shortest paths first take stretches with more room
+    there; what is hit all the same is closed for this query, and it is planned again. Where that finds nothing and the
+    robot cannot turn round at the start or the goal, it first drives straight on to where it can, and into the goal
+    from such a place behind it.
 
     A planner may be used by several threads at once.
 
     Args:
         start_tolerance: How far a start where the robot does not fit may be moved [m].
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
-        max_replans: How often to plan again because the footprint hits something.
+        max_replans: How often to close what is too narrow and search again; 0 means one search alone.
         spacing: Largest distance between two poses of the path [m].
         allow_partial: Where the goal cannot be reached, or the robot does not fit there, plan to near it: to the place
             nearest to it that the inscribed circle can get to, or as far towards that as the footprint fits. It ends
@@ -90,6 +104,9 @@ class FootprintPlanner(PosePlanner):
 
     name: ClassVar[str]
     """Of the planner, for `Path.planner`."""
+
+    _tight_places: TightPlaces | None = None
+    """Other stretches where the footprint hits something, for planners whose cost is the length."""
 
     _line_weights: FloatArray = cell_weights(1.0, 0.0)
     """What a length costs in a cell, by its cost, shape (256,)."""
@@ -114,18 +131,27 @@ class FootprintPlanner(PosePlanner):
         self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        outcome = self._plan_between(query, 0, patience)
-        if isinstance(outcome, Path):
-            return outcome
-        replans, roomy = outcome.replans, self._move_goal(query, goal, patience)
+        failure, replans = None, 0
+        for variant in self._variants(query, goal, patience):
+            outcome = self._attempt(variant, replans, patience)
+            if isinstance(outcome, Path):
+                return outcome
+            if failure is None or variant.goal == query.goal:
+                failure = outcome
+            replans = outcome.replans + 1
+        if failure is not None and not self._allow_partial:
+            raise failure.error
+        return self._plan_near(query.costmap, query.start, goal, patience, replans)
+
+    def _variants(self, query: Query, goal: Pose2D, patience: Patience) -> Iterator[Query]:
+        """What to try one after the other: the query, and with a goal where there is more room.
+
+        Each is tried as it is, and then straight out of a start and into a goal where the robot cannot turn.
+        """
+        yield from query.both_ways_out()
+        roomy = self._move_goal(query, goal, patience)
         if roomy is not None:
-            other = self._plan_between(roomy, replans + 1, patience)
-            if isinstance(other, Path):
-                return other
-            replans = other.replans
-        if not self._allow_partial:
-            raise outcome.error
-        return self._plan_near(query.costmap, query.start, goal, patience, replans + 1)
+            yield from roomy.both_ways_out()
 
     def _move_goal(self, query: Query, goal: Pose2D, patience: Patience) -> Query | None:
         """The query with its goal moved, within its tolerance, from where the footprint cannot arrive to more room."""
@@ -134,15 +160,6 @@ class FootprintPlanner(PosePlanner):
             return None
         place = place_with_room(query.costmap, goal, self._goal_tolerance, query.start, patience)
         return None if place is None or place.cell == cell else replace(query, goal=place, enter=place)
-
-    def _plan_between(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
-        """Plan between the ends as they are, then straight out of one or into one where the robot cannot turn."""
-        outcome = self._attempt(query, replans, patience)
-        if isinstance(outcome, _Failure):
-            straight = query.with_straight_ends()
-            if straight != query:
-                outcome = self._attempt(straight, outcome.replans + 1, patience)
-        return outcome
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience, replans: int = 0) -> Path:
         near = self._approach(costmap, start, start, goal, replans, patience)
@@ -158,27 +175,46 @@ class FootprintPlanner(PosePlanner):
         return path.remaining_m <= least + _overhang(costmap)
 
     def _attempt(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
-        """Plan, check, and plan again around what the footprint hits; `replans` is what came before."""
-        costmap, costs = query.costmap, query.costmap.data
-        last = replans + self._max_replans
+        """Search a path for a point and fit the footprint to it; close what it does not fit through, and search again.
+
+        1. `_find_way` gives the best path for a point past what is closed.
+        2. `_fit` makes motions of it, with other stretches where the footprint hits something, if the planner has some.
+        3. What is hit all the same is too narrow: `Detours` closes it for the next search.
+
+        `replans` is what came before.
+        """
+        keep = (query.leave.cell, query.enter.cell)
+        detours = Detours(query.costmap, keep, self._max_replans, wide=self._tight_places is not None)
         hit: FloatArray | None = None
         while True:
             patience.check()
-            way = self._find_way(costmap, costs, query.leave, query.enter, patience)
+            way = self._find_way(query.costmap, detours.costs, query.leave, query.enter, patience)
             if way is None:
+                goes_on = detours.give_back()
+            else:
+                fit = self._fit(query, detours, way, patience)
+                replans += fit.replans
+                if len(fit.hits) == 0:
+                    return self._path(query, fit.motions, fit.cost, replans)
+                hit = fit.hits[0]
+                goes_on = detours.avoid(fit.motions, fit.hits, fit.owners)
+            if not goes_on:
                 error = no_path(query, patience) if hit is None else none_found(query, hit, replans)
                 return _Failure(error, replans)
+            replans += 1
+
+    def _fit(self, query: Query, detours: Detours, way: tuple[FloatArray, float], patience: Patience) -> _Fit:
+        """The motions along a path for a point, led past what the footprint hits where there is more room nearby."""
+        vertices, cost = way
+        replans = 0
+        while True:
             patience.check()
-            vertices, cost = way
-            motions, hits, owners = fit_motions(costmap, query.motions(vertices))
-            if len(hits) == 0:
-                return self._path(query, motions, cost, replans)
-            hit = hits[0]
-            places = places_to_avoid(motions, hits, owners)
-            blocked = block(costmap, costs, places, (query.leave.cell, query.enter.cell))
-            if replans == last or np.array_equal(blocked, costs):
-                return _Failure(none_found(query, hits[0], replans), replans)
-            costs = blocked
+            motions, hits, owners = fit_motions(query.costmap, query.motions(vertices))
+            places = self._tight_places if detours.wide and self._max_replans > 0 else None
+            if len(hits) == 0 or places is None or replans == places.tries:
+                return _Fit(motions, hits, owners, cost, replans)
+            vertices = places.lead_past(query.costmap, detours.costs, vertices, hits, replans, patience)
+            cost = float(np.hypot(*np.diff(vertices, axis=0).T).sum())
             replans += 1
 
     def _approach(
@@ -189,27 +225,26 @@ class FootprintPlanner(PosePlanner):
         Each attempt is cut off where the footprint hits something. The next one avoids that place, and is only made if
         it may end nearer by more than the footprint reaches past its inscribed circle.
         """
-        costs, last = costmap.data, replans + self._max_replans
+        detours = Detours(costmap, (leave.cell,), self._max_replans)
         overhang = _overhang(costmap)
         best: Path | None = None
         while True:
             patience.check()
-            target = self._place_near(costmap, costs, leave, goal)
+            target = self._place_near(costmap, detours.costs, leave, goal)
             least = target.pose.distance_to(goal)
             if best is not None and best.remaining_m <= least:
                 return best
-            way = self._find_way(costmap, costs, leave, target, patience)
+            way = self._find_way(costmap, detours.costs, leave, target, patience)
             vertices = np.array([[leave.pose.x, leave.pose.y]]) if way is None else way[0]
             query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
             path = self._partial_path(query, motions_before(costmap, motions), goal, replans)
             if best is None or path.remaining_m < best.remaining_m:
                 best = path
-            places = places_to_avoid(motions, hits, owners)
-            blocked = block(costmap, costs, places, (leave.cell,)) if len(hits) else costs
-            if best.remaining_m <= least + overhang or replans == last or np.array_equal(blocked, costs):
+            if best.remaining_m <= least + overhang or len(hits) == 0:
                 return best
-            costs = blocked
+            if not detours.avoid(motions, hits, owners):
+                return best
             replans += 1
 
     def _place_near(self, costmap: Costmap, costs: npt.NDArray[np.uint8], leave: End, goal: Pose2D) -> End:

@@ -119,22 +119,26 @@ def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], 
         return [], np.empty((0, 3)), []
     shares = _free_shares(costmap, motions)
     chosen = list(motions)
-    hits: list[FloatArray] = []
-    owners: list[int] = []
+    blocked: list[int] = []
     for index in np.flatnonzero(shares < math.inf).tolist():
-        motion = motions[index]
-        if motion.turn != 0.0:
-            other = motion.other_way_round()
-            if _free_shares(costmap, [other])[0] == math.inf:
-                chosen[index] = other
-                continue
-        poses = sample([motion], CHECK_STEP_M, CHECK_STEP_RAD)[0]
-        colliding = poses[costmap.footprint_collides(poses)]
-        if len(colliding) == 0:
-            colliding = poses[:1] + shares[index] * (poses[-1:] - poses[:1])
-        hits.append(colliding)
-        owners += [index] * len(colliding)
-    return chosen, np.concatenate(hits) if hits else np.empty((0, 3)), owners
+        other = motions[index].other_way_round() if motions[index].turn != 0.0 else None
+        if other is not None and _free_shares(costmap, [other])[0] == math.inf:
+            chosen[index] = other
+        else:
+            blocked.append(index)
+    if not blocked:
+        return chosen, np.empty((0, 3)), []
+    first, last = _ends_of([motions[index] for index in blocked])
+    poses, owner, _ = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)
+    colliding = costmap.footprint_collides(poses)
+    free = np.bincount(owner[colliding], minlength=len(blocked)) == 0
+    touching = (first + shares[blocked][:, np.newaxis] * (last - first))[free]
+    hits, owners = (
+        np.concatenate([poses[colliding], touching]),
+        np.concatenate([owner[colliding], np.flatnonzero(free)]),
+    )
+    order = np.argsort(owners, kind="stable")
+    return chosen, hits[order], [blocked[index] for index in owners[order].tolist()]
 
 
 def _free_shares(costmap: Costmap, motions: Sequence[Motion]) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,6 +54,13 @@ class Query:
         leave = place_to_turn(self.costmap, self.start, 1.0)
         enter = self.goal if self.goal_yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
         return replace(self, leave=leave, enter=enter)
+
+    def both_ways_out(self) -> Iterator[Query]:
+        """The query as it is, and with straight ends where those are others."""
+        yield self
+        straight = self.with_straight_ends()
+        if straight != self:
+            yield straight
 
 
 def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
