@@ -1,13 +1,14 @@
 """Hybrid A* with the true footprint: how long does a plan take [ms], and how good is it?
 
-    python -m benchmarks.planning.hybrid_astar MAP.yaml [--robot nova_carter] [--pairs 1000] [--radius 0.4]
+    python -m benchmarks.planning.hybrid_astar MAP.yaml [--robot nova_carter] [--pairs 1000] [--only offices]
 
 Pairs of poses at least 2 m apart are drawn by seed, anywhere that the footprint fits at any yaw. Those that a kind of
 motion does not join within 300,000 expansions are left out; how many they are, and how long it took to say so, stands
 below the table. Kinds of motion, each as it is searched and smoothed afterwards, take turns on each pair, so that a
 busy moment of the machine hits all; beside the time on the clock stands the processor time of the process. The second
 map is made here, 2000 x 2000 cells: 100 x 100 m in rooms of 10 m with doors of 1.5 m and things standing about;
-it takes a fifth of the pairs.
+it takes a fifth of the pairs. So do three generated offices of 1.2 to 2 million cells with their furniture; most of
+what is hard to reach is there.
 """
 
 from __future__ import annotations
@@ -28,8 +29,11 @@ from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 from trundle.robots import Robot
+from trundle.worlds import World
 
 FAR_M = 2.0
+OFFICES = ((1, (60.0, 50.0)), (2, (75.0, 65.0)), (3, (90.0, 55.0)))
+"""Seed and size [m] of each."""
 DIRECT = 1.2
 """Paths shorter than this many times the straight line are counted apart."""
 
@@ -101,6 +105,13 @@ def rooms(robot: Robot) -> Costmap:
             if col > 0:
                 data[row + across : row + across + 30, col : col + 3] = 0
     return Costmap.from_grid(OccupancyGrid(data, 0.05), robot)
+
+
+def office(robot: Robot, seed: int, size: tuple[float, float]) -> Costmap:
+    """A furnished office in cells of 0.05 m."""
+    return Costmap.from_grid(
+        OccupancyGrid.from_world(World.generate("office", seed=seed, size=size), resolution=0.05), robot
+    )
 
 
 def contestants(radius: float) -> list[Contestant]:
@@ -183,11 +194,17 @@ def main() -> None:
     parser.add_argument("--robot", default="nova_carter")
     parser.add_argument("--pairs", type=int, default=1000)
     parser.add_argument("--radius", type=float, default=0.4)
+    parser.add_argument("--only", choices=("maps", "offices"))
     options = parser.parse_args()
     robot = Robot.load(options.robot)
     print(describe_machine())
-    given = Costmap.from_grid(OccupancyGrid.load(options.map), robot)
-    for costmap, count in ((given, options.pairs), (rooms(robot), options.pairs // 5)):
+    maps: list[tuple[Costmap, int]] = []
+    if options.only != "offices":
+        maps.append((Costmap.from_grid(OccupancyGrid.load(options.map), robot), options.pairs))
+        maps.append((rooms(robot), options.pairs // 5))
+    if options.only != "maps":
+        maps += [(office(robot, seed, size), options.pairs // 5) for seed, size in OFFICES]
+    for costmap, count in maps:
         rows, cols = costmap.shape
         print(f"\n{options.robot}, {cols} x {rows} cells, {count} pairs, minimum radius {options.radius:g} m\n")
         play(costmap, draw_pairs(costmap, count), options.radius)

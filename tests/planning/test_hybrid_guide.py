@@ -48,3 +48,12 @@ def test_a_goal_among_furniture_is_reached_by_the_motions_that_lead_away_from_it
     path = HybridAStarPlanner(max_expansions=FEW).plan(costmap, Pose2D(*start), Pose2D(*goal))
     assert swept_area_blocked(costmap, path) < 1e-6
     assert path.goal == Pose2D(*goal)
+
+
+def test_a_robot_that_drives_forward_only_comes_into_a_room_as_it_can_come_out_of_it_backwards():
+    world = World.generate("office", seed=2, size=(75.0, 65.0))
+    costmap = Costmap.from_grid(OccupancyGrid.from_world(world, resolution=0.05), Robot.load("nova_carter"))
+    start, goal = Pose2D(36.05936, -7.52515, 2.426409), Pose2D(-12.608307, 26.440072, 1.659764)
+    path = HybridAStarPlanner(motion_model="dubins", max_expansions=100_000).plan(costmap, start, goal)
+    assert swept_area_blocked(costmap, path) < 1e-6
+    assert not path.backward.any()

@@ -38,14 +38,17 @@ class PocketSearch {
     return found_;
   }
 
+  // Out is from now on twice as far away.
+  void go_farther() { far_ *= 2.0, found_ = Pocket::kUnknown; }
+
   // Where it came out.
-  const PlanarPose &exit() const { return memory_.pocket.poses.back(); }
+  const PlanarPose &exit() const { return exit_; }
 
   // From there to the goal.
   std::vector<Stretch> way_in() const {
     std::vector<Stretch> parts;
     const auto &steps = memory_.pocket.steps;
-    for (HybridMemory::PocketMemory::Step step = steps.back(); step.parent != kNoPose; step = steps[step.parent]) {
+    for (HybridMemory::PocketMemory::Step step = steps[exit_index_]; step.parent != kNoPose; step = steps[step.parent]) {
       parts.push_back(motions_[step.motion].stretch);
     }
     return parts;
@@ -63,7 +66,7 @@ class PocketSearch {
     cell_ = query_.resolution * settings_.factor(query_.resolution) / halves;
     motions_ = hybrid_motions(settings_.model, cell_, halves > 1);
     // Out is where the robot has had room to turn and to manoeuvre.
-    far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
+    if (far_ == 0.0) far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
     memory_.pocket.poses.clear();
     memory_.pocket.steps.clear();
     memory_.pocket.queue.clear();
@@ -91,8 +94,11 @@ class PocketSearch {
         double sum = 0.0;
         if (!memory_.checker.fits(from, back, weights_, 0.0, kInfinite, sum)) continue;
         push(to, {node, static_cast<std::uint8_t>(m)});
-        if (is_out(to)) return found_ = Pocket::kOpen;
+        if (found_ == Pocket::kOpen || !is_out(to)) continue;
+        found_ = Pocket::kOpen;
+        exit_ = to, exit_index_ = memory_.pocket.poses.size() - 1;
       }
+      if (found_ == Pocket::kOpen) return found_;
     }
     if (queue.empty()) found_ = Pocket::kClosed;
     return found_;
@@ -131,6 +137,8 @@ class PocketSearch {
   int halves_ = 0;
   double cell_ = 0.0, far_ = 0.0;
   Pocket found_ = Pocket::kUnknown;
+  PlanarPose exit_{};
+  std::size_t exit_index_ = 0;
 };
 
 }  // namespace trundle

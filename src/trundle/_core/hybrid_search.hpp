@@ -92,8 +92,16 @@ class HybridSearch {
  private:
   static constexpr std::uint64_t kDoubtful = 10'000, kFirstLook = 256, kLongLook = 2'000, kPatient = 2'000;  // expansions
   static constexpr std::uint64_t kNoAdvance = 1'500;
+  static constexpr std::size_t kNoWayIn = ~std::size_t{0};
   static constexpr int kDetours = 40;
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
+
+  // To the goal from elsewhere.
+  struct WayIn {
+    PlanarPose from;
+    std::vector<Stretch> parts;
+    double cost;
+  };
 
   void begin() {
     for (int k = 0; k < kHeadings; ++k) {
@@ -210,25 +218,31 @@ class HybridSearch {
     if (expansions_ != next_look_) return false;
     const std::uint64_t poses = next_look_ < kLongLook ? next_look_ / 8 : 4 * next_look_;
     next_look_ *= 2;
+    if (is_out_) {
+      if (expansions_ < kDoubtful) return false;
+      pocket_.go_farther();
+    }
     const Pocket found = pocket_.look(poses, status_);
-    if (found == Pocket::kOpen && way_in_.empty()) keep_way_in();
+    is_out_ = found == Pocket::kOpen;
+    if (is_out_) keep_way_in();
     return found == Pocket::kClosed;
   }
 
-  // How to get from where the pocket ends to the goal, which is easier to come to.
+  // How to get to the goal from where the pocket ends, which is easier to come to.
   void keep_way_in() {
-    way_in_ = pocket_.way_in();
-    PlanarPose pose = pocket_.exit();
+    WayIn way{pocket_.exit(), pocket_.way_in(), 0.0};
+    PlanarPose pose = way.from;
     int direction = 0;
-    for (const Stretch &part : way_in_) {
+    for (const Stretch &part : way.parts) {
       double sum = 0.0;
       memory_.checker.fits(pose, part, weights_, model_.turn_cost, kInfinite, sum);
       const int now = direction_of(part);
-      if (now * direction < 0) way_in_cost_ += model_.change_cost;
-      way_in_cost_ += (now < 0 ? model_.reverse_penalty : 1.0) * sum;
+      if (now * direction < 0) way.cost += model_.change_cost;
+      way.cost += (now < 0 ? model_.reverse_penalty : 1.0) * sum;
       direction = now;
       pose = part.from(pose);
     }
+    ways_in_.push_back(std::move(way));
   }
 
   // Whether a search that cannot succeed may end: at once, or where a way to near the goal is wanted, when it has come no
@@ -240,15 +254,15 @@ class HybridSearch {
     const HybridNode &node = memory_.nodes[index];
     // The nearer to the goal the more often, and the longer in vain the less.
     until_shot_ = std::clamp(static_cast<int>(node.to_go / (10.0 * cell_)), 1, 32) + static_cast<int>(expansions_ / 64);
-    shoot_at(index, query_.goal, query_.any_yaw, false);
-    if (!way_in_.empty()) shoot_at(index, pocket_.exit(), false, true);
+    shoot_at(index, query_.goal, query_.any_yaw, kNoWayIn);
+    for (std::size_t i = 0; i < ways_in_.size(); ++i) shoot_at(index, ways_in_[i].from, false, i);
   }
 
   // At the goal, or at where its way in begins.
-  void shoot_at(std::uint32_t index, const PlanarPose &target, bool any_yaw, bool way_in) {
+  void shoot_at(std::uint32_t index, const PlanarPose &target, bool any_yaw, std::size_t way_in) {
     const HybridNode &node = memory_.nodes[index];
-    const double more = way_in ? way_in_cost_ : 0.0;
-    const int ahead = way_in ? direction_of(way_in_.front()) : 0;
+    const double more = way_in != kNoWayIn ? ways_in_[way_in].cost : 0.0;
+    const int ahead = way_in != kNoWayIn ? direction_of(ways_in_[way_in].parts.front()) : 0;
     for (const Shot &shot : shots_.find(pose_of(node), target, any_yaw, direction_of(node))) {
       if (node.cost + shot.cost + more >= best_cost_) break;
       const double cost = more + shot_cost(node, shot, ahead, best_cost_ - more);
@@ -315,7 +329,9 @@ class HybridSearch {
     way.cost = best_cost_;
     add_motions(best_node_, way.parts);
     way.parts.insert(way.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
-    if (best_way_in_) way.parts.insert(way.parts.end(), way_in_.begin(), way_in_.end());
+    if (best_way_in_ == kNoWayIn) return;
+    const std::vector<Stretch> &last = ways_in_[best_way_in_].parts;
+    way.parts.insert(way.parts.end(), last.begin(), last.end());
   }
 
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -340,9 +356,9 @@ class HybridSearch {
   std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;
   double nearest_ = kInfinite;
   Shot best_shot_;
-  bool best_way_in_ = false;  // whether the way in follows the shot
-  std::vector<Stretch> way_in_;
-  double way_in_cost_ = 0.0;
+  std::size_t best_way_in_ = kNoWayIn;  // what follows the shot
+  std::vector<WayIn> ways_in_;
+  bool is_out_ = false;  // whether the last look at the goal's pocket led out of it
   double least_left_ = kInfinite;  // of the nodes, by the guide as it is now, and where that is
   std::uint32_t foremost_ = 0;
   std::uint64_t advanced_at_ = 0;
