@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
+from trundle.values import as_array, as_number
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -22,7 +23,7 @@ def wrap_angle(angle: float) -> float:
 
 def wrap_angles(angles: npt.ArrayLike) -> FloatArray:
     """Wrap angles [rad], any shape, to (−π, π]."""
-    values = np.asarray(angles, dtype=np.float64)
+    values = as_array(angles, np.float64, "angles", copy=False)
     return -((-values + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -39,7 +40,9 @@ class Pose2D:
     yaw: float = 0.0
 
     def __post_init__(self) -> None:
-        x, y, yaw = float(self.x), float(self.y), float(self.yaw)
+        x, y, yaw = self.x, self.y, self.yaw
+        if not (type(x) is type(y) is type(yaw) is float):  # quicker than to convert each
+            x, y, yaw = as_number(x, "x of a pose"), as_number(y, "y of a pose"), as_number(yaw, "yaw of a pose")
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
             raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
         object.__setattr__(self, "x", x)
@@ -48,10 +51,17 @@ class Pose2D:
 
     @classmethod
     def of(cls, value: Pose2D | Sequence[float]) -> Pose2D:
-        """Take a pose, or (x, y), or (x, y, yaw)."""
+        """Take a pose, or (x, y), or (x, y, yaw).
+
+        Raises:
+            InputError: If it is none of these.
+        """
         if isinstance(value, Pose2D):
             return value
-        numbers = [float(number) for number in value]
+        try:
+            numbers = list(value)
+        except TypeError:
+            raise InputError(f"a pose is (x, y) or (x, y, yaw), got {value!r}") from None
         if len(numbers) not in (2, 3):
             raise InputError(f"a pose is (x, y) or (x, y, yaw), got {len(numbers)} numbers: {numbers}")
         return cls(*numbers)
@@ -76,7 +86,9 @@ class Pose2D:
 
     def transform_points(self, points: npt.ArrayLike) -> FloatArray:
         """Transform points [m], shape (N, 2), from this pose's frame to the frame it is given in."""
-        array = np.asarray(points, dtype=np.float64)
+        array = as_array(points, np.float64, "points", copy=False)
+        if array.shape[-1:] != (2,):
+            raise InputError(f"points in the plane have shape (N, 2), got {array.shape}")
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return array @ np.array([[cos, sin], [-sin, cos]]) + (self.x, self.y)
 
@@ -97,7 +109,9 @@ class Twist2D:
     w: float = 0.0
 
     def __post_init__(self) -> None:
-        v, w = float(self.v), float(self.w)
+        v, w = self.v, self.w
+        if not (type(v) is type(w) is float):
+            v, w = as_number(v, "v of a twist"), as_number(w, "w of a twist")
         if not (math.isfinite(v) and math.isfinite(w)):
             raise InputError(f"a twist needs finite numbers, got v={v}, w={w}")
         object.__setattr__(self, "v", v)
@@ -134,8 +148,8 @@ class Pose3D:
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        x, y, z = (float(number) for number in self.position)
-        qw, qx, qy, qz = (float(number) for number in self.quaternion)
+        x, y, z = _exactly(self.position, 3, "a position")
+        qw, qx, qy, qz = _exactly(self.quaternion, 4, "a quaternion")
         norm = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
         if not (math.isfinite(x + y + z) and math.isfinite(norm) and norm > 1e-12):
             raise InputError(f"not a pose: position {self.position}, quaternion {self.quaternion}")
@@ -150,8 +164,9 @@ class Pose3D:
     @classmethod
     def from_rpy(cls, position: Sequence[float], rpy: Sequence[float]) -> Pose3D:
         """At a position [m], turned by roll, pitch and yaw [rad] about the fixed x, y and z axes, in this order."""
-        x, y, z = position
-        (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in rpy)
+        x, y, z = _exactly(position, 3, "a position")
+        angles = _exactly(rpy, 3, "roll, pitch and yaw")
+        (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in angles)
         quaternion = (
             cr * cp * cy + sr * sp * sy,
             sr * cp * cy - cr * sp * sy,
@@ -163,7 +178,9 @@ class Pose3D:
     @classmethod
     def from_matrix(cls, matrix: npt.ArrayLike) -> Pose3D:
         """From a rigid transform, shape (4, 4); the rotation must be one (no scale, no mirror)."""
-        m = np.asarray(matrix, dtype=np.float64)
+        m = as_array(matrix, np.float64, "a matrix", copy=False)
+        if m.shape != (4, 4):
+            raise InputError(f"a transform is a matrix of shape (4, 4), got {m.shape}")
         trace = (m[0, 0], m[1, 1], m[2, 2])
         # The largest of the four components first, so that nothing is divided by a small number (Shepperd, 1978).
         squares = np.array(
@@ -221,7 +238,7 @@ class Pose3D:
 
     def transform_points(self, points: npt.ArrayLike) -> FloatArray:
         """Transform points [m], shape (N, 3), from this pose's frame to the frame it is given in."""
-        return np.asarray(points, dtype=np.float64) @ self.rotation().T + np.asarray(self.position)
+        return as_array(points, np.float64, "points", copy=False) @ self.rotation().T + np.asarray(self.position)
 
     def is_upright(self, tolerance: float = 1e-9) -> bool:
         """Whether the pose only turns about z."""
@@ -247,11 +264,19 @@ def rotation_matrices(quaternions: npt.ArrayLike) -> FloatArray:
 
 def path_length(points: npt.ArrayLike) -> float:
     """Length [m] of a polyline, shape (N, 2) or more columns (the first two count)."""
-    array = np.asarray(points, dtype=np.float64)
+    array = as_array(points, np.float64, "points", copy=False)
     if len(array) < 2:
         return 0.0
     steps = np.diff(array[:, :2], axis=0)
     return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def _exactly(values: Sequence[float], count: int, what: str) -> list[float]:
+    """So many numbers."""
+    numbers = as_array(values, np.float64, what)
+    if numbers.shape != (count,):
+        raise InputError(f"{what} has {count} numbers, got shape {numbers.shape}")
+    return numbers.tolist()
 
 
 def readonly(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[np.generic]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D, path_length
+from trundle.values import as_array
 
 PathStatus = Literal["found", "partial"]
 
@@ -55,7 +56,7 @@ class Path:
     """Length [m] of the polyline through the poses."""
 
     def __post_init__(self) -> None:
-        poses = np.array(self.poses, dtype=np.float64, order="C", copy=True)
+        poses = as_array(self.poses, np.float64, "the poses of a path")
         if poses.ndim != 2 or poses.shape[1] != 3 or len(poses) == 0:
             raise InputError(f"a path needs poses of shape (N, 3) with N ≥ 1, got {poses.shape}")
         if not np.isfinite(poses).all():
@@ -64,9 +65,9 @@ class Path:
             raise InputError(f"the status of a path is 'found' or 'partial', got {self.status!r}")
         poses.flags.writeable = False
         legs = len(poses) - 1
-        backward = (
-            np.array(self.backward, dtype=np.bool_, copy=True) if len(self.backward) else np.zeros(legs, np.bool_)
-        )
+        backward = as_array(self.backward, np.bool_, "backward of a path")
+        if backward.size == 0:
+            backward = np.zeros(legs, np.bool_)
         if backward.shape != (legs,):
             raise InputError(f"a path of {legs + 1} poses has {legs} legs, got backward of shape {backward.shape}")
         backward.flags.writeable = False

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D, rotation_matrices
+from trundle.values import as_array
 
 Color: TypeAlias = tuple[float, float, float, float]
 
@@ -69,8 +70,8 @@ class Mesh:
     faces: npt.NDArray[np.int32]
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64, order="C", copy=True)
-        faces = np.array(self.faces, dtype=np.int32, order="C", copy=True)
+        vertices = as_array(self.vertices, np.float64, "the vertices of a mesh", WorldError)
+        faces = as_array(self.faces, np.int32, "the faces of a mesh", WorldError)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
             raise WorldError(f"a mesh needs finite vertices of shape (V, 3), got {vertices.shape}")
         if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
@@ -101,7 +102,7 @@ class OccupancyCells:
     height: float
 
     def __post_init__(self) -> None:
-        blocked = np.array(self.blocked, dtype=np.bool_, copy=True)
+        blocked = as_array(self.blocked, np.bool_, "blocked cells", WorldError)
         if blocked.ndim != 2 or blocked.size == 0:
             raise WorldError(f"blocked cells need shape (rows, cols), got {blocked.shape}")
         _check_positive("the resolution and height of blocked cells", self.resolution, self.height)

@@ -14,6 +14,10 @@ FOOTPRINT_PADDING_M = 0.01
 """Distance [m] that the footprint is to keep while it drives, where it has it."""
 
 _SUBSTEP_S = 0.05
+_MOST_STEPS = 1000
+_MOST_PARTS = 180
+_FAR_M = 1e12
+_FASTEST = 1e6  # [m/s] or [rad/s]: numbers stay finite
 _NEAREST_M = 0.1  # clearances beyond this are as good
 _AS_CLEAR_M = 1e-6
 
@@ -28,19 +32,25 @@ def stopping_poses(
 
     Speeds change evenly, as fast as the limits allow, in steps of 0.05 s; each step is an arc at their mean. A step
     that turns by more than `turn_step` [rad] is given in parts of at most that.
+
+    A robot that takes longer than 50 s gets longer steps, and one that turns more than once in a step larger parts, so
+    that there are 2,000 steps of 180 parts at most. What moves faster than 1e6 m/s or rad/s counts as that.
     """
     x, y, yaw = pose.x, pose.y, pose.yaw
     linear, angular = limits.linear_acceleration, limits.angular_acceleration
     target = limits.clamp(command)
-    v, w, goal_v, goal_w = twist.v, twist.w, target.v, target.w
+    v, w = (max(-_FASTEST, min(_FASTEST, speed)) for speed in (twist.v, twist.w))
+    goal_v, goal_w = target.v, target.w
     poses: list[tuple[float, float, float]] = []
     driven = 0.0
-    while True:
-        step = _SUBSTEP_S if driven >= dt else min(_SUBSTEP_S, dt - driven)
+    longest_s = max(dt, (abs(v) + abs(goal_v)) / linear, (abs(w) + abs(goal_w)) / angular)
+    substep = max(_SUBSTEP_S, longest_s / _MOST_STEPS)
+    for _ in range(2 * _MOST_STEPS):
+        step = substep if driven >= dt else min(substep, dt - driven)
         change_v = min(linear * step, max(-linear * step, goal_v - v))
         change_w = min(angular * step, max(-angular * step, goal_w - w))
         mean_v, mean_w = v + 0.5 * change_v, w + 0.5 * change_w
-        parts = max(1, math.ceil(abs(mean_w) * step / turn_step))
+        parts = max(1, math.ceil(min(abs(mean_w) * step / turn_step, _MOST_PARTS)))
         for _ in range(parts):
             x, y, yaw = integrate_twist(x, y, yaw, mean_v, mean_w, step / parts)
             poses.append((x, y, yaw))
@@ -48,8 +58,9 @@ def stopping_poses(
         driven += step
         if driven >= dt - 1e-12:
             if abs(v) < 1e-9 and abs(w) < 1e-9:
-                return poses
+                break
             goal_v = goal_w = 0.0
+    return poses
 
 
 def can_stop(
@@ -96,6 +107,8 @@ def cost_under(costmap: Costmap, x: float, y: float) -> int:
     """Cost of the cell that holds one point (x, y) [m], map frame; 255 outside the map. Quicker than `cost_at`."""
     origin, resolution = costmap.origin, costmap.resolution
     dx, dy = x - origin.x, y - origin.y
+    if not (abs(dx) < _FAR_M and abs(dy) < _FAR_M):
+        return NO_INFORMATION
     cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
     row = math.floor((cos * dy - sin * dx) / resolution)
     col = math.floor((cos * dx + sin * dy) / resolution)

@@ -345,13 +345,14 @@ class RegulatedPurePursuit:
 
     def _is_clear(self, costmap: Costmap, pose: Pose2D, twist: Twist2D, command: Twist2D, dt: float) -> bool:
         # Where the cost is 0 the inflation, which reaches beyond the footprint's swing and the stopping distance, ends.
-        if self._inflation_covers_stop(costmap) and cost_under(costmap, pose.x, pose.y) == 0:
+        if self._inflation_covers_stop(costmap, twist, dt) and cost_under(costmap, pose.x, pose.y) == 0:
             return True
         return can_stop(costmap, self._robot.limits, pose, twist, command, dt, padded=self._padded)
 
-    def _inflation_covers_stop(self, costmap: Costmap) -> bool:
+    def _inflation_covers_stop(self, costmap: Costmap, twist: Twist2D, dt: float) -> bool:
         limits = self._robot.limits
-        stop = limits.linear_speed * (0.1 + limits.linear_speed / (2.0 * limits.linear_acceleration))
+        fastest = max(limits.linear_speed, abs(twist.v))
+        stop = fastest * (max(0.1, dt) + fastest / (2.0 * limits.linear_acceleration))
         return costmap.inflation_radius >= self._robot.circumscribed_radius + self.settings.footprint_padding + stop
 
 

@@ -93,7 +93,10 @@ class Costmap(GridFrame):
     _changes: tuple[tuple[object, tuple[slice, slice]], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        data = np.asarray(self.data)
+        try:
+            data = np.asarray(self.data)
+        except ValueError as error:
+            raise MapError(f"a costmap needs uint8 costs of shape (rows, cols): {error}") from None
         if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
         if not (_is_number(self.resolution) and self.resolution > 0.0):

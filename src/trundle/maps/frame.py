@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose2D
+from trundle.values import as_array
 
 CellArray: TypeAlias = npt.NDArray[np.int64]
 
@@ -41,8 +42,8 @@ class GridFrame(ABC):
         Points that are not a number, or farther away than numbers go, lie outside.
         """
         dx, dy = (
-            np.asarray(x, dtype=np.float64) - self.origin.x,
-            np.asarray(y, dtype=np.float64) - self.origin.y,
+            _points(x) - self.origin.x,
+            _points(y) - self.origin.y,
         )
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
         with np.errstate(over="ignore"):
@@ -54,8 +55,8 @@ class GridFrame(ABC):
 
     def cell_to_world(self, row: npt.ArrayLike, col: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Centres x, y [m] in the map frame of cells (row, col), of any one shape."""
-        along = (np.asarray(col, dtype=np.float64) + 0.5) * self.resolution
-        across = (np.asarray(row, dtype=np.float64) + 0.5) * self.resolution
+        along = (_points(col) + 0.5) * self.resolution
+        across = (_points(row) + 0.5) * self.resolution
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
         return self.origin.x + cos * along - sin * across, self.origin.y + sin * along + cos * across
 
@@ -63,6 +64,10 @@ class GridFrame(ABC):
         """Whether cells lie inside the grid."""
         rows, cols = np.asarray(row), np.asarray(col)
         return (rows >= 0) & (rows < self.shape[0]) & (cols >= 0) & (cols < self.shape[1])
+
+
+def _points(values: npt.ArrayLike) -> FloatArray:
+    return as_array(values, np.float64, "coordinates", copy=False)
 
 
 def _whole(numbers: npt.ArrayLike) -> CellArray:

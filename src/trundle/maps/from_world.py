@@ -19,6 +19,7 @@ from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
 from trundle.solids import Solid, solids_bounds
+from trundle.values import as_array
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
@@ -167,7 +168,7 @@ def _lay_out(
         count = np.maximum(np.ceil((high + margin - DEPTH) / resolution) - first, 1)
         corner = np.round(first * resolution, 9)
     else:
-        corners = np.asarray(bounds, dtype=np.float64)
+        corners = as_array(bounds, np.float64, "bounds", MapError)
         if corners.shape != (2, 2) or not np.isfinite(corners).all() or (corners[1] - corners[0] <= DEPTH).any():
             raise MapError(f"bounds must be ((x_min, y_min), (x_max, y_max)) in metres, smaller first, got {bounds}")
         corner = corners[0] - margin
@@ -272,7 +273,10 @@ def _tell_open(names: Sequence[str]) -> str:
 
 def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None, layout: _Layout) -> FloatArray:
     """Points [m], shape (N, 2): the given ones, or those of the world's that lie inside the bounds."""
-    points = np.asarray(world.seeds if seeds is None else seeds, dtype=np.float64).reshape(-1, 2)
+    points = as_array(world.seeds if seeds is None else seeds, np.float64, "seeds", MapError)
+    if points.size % 2:
+        raise MapError(f"seeds are points of shape (N, 2), got {points.shape}")
+    points = points.reshape(-1, 2)
     if not np.isfinite(points).all():
         raise MapError(f"seeds must be finite points (x, y), got {points.tolist()}")
     local = (points - layout.corner) / layout.resolution

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from trundle.errors import MapError
 from trundle.geometry import Pose2D
 from trundle.maps.frame import GridFrame
+from trundle.values import as_number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,12 +53,15 @@ class OccupancyGrid(GridFrame):
     origin: Pose2D = Pose2D(0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        source = np.asarray(self.data)
+        try:
+            source = np.asarray(self.data)
+        except ValueError as error:
+            raise MapError(f"an occupancy grid needs data of shape (rows, cols): {error}") from None
         if source.ndim != 2 or source.size == 0:
             raise MapError(f"an occupancy grid needs data of shape (rows, cols), got {source.shape}")
         if source.dtype.kind not in "iub" or source.min() < UNKNOWN or source.max() > OCCUPIED:
             raise MapError("an occupancy grid holds whole numbers from -1 (unknown) over 0 (free) to 100 (occupied)")
-        resolution = float(self.resolution)
+        resolution = as_number(self.resolution, "resolution")
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
         extent = max(source.shape) * resolution

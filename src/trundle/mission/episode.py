@@ -17,6 +17,7 @@ from trundle.files import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.npzfile import read_arrays
 from trundle.path import Path
+from trundle.values import as_array
 
 Goal: TypeAlias = tuple[float, float] | tuple[float, float, float]
 """(x, y) [m], to be reached with any yaw, or (x, y, yaw) [m, m, rad]; map frame."""
@@ -125,7 +126,8 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         for name in self.columns():
-            array = np.array(getattr(self, name), dtype=np.int64 if name in _WHOLE else np.float64, copy=True)
+            kind = np.int64 if name in _WHOLE else np.float64
+            array = as_array(getattr(self, name), kind, f"{name} of a trajectory")
             if array.ndim != 1 or len(array) == 0 or not np.isfinite(array).all():
                 raise InputError(f"a trajectory needs finite numbers of shape (N,) with N ≥ 1; {name} is not that")
             array.flags.writeable = False

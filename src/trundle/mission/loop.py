@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
+import numbers
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -30,6 +31,7 @@ from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, world_of
+from trundle.values import as_number
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -145,7 +147,9 @@ def run(
         OutsideMapError: If the start or a goal is outside the map.
     """
     begin, goals = Pose2D.of(start), _read_goals(goal)
-    if time_limit_s is not None and not (math.isfinite(time_limit_s) and time_limit_s > 0.0):
+    if time_limit_s is not None and not (
+        math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
+    ):
         raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
     plans, unreachable = _plan_legs(navigator, begin, goals)
     planned_m = sum(path.length for path in plans)
@@ -354,9 +358,11 @@ class _Audience:
 def _read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]]) -> tuple[Goal, ...]:
     if isinstance(goal, Pose2D):
         return (_read_goal(goal),)
+    if not isinstance(goal, Sequence | np.ndarray) or isinstance(goal, str):
+        raise ScenarioError(f"a goal is a pose, (x, y) or (x, y, yaw), or a list of these; got {goal!r}")
     if len(goal) == 0:
         raise ScenarioError("a run needs at least one goal")
-    if all(isinstance(part, int | float) for part in goal):
+    if all(isinstance(part, numbers.Real) for part in goal):
         return (_read_goal(cast("Sequence[float]", goal)),)
     return tuple(_read_goal(cast("Pose2D | Sequence[float]", part)) for part in goal)
 

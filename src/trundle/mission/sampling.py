@@ -14,6 +14,7 @@ from trundle._core import label_components
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import Pose2D
+from trundle.values import as_number, check_seed
 
 MIN_DISTANCE = 5.0
 """Between start and goal, in a straight line [m], where the map has room for it."""
@@ -62,9 +63,9 @@ def sample_mission(
     """
     if start is not None and goal is not None:
         raise InputError("start and goal are both given: there is nothing to pick")
-    if not (math.isfinite(min_distance) and min_distance >= 0.0):
+    if not (math.isfinite(as_number(min_distance, "min_distance")) and min_distance >= 0.0):
         raise InputError(f"min_distance must be a number of metres of 0 or more, got {min_distance}")
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(check_seed(seed))
     areas, _ = label_components(_wide_enough(costmap).view(np.uint8), diagonal=False)
     given = start if start is not None else goal
     if given is None:

@@ -21,6 +21,7 @@ from trundle.mission.episode import Episode, Goal
 from trundle.mission.loop import Observer, run
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
+from trundle.navigation.navigator import LEAST_FREQUENCY, MOST_FREQUENCY
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
@@ -130,7 +131,7 @@ class Scenario(Config):
         resolution: Edge of a cell [m] of the map that is made of a world.
         inflation_radius: Of the costmap [m]; none means the default for the robot.
         cost_scaling_factor: Of the costmap [1/m]; none means the default.
-        control_frequency: Commands per second of simulated time [Hz].
+        control_frequency: Commands per second of simulated time [Hz], 0.1 to 1000.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
         planning_deadline_s: How long a plan may take [s] of the computer's time, as in `Navigator`; none means as long
             as it takes, and that the run is the same on a busy computer.
@@ -158,7 +159,7 @@ class Scenario(Config):
     resolution: Positive = 0.05
     inflation_radius: Positive | None = None
     cost_scaling_factor: Positive | None = None
-    control_frequency: Positive = 20.0
+    control_frequency: Annotated[float, Field(ge=LEAST_FREQUENCY, le=MOST_FREQUENCY)] = 20.0
     time_limit_s: Positive | None = None
     planning_deadline_s: Positive | None = None
 

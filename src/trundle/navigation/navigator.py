@@ -6,6 +6,7 @@ import math
 import numbers
 import os
 import time as clock
+import warnings
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from typing import Any, cast
@@ -13,7 +14,7 @@ from typing import Any, cast
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, UnknownPolicy
-from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.errors import InputError, PlanningError, PlanningStoppedError, RobotWarning
 from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
@@ -24,8 +25,13 @@ from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
+from trundle.values import as_number, as_sequence
+
+LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
+"""Of control [Hz]."""
 
 _STAND = Twist2D(0.0, 0.0)
+_CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
 
 
 class NavigationStatus(StrEnum):
@@ -69,7 +75,7 @@ class Navigator:
         progress_checker: When the robot is stuck; Nav2's by default.
         inflation_radius: Of the costmap [m]; none means the costmap's default for the robot.
         cost_scaling_factor: Of the costmap [1/m]; none means the costmap's default.
-        control_frequency: How often `update` is called [Hz].
+        control_frequency: How often `update` is called [Hz], 0.1 to 1000.
         unknown: What unknown cells are taken for: "blocked", "free" or "costly"; see `Costmap.from_grid`.
         unknown_cost: What they cost at least where they are costly; none means the costmap's default.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
@@ -123,8 +129,11 @@ class Navigator:
         replan_margin: float = 0.1,
         planning_deadline_s: float | None = 2.0,
     ) -> None:
-        if not (_is_number(control_frequency) and control_frequency > 0.0):
-            raise InputError(f"control_frequency must be a positive number of hertz, got {control_frequency!r}")
+        if not (_is_number(control_frequency) and LEAST_FREQUENCY <= control_frequency <= MOST_FREQUENCY):
+            raise InputError(
+                f"control_frequency must be a number of hertz from {LEAST_FREQUENCY:g} to {MOST_FREQUENCY:g}, got "
+                f"{control_frequency!r}"
+            )
         if replan_interval_s is not None and not (_is_number(replan_interval_s) and replan_interval_s > 0.0):
             raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s!r}")
         if not (_is_number(replan_margin) and 0.0 <= replan_margin < 1.0):
@@ -191,14 +200,17 @@ class Navigator:
         Raises:
             InputError: If these are not two or three finite numbers.
         """
-        if isinstance(goal, int | float):
+        if isinstance(goal, numbers.Real):
             if y is None:
                 raise InputError("set_goal needs x and y, and may take a yaw")
-            numbers: Sequence[float] = (goal, y) if yaw is None else (goal, y, yaw)
+            x = cast("float", goal)
+            given: Sequence[float] = (x, y) if yaw is None else (x, y, yaw)
+        elif y is not None or yaw is not None:
+            raise InputError(f"set_goal takes x, y and a yaw as numbers, or one pose, got {(goal, y, yaw)!r}")
         else:
-            numbers = goal.as_tuple() if isinstance(goal, Pose2D) else tuple(goal)
-        self._goal = Pose2D.of(numbers)
-        self._any_yaw = len(numbers) == 2
+            given = goal.as_tuple() if isinstance(goal, Pose2D) else as_sequence(goal)
+        self._goal = Pose2D.of(given)
+        self._any_yaw = len(given) == 2
         self._forget_progress()
         self.status = NavigationStatus.DRIVING
 
@@ -284,17 +296,41 @@ class Navigator:
 
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
-            twist: How it moves now, base_link; none means as it was last told to.
+            twist: How it moves now, base_link; none means as it was last told to. What is more than four times its
+                limits is taken for that, with a `RobotWarning`.
             time: Now [s], any origin; none means one control period after the last call.
 
         Returns:
             The twist to send. It is (0, 0) when there is nothing to do; `status` says why.
+
+        Raises:
+            InputError: If the pose, the twist or the time is none, or not finite.
         """
         here = Pose2D.of(pose)
-        moving = self._command if twist is None else twist
-        self._time = self._time + self.dt if time is None else time
+        moving = self._command if twist is None else self._credible(twist)
+        now = self._time + self.dt if time is None else as_number(time, "time")
+        if not math.isfinite(now):
+            raise InputError(f"time must be a finite number of seconds, got {time!r}")
+        self._time = now
         self._command = self._decide(here, moving)
         return self._command
+
+    def _credible(self, twist: object) -> Twist2D:
+        """How the robot moves, cut to what it can at all."""
+        if not isinstance(twist, Twist2D):
+            raise InputError(f"how the robot moves is a Twist2D, got {twist!r}")
+        limits = self.robot.limits
+        v_most = _CREDIBLE * max(limits.linear_speed, limits.reverse_speed or 0.0)
+        w_most = _CREDIBLE * limits.angular_speed
+        if abs(twist.v) <= v_most and abs(twist.w) <= w_most:
+            return twist
+        warnings.warn(
+            f"{self.robot.name} cannot move by {twist.v:g} m/s and {twist.w:g} rad/s; these are cut to {v_most:g} m/s "
+            f"and {w_most:g} rad/s: check the units of the twist and where it comes from",
+            RobotWarning,
+            stacklevel=3,
+        )
+        return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))
 
     def _decide(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         if self._goal is None or self.status in _FINAL:

@@ -22,6 +22,7 @@ BESIDE_M = 0.1
 """A limit so far beside the path [m] holds as well: controllers cut corners."""
 
 _STEP_M = 0.025
+_FARTHEST_M = 1000.0
 _DRIVING_MPS = 0.05
 
 
@@ -56,7 +57,8 @@ class SpeedLimiter:
             dt: Control period [s].
             backwards: Whether it is about to drive backwards.
         """
-        reach = self._top_speed * (dt + self._top_speed / (2.0 * self._braking)) + BESIDE_M + _STEP_M
+        braking_m = self._top_speed * (dt + self._top_speed / (2.0 * self._braking))
+        reach = min(braking_m, _FARTHEST_M) + BESIDE_M + _STEP_M
         s = np.arange(0.0, reach + _STEP_M, _STEP_M)
         x, y = _arc(pose, twist, -s if backwards or twist.v < -_DRIVING_MPS else s)
         limits, distances = self._mask.limit_at(x, y, self._top_speed), s - _STEP_M

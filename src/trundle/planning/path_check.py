@@ -18,6 +18,10 @@ from trundle.planning.options import check_count
 _HALF_STEP_M = 0.5 * CHECK_STEP_M
 
 
+_MOST_POSES = 20_000_000
+"""A path that takes more is a mistake: 500 km of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class PathHit:
     """Where a path is first blocked.
@@ -47,11 +51,8 @@ class PathCheck:
         path: The path.
 
     Raises:
-        InputError: If that is no path; and by the methods, if they get no costmap, or `begin` is no index of a pose.
-
-    Attributes:
-        poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3), read-only.
-        along: Distance driven up to each pose [m], shape (N,), read-only.
+        InputError: If that is no path, or is longer than 500 km; and by the methods, if they get no costmap, or `begin`
+            is no index of a pose.
     """
 
     def __init__(self, path: Path) -> None:
@@ -61,6 +62,10 @@ class PathCheck:
         last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
         if len(first) == 0:
             first = last = path.poses
+        change = np.abs(last - first)
+        count = float(np.hypot(change[:, 0], change[:, 1]).sum()) / CHECK_STEP_M + change[:, 2].sum() / CHECK_STEP_RAD
+        if count > _MOST_POSES:
+            raise InputError(f"a path of {path.length:g} m is too long to be checked: it takes {count:.2g} poses")
         self._first, self._last = first, last
         self.poses, self._leg, counts = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)
         self._leg_end: npt.NDArray[np.intp] = np.cumsum(counts) - 1

@@ -68,8 +68,9 @@ class KinematicSimulator:
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""
         self._check_open()
-        self._ramp.reset()
+        pose = Pose2D.of(pose)
         self._lidars.reset(seed)
+        self._ramp.reset()
         self._steps = 0
         self._pose = pose.as_tuple()
         self._wheels = (0.0, 0.0)

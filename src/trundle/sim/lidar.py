@@ -12,6 +12,7 @@ from trundle.errors import UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Lidar, Robot
 from trundle.sim.simulator import Scan
+from trundle.values import check_seed
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
@@ -63,8 +64,12 @@ class LidarSet:
         return tuple(lidar.z for _, lidar, _ in self._lidars)
 
     def reset(self, seed: int) -> None:
-        """Start the noise again."""
-        self._rng = np.random.default_rng(seed)
+        """Start the noise again.
+
+        Raises:
+            InputError: If the seed is no whole number of 0 or more.
+        """
+        self._rng = np.random.default_rng(check_seed(seed))
 
     def scan(self, pose: Pose2D, since: float, now: float) -> tuple[Scan, ...]:
         """Take the scans that became due after `since` and until `now` [s], one per lidar at most, at `pose`."""

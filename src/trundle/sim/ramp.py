@@ -7,6 +7,7 @@ from typing import NamedTuple
 from trundle.errors import InputError
 from trundle.geometry import Twist2D
 from trundle.robots import Robot
+from trundle.values import as_number
 
 
 class Motion(NamedTuple):
@@ -16,6 +17,10 @@ class Motion(NamedTuple):
     w: float
     left: float
     right: float
+
+
+LONGEST_PERIOD_S = 3600.0
+"""A control period that is longer is a mistake."""
 
 
 class CommandRamp:
@@ -39,11 +44,16 @@ class CommandRamp:
         self._w = 0.0
         self._motion = Motion(0.0, 0.0, 0.0, 0.0)
 
-    def advance(self, command: Twist2D, steps: int) -> list[Motion]:
+    def advance(self, command: object, steps: int) -> list[Motion]:
         """Return what the robot is told at each of the next physics steps while this command holds.
 
         Where nothing changes any more it is the same object.
+
+        Raises:
+            InputError: If the command is no `Twist2D`.
         """
+        if not isinstance(command, Twist2D):
+            raise InputError(f"a command is a Twist2D, got {command!r}")
         target = self._limits.clamp(command)
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
         motions: list[Motion] = []
@@ -67,12 +77,13 @@ def count_steps(dt: float, timestep: float) -> int:
     """Return how many physics steps a control period has.
 
     Raises:
-        InputError: If `dt` [s] is not a positive multiple of `timestep` [s]. It is not rounded: time would drift.
+        InputError: If `dt` [s] is not a positive multiple of `timestep` [s], or longer than an hour. It is not rounded:
+            time would drift.
     """
-    steps = round(dt / timestep) if 0.0 < dt < 1e6 else 0
+    steps = round(dt / timestep) if 0.0 < as_number(dt, "a control period") <= LONGEST_PERIOD_S else 0
     if steps < 1 or abs(steps * timestep - dt) > 1e-9 * max(1.0, steps):
         raise InputError(
             f"a control period of {dt} s is not a multiple of the physics step of {timestep} s; "
-            f"use one, or make the simulator with a timestep that divides it"
+            f"use one of at most {LONGEST_PERIOD_S:g} s, or make the simulator with a timestep that divides it"
         )
     return steps

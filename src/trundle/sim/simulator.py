@@ -10,6 +10,7 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
+from trundle.values import as_array
 from trundle.worlds import World
 
 SIMULATORS: Registry[Simulator] = Registry(
@@ -57,7 +58,7 @@ class Scan:
 
     def __post_init__(self) -> None:
         for name in ("angles", "ranges"):
-            values = np.array(getattr(self, name), dtype=np.float64, copy=True)
+            values = as_array(getattr(self, name), np.float64, f"{name} of a scan")
             values.flags.writeable = False
             object.__setattr__(self, name, values)
 

@@ -21,6 +21,7 @@ from trundle.sim.isaac.signatures import differences
 from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState
+from trundle.values import check_seed
 from trundle.worlds import World
 
 if TYPE_CHECKING:
@@ -152,6 +153,8 @@ class IsaacSimulator:
             SimulationError: If it was closed, or the robot does not come to stand.
         """
         adapter = self._check_open()
+        pose = Pose2D.of(pose)
+        check_seed(seed)
         half = pose.yaw / 2.0
         adapter.place(
             np.array([pose.x, pose.y, self._ground_offset]),

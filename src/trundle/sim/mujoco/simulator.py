@@ -20,6 +20,7 @@ from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_re
 from trundle.sim.mujoco.robot_parts import FeedForward, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState, Scan
+from trundle.values import check_seed
 from trundle.worlds import World
 
 Casters = Literal["trailing", "reversed"]
@@ -106,6 +107,7 @@ class MujocoSimulator:
         A pose inside a solid is taken; the state's contacts then say what the robot stands in.
         """
         self._check_open()
+        pose, seed = Pose2D.of(pose), check_seed(seed)
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._rest
         self.data.qpos[0:2] = pose.x, pose.y
