@@ -8,8 +8,12 @@ import os
 from collections.abc import Sequence
 
 from trundle.errors import MissingExtraError
+from trundle.worlds.usd.interrupts import interrupts_deferred
 from trundle.worlds.usd.words import Geometry, Missing, Purpose, UpAxis
 from trundle.worlds.world import World
+
+_MODULES = ("Usd", "Gf", "Sdf", "Tf", "UsdGeom", "UsdPhysics", "UsdShade", "UsdUtils", "Vt")
+"""All that is used of USD, here and in the exporter."""
 
 
 def need_usd(purpose: str) -> None:
@@ -22,7 +26,9 @@ def need_usd(purpose: str) -> None:
     if importlib.util.find_spec("isaacsim") is not None:
         install += " in another Python than Isaac Sim's, which brings its own USD and does not start beside this one"
     try:
-        importlib.import_module("pxr.Usd")
+        with interrupts_deferred():
+            for name in _MODULES:
+                importlib.import_module(f"pxr.{name}")
     except ImportError as error:
         raise MissingExtraError(purpose, "usd-core", install) from error
 
