@@ -251,3 +251,20 @@ def test_an_outline_of_many_corners_is_enclosed_in_one_of_fewer():
     assert len(outline) <= MOST_CORNERS
     assert shapely.Polygon(outline).buffer(2e-4).contains(shapely.Polygon(circle))
     assert shapely.Polygon(outline).area < 1.03 * shapely.Polygon(circle).area
+
+
+@pytest.mark.parametrize("place", ["0 0 1e300", "nan 0 0", "0 1e20 0"])
+def test_geometry_that_is_nowhere_is_refused(tmp_path, place):
+    """Found by mutated files: the lowest points of a part could not be told from its others."""
+    wheels = "".join(
+        f"<body pos='0 {y} -.05'><joint name='{side}_wheel' type='hinge' axis='0 1 0'/>"
+        "<geom type='cylinder' size='.05 .02' euler='90 0 0'/></body>"
+        for side, y in (("left", 0.12), ("right", -0.12))
+    )
+    (tmp_path / "r.xml").write_text(
+        "<mujoco><worldbody><body pos='0 0 .1'><freejoint/><inertial pos='0 0 0' mass='5' diaginertia='1 1 1'/>"
+        f"<geom type='box' size='.2 .1 .05'/><geom type='box' size='.1 .1 .1' pos='{place}'/>{wheels}</body>"
+        "</worldbody></mujoco>"
+    )
+    with pytest.raises(RobotError):
+        Robot.from_model(tmp_path / "r.xml")

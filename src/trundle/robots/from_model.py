@@ -38,6 +38,9 @@ _TOUCHES = 0.006
 
 _BALL_MASS = 0.01
 
+_LARGEST = 1000.0
+"""No robot reaches this far [m]."""
+
 # Slow and gentle: what a person would walk beside.
 _ASSUMED_LIMITS: dict[str, Plain] = {
     "linear_speed": 1.0,
@@ -77,6 +80,9 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     chassis = [int(body) for body in bodies if int(body) not in rolling]
     points = {body: [frame.local(part) for part in body_points(model, data, body)] for body in bodies.tolist()}
     everything = np.vstack([part for parts in points.values() for part in parts])
+    if not (np.abs(everything) < _LARGEST).all():  # not a number either
+        raise RobotError(f"{path}: its geometry is not within {_LARGEST:g} m of its wheels: correct its sizes")
+
     height = float(everything[:, 2].max())
     casters, clearance = _read_underside([part for body in chassis for part in points[body]], radius)
     mass, center, inertia = _read_inertia(path, model, data, frame, chassis)

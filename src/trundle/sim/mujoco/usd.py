@@ -37,11 +37,16 @@ def usd_joints(path: Path) -> list[Joint]:
             return [_joint(prim, unit) for prim in prims if prim.IsA(UsdPhysics.Joint)]
     except WorldError as error:
         raise RobotError(str(error)) from error
+    except RobotError as error:
+        raise RobotError(f"{path}: {error}") from error
 
 
 def _joint(prim: Any, unit: float) -> Joint:
     joint = UsdPhysics.Joint(prim)
-    kind, axis, limits = _freedom(prim, unit)
+    try:
+        kind, axis, limits = _freedom(prim, unit)
+    except RobotError as error:
+        raise RobotError(f"{prim.GetPath()}: {error}") from error
     if axis is not None:
         # From the joint's frame to the child body's.
         turn = joint.GetLocalRot1Attr().Get()
@@ -108,6 +113,8 @@ def _revolute(axis: str, limits: tuple[float, float] | None) -> tuple[str, Any, 
 
 
 def _axis(name: str) -> Any:
+    if str(name) not in _AXES:
+        raise RobotError(f"its axis must be X, Y or Z, got {str(name)!r}")
     return Gf.Vec3f(*_AXES[str(name)])
 
 

@@ -1,0 +1,260 @@
+"""Fuzz everything that loads files: a mutated file ends in a success or a TrundleError, nothing else.
+
+    PYTHONPATH=tests python -m fuzz.fuzz_loaders                             200 files of each format
+    PYTHONPATH=tests python -m fuzz.fuzz_loaders --count 5000 --jobs 16      what a release is checked with
+    PYTHONPATH=tests python -m fuzz.fuzz_loaders usd sdf --seed 3 --seconds 600
+
+Foreign files are read as users read them, by the guarded child; one child stays for many files. A finding prints its
+format, seed and number, and keeps the file in --keep.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import concurrent.futures
+import random
+import shutil
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzz import loader_seeds
+from trundle.errors import MapError, RobotError, TrundleError, WorldError
+from trundle.guard import Child, ReadLimits
+
+LIMITS = ReadLimits(seconds=20.0, gigabytes=2.0)
+TOKENS = (
+    *(b"0 -1 1e300 -1e300 1e-300 nan inf 999999999999 2147483648 65535 0x10 true null [] {} < > / & # ..".split()),
+    *(b"def over class references payload <mujoco> </worldbody> <link/> <include/> box mesh NaN 1;2".split()),
+    b"\xff\xfe",
+    b"\x00",
+    b"\x00\x00\x00\x00",
+    b"\xff\xff\xff\xff",
+    b"\x7f\xff\xff\xff",
+    b"[" * 200,
+    b"9" * 400,
+)
+_NUMBERS = (b"0", b"-1", b"1e300", b"nan", b"inf", b"1e-300", b"", b"x", b"1 1", b"4294967296", b"100000000")
+
+
+def mutate(content: bytes, generator: random.Random) -> bytes:
+    """Change a few places: flips, cuts, copies, tokens, other numbers, exchanged lines."""
+    out = bytearray(content)
+    for _ in range(generator.choice((1, 1, 1, 2, 3, 8))):
+        at = generator.randrange(len(out) + 1)
+        end = min(len(out), at + generator.choice((1, 2, 4, 16, 64)))
+        match generator.randrange(9):
+            case 0 if at < len(out):
+                out[at] ^= 1 << generator.randrange(8)
+            case 1:
+                out[at:end] = generator.randbytes(end - at)
+            case 2:
+                del out[at:end]
+            case 3:
+                out[at:at] = out[at:end] * generator.choice((1, 2, 50))
+            case 4:
+                out[at:end] = generator.choice(TOKENS)
+            case 5 | 6:
+                out = _change_number(out, generator)
+            case 7:
+                lines = bytes(out).split(b"\n")
+                one, other = generator.randrange(len(lines)), generator.randrange(len(lines))
+                lines[one], lines[other] = lines[other], lines[one]
+                out = bytearray(b"\n".join(lines))
+            case _ if generator.random() < 0.2:
+                del out[at:]
+            case _:
+                pass
+    return bytes(out)
+
+
+def _change_number(out: bytearray, generator: random.Random) -> bytearray:
+    """Another value where a number stands in text."""
+    places = [index for index, byte in enumerate(out[:20_000]) if 48 <= byte <= 57]
+    if not places:
+        return out
+    begin = end = generator.choice(places)
+    while end < len(out) and chr(out[end]) in "0123456789.e-":
+        end += 1
+    return out[:begin] + generator.choice(_NUMBERS) + out[end:]
+
+
+class Reader:
+    """Reads files of one format in a folder, foreign ones in one child that stays."""
+
+    def __init__(self, folder: Path, form: str) -> None:
+        self._folder, self._form, self._child = folder, form, Child()
+        self._files = loader_seeds.SEEDS[form](folder)
+
+    def close(self) -> None:
+        """End the child."""
+        self._child.close()
+
+    def read(self, number: int, seed: int) -> tuple[str, Path]:
+        """Mutate and read one file; return how it ended, and where the file is."""
+        generator = random.Random(f"{self._form}/{seed}/{number}")
+        source = generator.choice(self._files)
+        file = self._folder / f"mutated{source.suffix}"
+        file.write_bytes(mutate(source.read_bytes(), generator))
+        begun = time.monotonic()
+        try:
+            with warnings.catch_warnings(), np.errstate(all="ignore"):
+                warnings.simplefilter("ignore")
+                LOADERS[self._form](self._child, file)
+            ended = "read"
+        except TrundleError as error:
+            ended = "refused" if str(error) else "refused without a word"
+        except Exception:  # noqa: BLE001 - what is looked for
+            ended = traceback.format_exc()
+        if time.monotonic() - begun > LIMITS.seconds + 10.0:
+            ended = f"took {time.monotonic() - begun:.0f} s"
+        return ended, file
+
+
+def _world(child: Child, file: Path) -> None:
+    options: dict[str, Any] = {"missing": "skip"} if file.suffix == ".sdf" else {}
+    child.read("trundle.worlds.load:read_world", (str(file), options), what=str(file), error=WorldError, limits=LIMITS)
+
+
+def _model(child: Child, file: Path) -> None:
+    """As a world, as a robot and for its joints; the first error ends it only where it is no TrundleError."""
+    calls: list[tuple[str, tuple[Any, ...], type[WorldError] | type[RobotError]]] = [
+        ("trundle.worlds.load:read_world", (str(file), {}), WorldError),
+        ("trundle.robots.from_model:read_robot", (file, {"drive": {}}, ()), RobotError),
+        ("trundle.sim.mujoco.joints:read_joints", (file,), RobotError),
+    ]
+    refused: TrundleError | None = None
+    for target, args, error in calls:
+        try:
+            child.read(target, args, what=str(file), error=error, limits=LIMITS)
+        except TrundleError as problem:
+            refused = problem
+    if refused is not None:
+        raise refused
+
+
+def _usd(child: Child, file: Path) -> None:
+    try:
+        child.read("trundle.sim.mujoco.joints:read_joints", (file,), what=str(file), error=RobotError, limits=LIMITS)
+    finally:
+        _world(child, file)
+
+
+def _map(_: Child, file: Path) -> None:
+    from trundle.maps import OccupancyGrid
+    from trundle.maps.check import check_map
+
+    check_map(file)
+    OccupancyGrid.load(file)
+
+
+def _image(child: Child, file: Path) -> None:
+    yaml = file.with_suffix(".yaml")
+    yaml.write_text(loader_seeds.MAP_YAML.replace("map.pgm", file.name))
+    _map(child, yaml)
+
+
+def _scenario(_: Child, file: Path) -> None:
+    from trundle.mission import Scenario
+
+    Scenario.load(file)
+
+
+def _npz(_: Child, file: Path) -> None:
+    from trundle.maps import HeightField
+    from trundle.mission.episode import Trajectory
+
+    try:
+        Trajectory.load(file)
+    except MapError:
+        raise
+    except TrundleError:
+        HeightField.load(file)
+
+
+LOADERS: dict[str, Callable[[Child, Path], None]] = {
+    "urdf": _model,
+    "mjcf": _model,
+    "sdf": _world,
+    "usd": _usd,
+    "mesh": _world,
+    "map": _map,
+    "image": _image,
+    "scenario": _scenario,
+    "npz": _npz,
+}
+
+
+def play(
+    form: str, numbers: range, seed: int, until: float, keep: str | None
+) -> tuple[collections.Counter[str], list[str]]:
+    """Read some files of a format; return how they ended, and the findings."""
+    ends: collections.Counter[str] = collections.Counter()
+    findings: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        reader = Reader(Path(folder), form)
+        try:
+            for number in numbers:
+                if time.monotonic() > until:
+                    break
+                ended, file = reader.read(number, seed)
+                if ended not in ("read", "refused"):
+                    findings.append(f"{form} --seed {seed}, file {number}: {ended}")
+                    if keep is not None:
+                        Path(keep).mkdir(parents=True, exist_ok=True)
+                        shutil.copy(file, Path(keep) / f"{form}-{seed}-{number}{file.suffix}")
+                    ended = "found"
+                ends[ended] += 1
+        finally:
+            reader.close()
+    return ends, findings
+
+
+def main() -> int:
+    """Fuzz some formats; 1 where something was found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("formats", nargs="*", help=f"of {', '.join(LOADERS)}; none means all")
+    parser.add_argument("--count", type=int, default=200, help="files of each format")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="for everything")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--keep", help="a folder for files that were found")
+    options = parser.parse_args()
+    options.formats = options.formats or list(LOADERS)
+    unknown = [form for form in options.formats if form not in LOADERS]
+    if unknown:
+        parser.error(f"there is no format {unknown[0]!r}; there are: {', '.join(LOADERS)}")
+    until = time.monotonic() + options.seconds
+    slices = [
+        (form, range(begin, options.count, options.jobs))
+        for form in options.formats
+        for begin in range(min(options.jobs, options.count))
+    ]
+    totals: dict[str, collections.Counter[str]] = {form: collections.Counter() for form in options.formats}
+    findings: list[str] = []
+    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+        jobs = {pool.submit(play, form, numbers, options.seed, until, options.keep): form for form, numbers in slices}
+        for job in concurrent.futures.as_completed(jobs):
+            ends, found = job.result()
+            totals[jobs[job]] += ends
+            findings += found
+    for form, ends in totals.items():
+        print(
+            f"{form:<9} {sum(ends.values()):>6} files: {ends['read']} read, {ends['refused']} refused, "
+            f"{ends['found']} found"
+        )
+    for finding in findings:
+        print(finding, file=sys.stderr)
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
