@@ -48,6 +48,8 @@ def opened(path: str) -> Iterator[Any]:
         raise WorldError(f"{path}: not a USD file that can be read: {_reason(error)}") from None
     except UnicodeDecodeError as error:
         raise WorldError(f"{path}: not a USD file that can be read: {_NO_TEXT}") from error
+    except (TypeError, OverflowError) as error:  # from attributes that a file gives a type of its own
+        raise WorldError(f"{path}: it has a value of another type, or out of range: {error}") from error
     finally:
         with suppress(UnicodeDecodeError):
             for item in delegate.TakeUncoalescedDiagnostics():
