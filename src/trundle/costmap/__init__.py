@@ -1,6 +1,7 @@
 """Costmaps: how dear each cell is for one robot, and whether its footprint touches something."""
 
-from trundle.costmap.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costmap
+from trundle.costmap.costmap import Costmap
+from trundle.costmap.inflation import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION
 from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UNKNOWN_POLICIES, UnknownPolicy
 
 __all__ = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -12,6 +11,15 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribed_radius
+from trundle.costmap.inflation import (
+    DEFAULT_COST_SCALING_FACTOR,
+    DEFAULT_MARGIN_M,
+    LETHAL,
+    NO_INFORMATION,
+    check_inflation,
+    cost_table,
+    inflate,
+)
 from trundle.costmap.unknown import (
     DEFAULT_UNKNOWN_COST,
     UnknownPolicy,
@@ -25,22 +33,10 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.robots import Robot
+from trundle.values import is_finite_number
 
 if TYPE_CHECKING:
     from trundle.maps.masks import KeepoutMask
-
-FREE_SPACE = 0
-INSCRIBED = 253
-LETHAL = 254
-NO_INFORMATION = 255
-
-DEFAULT_MARGIN_M = 0.3
-"""By how much the inflation reaches past the circumscribed radius by default [m]."""
-
-DEFAULT_COST_SCALING_FACTOR = 3.0
-"""Decay of the cost with distance [1/m], as in Nav2's bring-up parameters."""
-
-_MAX_INFLATION_CELLS = 4096
 
 _REMEMBERED_CHANGES = 16
 
@@ -99,7 +95,7 @@ class Costmap(GridFrame):
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols): {error}") from None
         if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
-        if not (_is_number(self.resolution) and self.resolution > 0.0):
+        if not (is_finite_number(self.resolution) and self.resolution > 0.0):
             raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution!r}")
         resolution = float(self.resolution)
         keepout = self.keepout
@@ -164,7 +160,7 @@ class Costmap(GridFrame):
         floor = None if keepout is None else keepout.costs_on(grid)
         check_unknown(unknown, unknown_cost)
         cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
-        data = _inflate(cells, table, floor)
+        data = inflate(cells, table, floor)
         if unknown == "costly" and unseen is not None:
             data = raise_unknown(data, unseen, unknown_cost)
         for array in (data, unseen):
@@ -224,7 +220,7 @@ class Costmap(GridFrame):
             unseen[row:row_end, col:col_end] = values == UNKNOWN
             unseen.flags.writeable = False
             cells[cells == UNKNOWN] = FREE
-        costs = _inflate(cells, table, floor)
+        costs = inflate(cells, table, floor)
         if unseen is not None and self.unknown == "costly":
             costs = raise_unknown(costs, unseen[_slices(window)], self.unknown_cost)
         data = self.data.copy()
@@ -328,54 +324,11 @@ class Costmap(GridFrame):
         Raises:
             InputError: If `cap` is not a positive number.
         """
-        if not (_is_number(cap) and cap > 0.0):
+        if not (is_finite_number(cap) and cap > 0.0):
             raise InputError(f"cap must be a positive number of metres, got {cap!r}")
         return _core.footprint_clearance(
             self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
         )
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, numbers.Real) and math.isfinite(value)
-
-
-def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
-    """Raise `InputError` unless these are inflation numbers that can be used."""
-    if not (_is_number(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
-        raise InputError(
-            f"inflation_radius must be from 0 to {_MAX_INFLATION_CELLS} cells "
-            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius!r}"
-        )
-    if not (_is_number(cost_scaling_factor) and cost_scaling_factor >= 0.0):
-        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor!r}")
-
-
-def cost_table(
-    inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
-) -> npt.NDArray[np.uint8]:
-    """Costs of free cells by squared distance, in cells, to the nearest blocked cell; see `Costmap.from_grid`.
-
-    Raises:
-        InputError: If a number is out of range.
-    """
-    check_inflation(inflation_radius, cost_scaling_factor, resolution)
-    check_inflation(inscribed, cost_scaling_factor, resolution)
-    reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
-    distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
-    costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
-    costs[distances <= inscribed + 1e-9] = INSCRIBED
-    costs[0] = LETHAL
-    return costs
-
-
-def _inflate(
-    cells: npt.NDArray[np.int8], table: npt.NDArray[np.uint8], floor: npt.NDArray[np.uint8] | None
-) -> npt.NDArray[np.uint8]:
-    """Costs of occupancy and of what a keep-out mask asks for at least."""
-    if floor is None:
-        return _core.inflate(np.ascontiguousarray(cells), table)
-    costs = _core.inflate(np.where(floor == LETHAL, np.int8(OCCUPIED), cells), table)
-    return np.maximum(costs, floor)
 
 
 def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
-from trundle.costmap.costmap import cost_table
+from trundle.costmap.inflation import cost_table
 from trundle.geometry import FloatArray
 from trundle.maps import FREE, OCCUPIED
 from trundle.planning.motions import Motion

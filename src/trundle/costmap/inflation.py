@@ -1,0 +1,63 @@
+"""Nav2's cost numbers, and how costs fall with the distance from what is occupied."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle import _core
+from trundle.errors import InputError
+from trundle.maps.grid import OCCUPIED
+from trundle.values import is_finite_number
+
+FREE_SPACE = 0
+INSCRIBED = 253
+LETHAL = 254
+NO_INFORMATION = 255
+
+DEFAULT_MARGIN_M = 0.3
+"""By how much the inflation reaches past the circumscribed radius by default [m]."""
+
+DEFAULT_COST_SCALING_FACTOR = 3.0
+"""Decay of the cost with distance [1/m], as in Nav2's bring-up parameters."""
+
+_MAX_INFLATION_CELLS = 4096
+
+
+def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolution: float) -> None:
+    """Raise `InputError` unless these are inflation numbers that can be used."""
+    if not (is_finite_number(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
+        raise InputError(
+            f"inflation_radius must be from 0 to {_MAX_INFLATION_CELLS} cells "
+            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius!r}"
+        )
+    if not (is_finite_number(cost_scaling_factor) and cost_scaling_factor >= 0.0):
+        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor!r}")
+
+
+def cost_table(
+    inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
+) -> npt.NDArray[np.uint8]:
+    """Costs of free cells by squared distance, in cells, to the nearest blocked cell; see `Costmap.from_grid`.
+
+    Raises:
+        InputError: If a number is out of range.
+    """
+    check_inflation(inflation_radius, cost_scaling_factor, resolution)
+    check_inflation(inscribed, cost_scaling_factor, resolution)
+    reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
+    distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
+    costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
+    costs[distances <= inscribed + 1e-9] = INSCRIBED
+    costs[0] = LETHAL
+    return costs
+
+
+def inflate(
+    cells: npt.NDArray[np.int8], table: npt.NDArray[np.uint8], floor: npt.NDArray[np.uint8] | None
+) -> npt.NDArray[np.uint8]:
+    """Costs of occupancy and of what a keep-out mask asks for at least."""
+    if floor is None:
+        return _core.inflate(np.ascontiguousarray(cells), table)
+    costs = _core.inflate(np.where(floor == LETHAL, np.int8(OCCUPIED), cells), table)
+    return np.maximum(costs, floor)
