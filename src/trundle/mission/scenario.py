@@ -21,7 +21,7 @@ from trundle.mission.episode import Episode, Goal
 from trundle.mission.loop import Observer, run
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
-from trundle.navigation.navigator import LEAST_FREQUENCY, MOST_FREQUENCY
+from trundle.navigation.inputs import LEAST_FREQUENCY, MOST_FREQUENCY
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World

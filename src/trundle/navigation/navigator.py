@@ -3,54 +3,30 @@
 from __future__ import annotations
 
 import math
-import numbers
 import os
 import time as clock
-import warnings
 from collections.abc import Mapping, Sequence
-from enum import StrEnum
 from typing import Any, cast
 
 from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, UnknownPolicy
-from trundle.errors import InputError, PlanningError, PlanningStoppedError, RobotWarning
+from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal
 from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
-from trundle.navigation.speed_limiter import SpeedLimiter
+from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
+from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
-from trundle.values import as_number, as_sequence
-
-LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
-"""Of control [Hz]."""
+from trundle.values import as_number
 
 _STAND = Twist2D(0.0, 0.0)
-_CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
-
-
-class NavigationStatus(StrEnum):
-    """What a navigator is doing."""
-
-    IDLE = "idle"
-    """It has no goal."""
-    DRIVING = "driving"
-    """It is on the way."""
-    BLOCKED = "blocked"
-    """Every way on would touch something, or planning takes long; it plans again, backs up, or waits to plan again."""
-    ARRIVED = "arrived"
-    """The robot stands at the goal."""
-    STUCK = "stuck"
-    """The robot has not got on for too long, though there is a way; it has given up this goal."""
-    NO_PATH = "no_path"
-    """No path to the goal was found, from the start or from where the robot was blocked; `Navigator.error` says why."""
-    PLANNING_TIMED_OUT = "planning_timed_out"
-    """Planning was not done by its deadline, three times in a row; whether there is a path is not known."""
 
 
 class Navigator:
@@ -129,35 +105,17 @@ class Navigator:
         replan_margin: float = 0.1,
         planning_deadline_s: float | None = 2.0,
     ) -> None:
-        if not (_is_number(control_frequency) and LEAST_FREQUENCY <= control_frequency <= MOST_FREQUENCY):
-            raise InputError(
-                f"control_frequency must be a number of hertz from {LEAST_FREQUENCY:g} to {MOST_FREQUENCY:g}, got "
-                f"{control_frequency!r}"
-            )
-        if replan_interval_s is not None and not (_is_number(replan_interval_s) and replan_interval_s > 0.0):
-            raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s!r}")
-        if not (_is_number(replan_margin) and 0.0 <= replan_margin < 1.0):
-            raise InputError(f"replan_margin must be a share from 0 to below 1, got {replan_margin!r}")
+        check_settings(control_frequency, replan_interval_s, replan_margin)
         self.robot = Robot.load(robot)
-        if isinstance(grid, Costmap):
-            if keepout is not None:
-                raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")
-            if unknown is not None or unknown_cost is not None:
-                raise InputError("what unknown cells are is settled in the costmap: Costmap.from_grid(…, unknown=…)")
-            self.grid, self.costmap = None, grid
-        else:
-            if unknown_cost is not None and unknown != "costly":
-                raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
-            self.grid = _load_grid(grid)
-            zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
-            wanted = {
-                "inflation_radius": inflation_radius,
-                "cost_scaling_factor": cost_scaling_factor,
-                "unknown": unknown,
-                "unknown_cost": unknown_cost,
-            }
-            given: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
-            self.costmap = Costmap.from_grid(self.grid, self.robot.outline, **given, keepout=zones)
+        self.grid, self.costmap = load_costmap(
+            grid,
+            self.robot,
+            keepout=keepout,
+            inflation_radius=inflation_radius,
+            cost_scaling_factor=cost_scaling_factor,
+            unknown=unknown,
+            unknown_cost=unknown_cost,
+        )
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
@@ -200,17 +158,7 @@ class Navigator:
         Raises:
             InputError: If these are not two or three finite numbers.
         """
-        if isinstance(goal, numbers.Real):
-            if y is None:
-                raise InputError("set_goal needs x and y, and may take a yaw")
-            x = cast("float", goal)
-            given: Sequence[float] = (x, y) if yaw is None else (x, y, yaw)
-        elif y is not None or yaw is not None:
-            raise InputError(f"set_goal takes x, y and a yaw as numbers, or one pose, got {(goal, y, yaw)!r}")
-        else:
-            given = goal.as_tuple() if isinstance(goal, Pose2D) else as_sequence(goal)
-        self._goal = Pose2D.of(given)
-        self._any_yaw = len(given) == 2
+        self._goal, self._any_yaw = read_goal(goal, y, yaw)
         self._forget_progress()
         self.status = NavigationStatus.DRIVING
 
@@ -307,7 +255,7 @@ class Navigator:
             InputError: If the pose, the twist or the time is none, or not finite.
         """
         here = Pose2D.of(pose)
-        moving = self._command if twist is None else self._credible(twist)
+        moving = self._command if twist is None else credible_twist(twist, self.robot)
         now = self._time + self.dt if time is None else as_number(time, "time")
         if not math.isfinite(now):
             raise InputError(f"time must be a finite number of seconds, got {time!r}")
@@ -315,25 +263,8 @@ class Navigator:
         self._command = self._decide(here, moving)
         return self._command
 
-    def _credible(self, twist: object) -> Twist2D:
-        """How the robot moves, cut to what it can at all."""
-        if not isinstance(twist, Twist2D):
-            raise InputError(f"how the robot moves is a Twist2D, got {twist!r}")
-        limits = self.robot.limits
-        v_most = _CREDIBLE * max(limits.linear_speed, limits.reverse_speed or 0.0)
-        w_most = _CREDIBLE * limits.angular_speed
-        if abs(twist.v) <= v_most and abs(twist.w) <= w_most:
-            return twist
-        warnings.warn(
-            f"{self.robot.name} cannot move by {twist.v:g} m/s and {twist.w:g} rad/s; these are cut to {v_most:g} m/s "
-            f"and {w_most:g} rad/s: check the units of the twist and where it comes from",
-            RobotWarning,
-            stacklevel=3,
-        )
-        return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))
-
     def _decide(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
-        if self._goal is None or self.status in _FINAL:
+        if self._goal is None or self.status in FINAL:
             return _STAND
         if self.goal_checker.is_reached(pose, twist, self._goal, any_yaw=self._any_yaw):
             self.status = NavigationStatus.ARRIVED
@@ -350,9 +281,9 @@ class Navigator:
             return _STAND
         self._limit_speed(pose, twist)
         if self._recovery.is_backing_up:
-            return self._slow_down(self._back_up(pose, twist))
-        command = self._slow_down(self.controller.compute_velocity(pose, twist, self.costmap, self.dt))
-        return self._watch_for_block(command, pose, twist)
+            return slow_down(self._back_up(pose, twist), self.speed_limit)
+        command = self.controller.compute_velocity(pose, twist, self.costmap, self.dt)
+        return self._watch_for_block(slow_down(command, self.speed_limit), pose, twist)
 
     # Speed limits ---------------------------------------------------------------------------------------------------
 
@@ -364,13 +295,6 @@ class Navigator:
         backwards = self._recovery.is_backing_up
         self.speed_limit = self._limiter.limit(pose, twist, index, self.dt, backwards=backwards)
         self.controller.set_speed_limit(self.speed_limit)
-
-    def _slow_down(self, command: Twist2D) -> Twist2D:
-        """The same arc within the speed limit, whatever the controller made of that."""
-        if abs(command.v) <= self.speed_limit:
-            return command
-        share = self.speed_limit / abs(command.v)
-        return Twist2D(share * command.v, share * command.w)
 
     # Planning again -------------------------------------------------------------------------------------------------
 
@@ -466,21 +390,3 @@ class Navigator:
         self._recovery.stop_backing_up()
         self._replan(pose, twist)
         return _STAND
-
-
-_FINAL = frozenset(
-    {
-        NavigationStatus.ARRIVED,
-        NavigationStatus.STUCK,
-        NavigationStatus.NO_PATH,
-        NavigationStatus.PLANNING_TIMED_OUT,
-    }
-)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, numbers.Real) and math.isfinite(value)
-
-
-def _load_grid(grid: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:
-    return grid if isinstance(grid, OccupancyGrid) else OccupancyGrid.load(grid)

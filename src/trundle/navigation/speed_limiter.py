@@ -80,6 +80,14 @@ class SpeedLimiter:
         return np.sqrt((limits + step) ** 2 + 2.0 * self._braking * room) - step
 
 
+def slow_down(command: Twist2D, limit: float) -> Twist2D:
+    """The same arc within a speed limit [m/s]."""
+    if abs(command.v) <= limit:
+        return command
+    share = limit / abs(command.v)
+    return Twist2D(share * command.v, share * command.w)
+
+
 def limits_along(poses: FloatArray, mask: SpeedMask, top_speed: float) -> FloatArray:
     """Limits [m/s] at poses (x, y, yaw) [m, m, rad], and 0.1 m to both sides of each: the least of the three.
 
