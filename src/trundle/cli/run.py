@@ -109,7 +109,7 @@ def run(
 def _read(source: str, settings: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
     """Make a scenario of the first argument, with what the options change."""
     from trundle.mission import Scenario
-    from trundle.mission.scenario import MapOptions
+    from trundle.mission.choices import MapOptions
     from trundle.worlds import world_names
     from trundle.worlds.load import check_options
 

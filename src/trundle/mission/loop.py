@@ -2,112 +2,28 @@
 
 from __future__ import annotations
 
-import contextlib
-import logging
 import math
-import numbers
 import time as clock
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol, cast, runtime_checkable
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from trundle.costmap import Costmap
-from trundle.errors import (
-    BlockedPoseError,
-    OutsideMapError,
-    PlanningError,
-    ScenarioError,
-    SimulationError,
-)
+from trundle.errors import PlanningError, ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
-from trundle.maps.masks import SpeedMask
-from trundle.mission.episode import Episode, Goal, Outcome, Trajectory
+from trundle.mission.episode import Episode, Outcome, Trajectory
+from trundle.mission.legs import plan_legs, read_goals
 from trundle.mission.metrics import compute_metrics
+from trundle.mission.observers import Audience, Observer, RunInfo, Step
 from trundle.mission.truth import measure_truth
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
-from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, world_of
 from trundle.values import as_number
 
-_LOGGER = logging.getLogger(__name__)
-
 TIME_PER_GOAL_S = 60.0
 SLOWNESS = 4.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RunInfo:
-    """What observers are told before the first step.
-
-    Attributes:
-        name: Name of the run.
-        robot: The robot that is driven.
-        costmap: What it plans and drives on.
-        start: Where it starts, map frame.
-        goals: Where it is to go, in order.
-        path_length_m: Length [m] of the plans to all goals, as far as there are any.
-        time_limit_s: When the run is stopped [s].
-        dt: Control period [s].
-        planner: Name of the planner.
-        controller: Name of the controller.
-        seed: Of the simulator.
-        speed_mask: What limits its speed, or None.
-    """
-
-    name: str
-    robot: Robot
-    costmap: Costmap
-    start: Pose2D
-    goals: tuple[Goal, ...]
-    path_length_m: float
-    time_limit_s: float
-    dt: float
-    planner: str
-    controller: str
-    seed: int
-    speed_mask: SpeedMask | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Step:
-    """What observers are told after the start (index 0) and after every control period.
-
-    Attributes:
-        index: Number of control periods driven.
-        state: What the simulator knows now.
-        command: What was commanded during the period that ends now.
-        goal: Index of the goal that it drives to.
-        path: The path that it follows, or none.
-        status: How the navigator stands.
-    """
-
-    index: int
-    state: RobotState
-    command: Twist2D
-    goal: int
-    path: Path | None
-    status: NavigationStatus
-
-
-@runtime_checkable
-class Observer(Protocol):
-    """Looks on. One that raises is told nothing more, and the run goes on; see `Episode.observer_errors`."""
-
-    def on_start(self, run: RunInfo) -> None:
-        """Before the first step; nothing has moved yet."""
-        ...
-
-    def on_step(self, step: Step) -> None:
-        """After the start and after every control period."""
-        ...
-
-    def on_end(self, episode: Episode) -> None:
-        """When the run is over, however it ended."""
-        ...
 
 
 def run(
@@ -146,12 +62,12 @@ def run(
         BlockedPoseError: If the robot cannot stand at the start or at a goal.
         OutsideMapError: If the start or a goal is outside the map.
     """
-    begin, goals = Pose2D.of(start), _read_goals(goal)
+    begin, goals = Pose2D.of(start), read_goals(goal)
     if time_limit_s is not None and not (
         math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
     ):
         raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
-    plans, unreachable = _plan_legs(navigator, begin, goals)
+    plans, unreachable = plan_legs(navigator, begin, goals)
     planned_m = sum(path.length for path in plans)
     if time_limit_s is None:
         slow = SLOWNESS * sum(fastest_s(path, navigator.robot, navigator.speed_mask) for path in plans)
@@ -188,7 +104,7 @@ class _Drive:
         self._sim = sim
         self._navigator = navigator
         self._info = info
-        self._audience = _Audience(observers)
+        self._audience = Audience(observers)
         self._stop_on_contact = stop_on_contact
         self._rows: list[tuple[float, ...]] = []
         self._paths: list[Path] = []
@@ -223,7 +139,7 @@ class _Drive:
         navigator, goals, dt = self._navigator, self._info.goals, self._info.dt
         if unreachable is not None and not state.contacts:
             return Outcome.NO_PATH, str(unreachable)
-        # `_plan_legs` left the first goal and its plan in the navigator.
+        # `plan_legs` left the first goal and its plan in the navigator.
         while True:
             if state.contacts and self._stop_on_contact:
                 return Outcome.COLLIDED, _describe_contact(state)
@@ -326,88 +242,6 @@ class _Drive:
             seed=info.seed,
             time_limit_s=info.time_limit_s,
         )
-
-
-class _Audience:
-    """The observers of one run; one that raises is dropped, and the others are told on."""
-
-    def __init__(self, observers: Sequence[Observer]) -> None:
-        self._observers = list(observers)
-        self.errors: list[BaseException] = []
-
-    def on_start(self, info: RunInfo) -> None:
-        self._tell(lambda observer: observer.on_start(info))
-
-    def on_step(self, step: Step) -> None:
-        self._tell(lambda observer: observer.on_step(step))
-
-    def on_end(self, episode: Episode) -> None:
-        # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
-        self._tell(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
-
-    def _tell(self, tell: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
-        for observer in tuple(self._observers):
-            try:
-                tell(observer)
-            except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
-                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
-                self._observers.remove(observer)
-                self.errors.append(error)
-
-
-def _read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]]) -> tuple[Goal, ...]:
-    if isinstance(goal, Pose2D):
-        return (_read_goal(goal),)
-    if not isinstance(goal, Sequence | np.ndarray) or isinstance(goal, str):
-        raise ScenarioError(f"a goal is a pose, (x, y) or (x, y, yaw), or a list of these; got {goal!r}")
-    if len(goal) == 0:
-        raise ScenarioError("a run needs at least one goal")
-    if all(isinstance(part, numbers.Real) for part in goal):
-        return (_read_goal(cast("Sequence[float]", goal)),)
-    return tuple(_read_goal(cast("Pose2D | Sequence[float]", part)) for part in goal)
-
-
-def _read_goal(goal: Pose2D | Sequence[float]) -> Goal:
-    pose = Pose2D.of(goal)
-    return (pose.x, pose.y) if not isinstance(goal, Pose2D) and len(goal) == 2 else pose.as_tuple()
-
-
-def _plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
-    """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
-
-    Returns:
-        The plans, as far as there are any, and why there is no path to the first goal, if so; not where planning only
-        took too long, as the navigator tries again. The first goal and its plan stay in the navigator.
-    """
-    plans: list[Path] = []
-    unreachable: PlanningError | None = None
-    here = start
-    for index, goal in enumerate(goals):
-        navigator.set_goal(goal)
-        try:
-            path = navigator.plan(here)
-        except PlanningError as error:
-            if _is_bad_input(error, goal, first=index == 0):
-                raise
-            if index == 0 and not navigator.waits_to_plan:
-                unreachable = error
-            here = Pose2D.of(goal)
-        else:
-            plans.append(path)
-            here = path.goal
-    if len(goals) > 1:
-        navigator.set_goal(goals[0])
-        if unreachable is None:
-            with contextlib.suppress(PlanningError):  # the navigator tries again
-                navigator.plan(start)
-    return plans, unreachable
-
-
-def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:
-    """Whether the start or a goal is at fault. How the robot will stand at an earlier goal is not known yet."""
-    if not isinstance(error, BlockedPoseError | OutsideMapError):
-        return False
-    return first or error.pose is None or error.pose[:2] == goal[:2]
 
 
 def _describe_contact(state: RobotState) -> str:

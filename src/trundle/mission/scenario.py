@@ -17,8 +17,10 @@ from trundle.errors import InputError, ScenarioError
 from trundle.files import output_path, write_text
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
+from trundle.mission.choices import Choice, MapOptions, Positive, WorldChoice, name_alone, shorten
 from trundle.mission.episode import Episode, Goal
-from trundle.mission.loop import Observer, run
+from trundle.mission.loop import run
+from trundle.mission.observers import Observer
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
 from trundle.navigation.inputs import LEAST_FREQUENCY, MOST_FREQUENCY
@@ -26,82 +28,16 @@ from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
-from trundle.worlds.load import is_world_file
 from trundle.yamlfile import Config, load_config
 
-Positive = Annotated[float, Field(gt=0.0)]
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
-Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
 Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
-
 
 _FAR_OUT = 30.0
 """A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
 
 _ROOM = 1.0
 """Around a start or goal that lies outside the world's solids [m]."""
-
-
-class Choice(Config):
-    """A name with options: `least_cost`, or `{name: least_cost, options: {…}}`.
-
-    Attributes:
-        name: What is chosen.
-        options: Passed to it by keyword.
-    """
-
-    name: str
-    options: dict[str, Option] = Field(default_factory=dict)
-
-
-_READING = ("trusted", "time_limit_s", "memory_limit_gb")
-"""Options of `World.load` that say how far a file is trusted."""
-
-
-class WorldChoice(Choice):
-    """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
-
-    Attributes:
-        name: Of a generated world, or the path of a world's file; a path in a file is relative to that file.
-        options: Of the generator, or of the file's loader.
-        seed: Of a generated world; none means the scenario's.
-    """
-
-    seed: int | None = None
-
-    @property
-    def is_file(self) -> bool:
-        """Whether it is loaded from a file."""
-        return is_world_file(self.name)
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.is_file and self.seed is not None:
-            raise ValueError("seed is for generated worlds; this one is a file")
-        for option in _READING:
-            if self.is_file and option in self.options:
-                raise ValueError(
-                    f"{option} is no option of a scenario, which others may have written: set TRUNDLE_TRUSTED, "
-                    "TRUNDLE_READ_SECONDS or TRUNDLE_READ_GIGABYTES instead"
-                )
-        return self
-
-
-class MapOptions(Config):
-    """How a map becomes a world: `{height: 0.5, unknown: free}`.
-
-    Attributes:
-        height: Of the walls [m].
-        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown. None means
-            solid where the scenario's `unknown` is blocked, and free where the robot is to go there.
-    """
-
-    height: Positive = 1.0
-    unknown: Literal["solid", "free"] | None = None
-
-
-def _name_alone(value: object) -> object:
-    return {"name": value} if isinstance(value, str) else value
 
 
 class Scenario(Config):
@@ -138,7 +74,7 @@ class Scenario(Config):
     """
 
     name: str | None = None
-    world: Annotated[WorldChoice | None, BeforeValidator(_name_alone)] = None
+    world: Annotated[WorldChoice | None, BeforeValidator(name_alone)] = None
     map: str | None = None
     map_options: MapOptions | None = None
     floor_z: float | None = None
@@ -151,10 +87,10 @@ class Scenario(Config):
     start: Numbers | None = None
     goal: Numbers | None = None
     goals: Annotated[tuple[Numbers, ...], Field(min_length=1)] | None = None
-    planner: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="auto")
-    controller: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="regulated_pure_pursuit")
-    smoother: Annotated[Choice | None, BeforeValidator(_name_alone)] = None
-    backend: Annotated[Choice, BeforeValidator(_name_alone)] = Choice(name="mujoco")
+    planner: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="auto")
+    controller: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="regulated_pure_pursuit")
+    smoother: Annotated[Choice | None, BeforeValidator(name_alone)] = None
+    backend: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="mujoco")
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     inflation_radius: Positive | None = None
@@ -223,7 +159,7 @@ class Scenario(Config):
         settings = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
         for key in ("world", "planner", "controller", "smoother", "backend"):
             if key in settings:
-                settings[key] = _shorten(settings[key])
+                settings[key] = shorten(settings[key])
         write_text(
             path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True), durable=True
         )
@@ -411,12 +347,6 @@ class Mission(Setting):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _shorten(choice: dict[str, Any]) -> object:
-    """Write a choice without options as its name alone."""
-    kept = {key: value for key, value in choice.items() if value not in (None, {})}
-    return kept["name"] if set(kept) == {"name"} else kept
 
 
 def _as_goal(numbers: tuple[float, ...]) -> Goal:

@@ -1,0 +1,82 @@
+"""`Choice`: a name with options, as a scenario's YAML has them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import Field, model_validator
+
+from trundle.worlds.load import is_world_file
+from trundle.yamlfile import Config
+
+Positive = Annotated[float, Field(gt=0.0)]
+Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
+
+
+class Choice(Config):
+    """A name with options: `least_cost`, or `{name: least_cost, options: {…}}`.
+
+    Attributes:
+        name: What is chosen.
+        options: Passed to it by keyword.
+    """
+
+    name: str
+    options: dict[str, Option] = Field(default_factory=dict)
+
+
+_READING = ("trusted", "time_limit_s", "memory_limit_gb")
+"""Options of `World.load` that say how far a file is trusted."""
+
+
+class WorldChoice(Choice):
+    """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
+
+    Attributes:
+        name: Of a generated world, or the path of a world's file; a path in a file is relative to that file.
+        options: Of the generator, or of the file's loader.
+        seed: Of a generated world; none means the scenario's.
+    """
+
+    seed: int | None = None
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is loaded from a file."""
+        return is_world_file(self.name)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.is_file and self.seed is not None:
+            raise ValueError("seed is for generated worlds; this one is a file")
+        for option in _READING:
+            if self.is_file and option in self.options:
+                raise ValueError(
+                    f"{option} is no option of a scenario, which others may have written: set TRUNDLE_TRUSTED, "
+                    "TRUNDLE_READ_SECONDS or TRUNDLE_READ_GIGABYTES instead"
+                )
+        return self
+
+
+class MapOptions(Config):
+    """How a map becomes a world: `{height: 0.5, unknown: free}`.
+
+    Attributes:
+        height: Of the walls [m].
+        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown. None means
+            solid where the scenario's `unknown` is blocked, and free where the robot is to go there.
+    """
+
+    height: Positive = 1.0
+    unknown: Literal["solid", "free"] | None = None
+
+
+def name_alone(value: object) -> object:
+    """Take a name alone as a choice without options."""
+    return {"name": value} if isinstance(value, str) else value
+
+
+def shorten(choice: dict[str, Any]) -> object:
+    """Write a choice without options as its name alone."""
+    kept = {key: value for key, value in choice.items() if value not in (None, {})}
+    return kept["name"] if set(kept) == {"name"} else kept

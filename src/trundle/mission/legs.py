@@ -1,0 +1,76 @@
+"""The goals of a run, and the plans to each of them from the one before."""
+
+from __future__ import annotations
+
+import contextlib
+import numbers
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+
+from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError
+from trundle.geometry import Pose2D
+from trundle.mission.episode import Goal
+from trundle.navigation import Navigator
+from trundle.path import Path
+
+
+def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]]) -> tuple[Goal, ...]:
+    """Take one goal, or a list of them.
+
+    Raises:
+        InputError: If these are no poses, or there is none.
+    """
+    if isinstance(goal, Pose2D):
+        return (_read_goal(goal),)
+    if not isinstance(goal, Sequence | np.ndarray) or isinstance(goal, str):
+        raise ScenarioError(f"a goal is a pose, (x, y) or (x, y, yaw), or a list of these; got {goal!r}")
+    if len(goal) == 0:
+        raise ScenarioError("a run needs at least one goal")
+    if all(isinstance(part, numbers.Real) for part in goal):
+        return (_read_goal(cast("Sequence[float]", goal)),)
+    return tuple(_read_goal(cast("Pose2D | Sequence[float]", part)) for part in goal)
+
+
+def _read_goal(goal: Pose2D | Sequence[float]) -> Goal:
+    pose = Pose2D.of(goal)
+    return (pose.x, pose.y) if not isinstance(goal, Pose2D) and len(goal) == 2 else pose.as_tuple()
+
+
+def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
+    """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
+
+    Returns:
+        The plans, as far as there are any, and why there is no path to the first goal, if so; not where planning only
+        took too long, as the navigator tries again. The first goal and its plan stay in the navigator.
+    """
+    plans: list[Path] = []
+    unreachable: PlanningError | None = None
+    here = start
+    for index, goal in enumerate(goals):
+        navigator.set_goal(goal)
+        try:
+            path = navigator.plan(here)
+        except PlanningError as error:
+            if _is_bad_input(error, goal, first=index == 0):
+                raise
+            if index == 0 and not navigator.waits_to_plan:
+                unreachable = error
+            here = Pose2D.of(goal)
+        else:
+            plans.append(path)
+            here = path.goal
+    if len(goals) > 1:
+        navigator.set_goal(goals[0])
+        if unreachable is None:
+            with contextlib.suppress(PlanningError):  # the navigator tries again
+                navigator.plan(start)
+    return plans, unreachable
+
+
+def _is_bad_input(error: PlanningError, goal: Goal, *, first: bool) -> bool:
+    """Whether the start or a goal is at fault. How the robot will stand at an earlier goal is not known yet."""
+    if not isinstance(error, BlockedPoseError | OutsideMapError):
+        return False
+    return first or error.pose is None or error.pose[:2] == goal[:2]

@@ -1,0 +1,120 @@
+"""`Observer`: what looks on while a run is under way, and what it is told."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from trundle.costmap import Costmap
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps.masks import SpeedMask
+from trundle.mission.episode import Episode, Goal
+from trundle.navigation import NavigationStatus
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.sim import RobotState
+
+_LOGGER = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunInfo:
+    """What observers are told before the first step.
+
+    Attributes:
+        name: Name of the run.
+        robot: The robot that is driven.
+        costmap: What it plans and drives on.
+        start: Where it starts, map frame.
+        goals: Where it is to go, in order.
+        path_length_m: Length [m] of the plans to all goals, as far as there are any.
+        time_limit_s: When the run is stopped [s].
+        dt: Control period [s].
+        planner: Name of the planner.
+        controller: Name of the controller.
+        seed: Of the simulator.
+        speed_mask: What limits its speed, or None.
+    """
+
+    name: str
+    robot: Robot
+    costmap: Costmap
+    start: Pose2D
+    goals: tuple[Goal, ...]
+    path_length_m: float
+    time_limit_s: float
+    dt: float
+    planner: str
+    controller: str
+    seed: int
+    speed_mask: SpeedMask | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """What observers are told after the start (index 0) and after every control period.
+
+    Attributes:
+        index: Number of control periods driven.
+        state: What the simulator knows now.
+        command: What was commanded during the period that ends now.
+        goal: Index of the goal that it drives to.
+        path: The path that it follows, or none.
+        status: How the navigator stands.
+    """
+
+    index: int
+    state: RobotState
+    command: Twist2D
+    goal: int
+    path: Path | None
+    status: NavigationStatus
+
+
+@runtime_checkable
+class Observer(Protocol):
+    """Looks on. One that raises is told nothing more, and the run goes on; see `Episode.observer_errors`."""
+
+    def on_start(self, run: RunInfo) -> None:
+        """Before the first step; nothing has moved yet."""
+        ...
+
+    def on_step(self, step: Step) -> None:
+        """After the start and after every control period."""
+        ...
+
+    def on_end(self, episode: Episode) -> None:
+        """When the run is over, however it ended."""
+        ...
+
+
+class Audience:
+    """The observers of one run; one that raises is dropped, and the others are told on."""
+
+    def __init__(self, observers: Sequence[Observer]) -> None:
+        self._observers = list(observers)
+        self.errors: list[BaseException] = []
+
+    def on_start(self, info: RunInfo) -> None:
+        """Tell them before the first step."""
+        self._tell(lambda observer: observer.on_start(info))
+
+    def on_step(self, step: Step) -> None:
+        """Tell them after the start and every control period."""
+        self._tell(lambda observer: observer.on_step(step))
+
+    def on_end(self, episode: Episode) -> None:
+        """Tell them the end."""
+        # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
+        self._tell(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
+
+    def _tell(self, tell: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
+        for observer in tuple(self._observers):
+            try:
+                tell(observer)
+            except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
+                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
+                self._observers.remove(observer)
+                self.errors.append(error)
