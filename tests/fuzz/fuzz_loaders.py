@@ -4,8 +4,9 @@
     PYTHONPATH=tests python -m fuzz.fuzz_loaders --count 5000 --jobs 16      what a release is checked with
     PYTHONPATH=tests python -m fuzz.fuzz_loaders usd sdf --seed 3 --seconds 600
 
-Foreign files are read as users read them, by the guarded child; one child stays for many files. A finding prints its
-format, seed and number, and keeps the file in --keep.
+Foreign files are read as users read them, by the guarded child; one child stays for many files. A finding does not end
+it: its file is kept in --keep, and at the end each kind of finding is printed once, with the files that show it. A
+process that crashes or takes a minute for a file is a finding too, and another goes on with the next file.
 """
 
 from __future__ import annotations
@@ -13,7 +14,11 @@ from __future__ import annotations
 import argparse
 import collections
 import concurrent.futures
+import faulthandler
+import logging
+import multiprocessing
 import random
+import re
 import shutil
 import sys
 import tempfile
@@ -21,6 +26,8 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +37,12 @@ from fuzz import loader_seeds
 from trundle.errors import MapError, RobotError, TrundleError, WorldError
 from trundle.guard import Child, ReadLimits
 
-LIMITS = ReadLimits(seconds=20.0, gigabytes=2.0)
+LIMITS = ReadLimits(seconds=5.0, gigabytes=2.0)
+"""Less time than users have: a file that takes longer is refused here sooner."""
+
+LONGEST = 60.0
+"""For one file [s], its child's start and all loaders that it is given to."""
+
 TOKENS = (
     *(b"0 -1 1e300 -1e300 1e-300 nan inf 999999999999 2147483648 65535 0x10 true null [] {} < > / & # ..".split()),
     *(b"def over class references payload <mujoco> </worldbody> <link/> <include/> box mesh NaN 1;2".split()),
@@ -87,6 +99,27 @@ def _change_number(out: bytearray, generator: random.Random) -> bytearray:
     return out[:begin] + generator.choice(_NUMBERS) + out[end:]
 
 
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A file that ended in something else than a success or a TrundleError.
+
+    Attributes:
+        form: Of the file.
+        number: Of the file.
+        text: The traceback, or what happened.
+    """
+
+    form: str
+    number: int
+    text: str
+
+    @property
+    def place(self) -> tuple[str, ...]:
+        """The format and the innermost frames, which tell one fault from another."""
+        frames = re.findall(r'File "(.*?)", line (\d+), in (.*)', self.text)[-3:]
+        return (self.form, *(":".join(frame) for frame in frames)) if frames else (self.form, self.text)
+
+
 class Reader:
     """Reads files of one format in a folder, foreign ones in one child that stays."""
 
@@ -104,19 +137,15 @@ class Reader:
         source = generator.choice(self._files)
         file = self._folder / f"mutated{source.suffix}"
         file.write_bytes(mutate(source.read_bytes(), generator))
-        begun = time.monotonic()
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
                 LOADERS[self._form](self._child, file)
-            ended = "read"
         except TrundleError as error:
-            ended = "refused" if str(error) else "refused without a word"
+            return ("refused" if str(error) else "refused without a word"), file
         except Exception:  # noqa: BLE001 - what is looked for
-            ended = traceback.format_exc()
-        if time.monotonic() - begun > LIMITS.seconds + 10.0:
-            ended = f"took {time.monotonic() - begun:.0f} s"
-        return ended, file
+            return traceback.format_exc(), file
+        return "read", file
 
 
 def _world(child: Child, file: Path) -> None:
@@ -194,20 +223,36 @@ LOADERS: dict[str, Callable[[Child, Path], None]] = {
 
 
 def play(
-    form: str, numbers: range, seed: int, until: float, keep: str | None
-) -> tuple[collections.Counter[str], list[str]]:
-    """Read some files of a format; return how they ended, and the findings."""
+    form: str, numbers: range, seed: int, until: float, keep: str | None = None, progress: str | None = None
+) -> tuple[collections.Counter[str], list[Finding]]:
+    """Read some files of a format; return how they ended, and the findings.
+
+    Args:
+        form: The format.
+        numbers: Of the files.
+        seed: Of the files.
+        until: When to end, by time.monotonic() [s].
+        keep: A folder for files that were found.
+        progress: A file that gets the number of each file before it is read; this process is then one of its own,
+            which ends where a file takes too long and prints nothing of what trundle logs.
+    """
+    if progress is not None:
+        logging.getLogger("trundle").addHandler(logging.NullHandler())
+        logging.getLogger("trundle").propagate = False
     ends: collections.Counter[str] = collections.Counter()
-    findings: list[str] = []
+    findings: list[Finding] = []
     with tempfile.TemporaryDirectory() as folder:
         reader = Reader(Path(folder), form)
         try:
             for number in numbers:
                 if time.monotonic() > until:
                     break
+                if progress is not None:
+                    Path(progress).write_text(str(number))
+                    faulthandler.dump_traceback_later(LONGEST, exit=True)
                 ended, file = reader.read(number, seed)
                 if ended not in ("read", "refused"):
-                    findings.append(f"{form} --seed {seed}, file {number}: {ended}")
+                    findings.append(Finding(form, number, ended))
                     if keep is not None:
                         Path(keep).mkdir(parents=True, exist_ok=True)
                         shutil.copy(file, Path(keep) / f"{form}-{seed}-{number}{file.suffix}")
@@ -215,7 +260,42 @@ def play(
                 ends[ended] += 1
         finally:
             reader.close()
+            faulthandler.cancel_dump_traceback_later()
     return ends, findings
+
+
+def play_apart(
+    form: str, numbers: range, seed: int, until: float, keep: str | None, *, read: Callable[..., Any] = play
+) -> tuple[collections.Counter[str], list[Finding]]:
+    """As `play`, in a process of its own; where that ends early, the file is a finding and the next one goes on."""
+    ends: collections.Counter[str] = collections.Counter()
+    findings: list[Finding] = []
+    with tempfile.TemporaryDirectory() as folder:
+        progress = Path(folder) / "number"
+        while numbers:
+            try:
+                with concurrent.futures.ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+                    ended, found = pool.submit(read, form, numbers, seed, until, keep, str(progress)).result()
+                return ends + ended, findings + found
+            except BrokenProcessPool:
+                number = int(progress.read_text())
+                ends["found"] += 1
+                findings.append(Finding(form, number, f"the process crashed, or took longer than {LONGEST:g} s"))
+                numbers = range(number + numbers.step, numbers.stop, numbers.step)
+    return ends, findings
+
+
+def report(findings: list[Finding], seed: int) -> list[str]:
+    """Each kind of finding once, with its files."""
+    kinds: dict[tuple[str, ...], list[Finding]] = {}
+    for finding in sorted(findings, key=lambda finding: (finding.form, finding.number)):
+        kinds.setdefault(finding.place, []).append(finding)
+    return [
+        f"{same[0].form} --seed {seed}, {len(same)} files: "
+        + ", ".join(str(finding.number) for finding in same[:10])
+        + f"{', …' if len(same) > 10 else ''}\n{same[0].text}"
+        for same in kinds.values()
+    ]
 
 
 def main() -> int:
@@ -239,20 +319,21 @@ def main() -> int:
         for begin in range(min(options.jobs, options.count))
     ]
     totals: dict[str, collections.Counter[str]] = {form: collections.Counter() for form in options.formats}
-    findings: list[str] = []
-    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
-        jobs = {pool.submit(play, form, numbers, options.seed, until, options.keep): form for form, numbers in slices}
+    findings: list[Finding] = []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        jobs = {
+            pool.submit(play_apart, form, numbers, options.seed, until, options.keep): form for form, numbers in slices
+        }
         for job in concurrent.futures.as_completed(jobs):
             ends, found = job.result()
             totals[jobs[job]] += ends
             findings += found
     for form, ends in totals.items():
         print(
-            f"{form:<9} {sum(ends.values()):>6} files: {ends['read']} read, {ends['refused']} refused, "
-            f"{ends['found']} found"
+            f"{form:<9} {ends.total():>6} files: {ends['read']} read, {ends['refused']} refused, {ends['found']} found"
         )
-    for finding in findings:
-        print(finding, file=sys.stderr)
+    for kind in report(findings, options.seed):
+        print(kind, file=sys.stderr)
     return 1 if findings else 0
 
 

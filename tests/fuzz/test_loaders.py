@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import collections
+import os
 import time
+from pathlib import Path
 
 import pytest
 
-from fuzz.fuzz_loaders import LOADERS, play
+from fuzz.fuzz_loaders import LOADERS, play, play_apart, report
 from trundle.errors import RobotError
 from trundle.sim.mujoco.joints import list_joints
 
 
 @pytest.mark.parametrize("form", LOADERS)
 def test_mutated_files_are_read_or_refused(form):
-    ends, findings = play(form, range(12), 0, time.monotonic() + 300.0, None)
+    ends, findings = play(form, range(12), 0, time.monotonic() + 300.0)
     assert findings == []
     assert sum(ends.values()) == 12
 
@@ -28,4 +31,34 @@ def test_a_joint_about_no_axis_is_refused(tmp_path):
 @pytest.mark.parametrize("number", [242, 338])
 def test_values_of_another_type_or_out_of_range_are_refused(number):
     """A limit that is no number, and a transform of numbers too large to multiply."""
-    assert play("usd", range(number, number + 1), 2, time.monotonic() + 60.0, None)[1] == []
+    assert play("usd", range(number, number + 1), 2, time.monotonic() + 60.0)[1] == []
+
+
+def test_findings_of_one_kind_are_reported_together_and_do_not_end_the_fuzz(monkeypatch, tmp_path):
+    def read(_, file):
+        if len(file.read_bytes()) % 2:
+            raise ZeroDivisionError("odd")
+        raise KeyError("even")
+
+    monkeypatch.setitem(LOADERS, "scenario", read)
+    ends, findings = play("scenario", range(20), 0, time.monotonic() + 60.0, str(tmp_path))
+    assert ends == {"found": 20}
+    assert len(list(tmp_path.iterdir())) == 20
+    kinds = report(findings, 0)
+    assert sorted(kind.splitlines()[-1] for kind in kinds) == ["KeyError: 'even'", "ZeroDivisionError: odd"]
+    assert all("scenario --seed 0, " in kind for kind in kinds)
+
+
+def end_at_2(form, numbers, seed, until, keep, progress):
+    """In the place of `play`."""
+    for number in numbers:
+        Path(progress).write_text(str(number))
+        if number == 2:
+            os._exit(1)
+    return collections.Counter({"read": len(numbers)}), []
+
+
+def test_a_file_that_ends_the_process_is_a_finding_and_the_rest_are_read():
+    ends, findings = play_apart("map", range(0, 8, 2), 0, time.monotonic() + 60.0, None, read=end_at_2)
+    assert ends == {"found": 1, "read": 2}
+    assert [finding.number for finding in findings] == [2]
