@@ -170,7 +170,7 @@ ORIGIN = SHELL.format("<box size='1 1 1'/>").replace("<collision>", "<collision>
     [
         ("w.urdf", URDF.replace("{suffix}", "stl"), "w.urdf:7: the mesh 'package://shop/meshes/box.stl' was not found"),
         ("w.urdf", URDF.replace("1 1 -2", "1 0 1"), "w.urdf:7: scale of <mesh> must be 3 numbers, none of them 0"),
-        ("w.urdf", "<robot name='x' xmlns:xacro='y'><xacro:include/></robot>", "expand it first"),
+        ("w.urdf", "<robot name='x' xmlns:xacro='y'><xacro:include/></robot>", "Expand the file first"),
         ("w.urdf", "<robot name='x'><link name='a'/><link name='a'/></robot>", "MuJoCo cannot read it"),
         ("w.urdf", "<!DOCTYPE x [<!ENTITY a 'b'>]><robot>&a;</robot>", "a <!DOCTYPE …> is not accepted"),
         ("w.xml", "<!DOCTYPE x [<!ENTITY a 'b'>]><mujoco>&a;</mujoco>", "a <!DOCTYPE …> is not accepted"),
