@@ -1,5 +1,7 @@
 """`--floor-z`, and the floor that is found without it, in every verb that takes a world."""
 
+from pathlib import Path
+
 import pytest
 
 from trundle.maps import OccupancyGrid
@@ -90,3 +92,81 @@ def test_an_export_moves_the_floor_to_zero(trundle, write):
     assert trundle("export", hall, "--to", "map", "-o", "map.yaml").code == 0
     assert (OccupancyGrid.load("map.yaml").data == 0).any()
     assert trundle("export", "nova_carter", "--to", "urdf", "--floor-z", 0.5, "-o", "a.urdf").code == 2
+
+
+@pytest.fixture
+def write_on_plane(write, tmp_path):
+    """Write the hall's wall and rail on a plane at a height, without a slab."""
+
+    def make(height):
+        boxes = [("wall", f"0 0 {height + 1.0}", "0.2 6 2"), ("rail", f"0 -2.8 {height + 0.075}", "8 0.1 0.15")]
+        file = write([(name, f"{4 if name == 'wall' else 0} {at[2:]}", size) for name, at, size in boxes])
+        plane = f"<include><uri>model://ground_plane</uri><pose>0 0 {height} 0 0 0</pose></include>"
+        file.write_text(file.read_text().replace("<model name='hall'>", plane + "<model name='hall'>"))
+        return file.rename(tmp_path / f"plane_{height}.sdf")
+
+    return make
+
+
+@pytest.mark.parametrize("height", [-0.5, 0.3])
+def test_a_plane_is_the_floor_of_every_verb(trundle, write_on_plane, height):
+    world = write_on_plane(height)
+    assert trundle("map", "build", world, "--json").json["floor_z_m"] == pytest.approx(height)
+    checked = trundle("map", "check", "map.yaml", "--world", world, "--json")
+    assert {finding["kind"] for finding in checked.json["findings"]} <= {"leak"}
+    start = ("--start", "-2,0,0")
+    driven = trundle("drive", "nova_carter", "--world", world, *start, "--command", "0.4,0,1", "--json")
+    assert driven.code == 0
+    run = trundle("run", world, *start, "--goal", "1,0.5", "--no-video", "--json", "-o", "found")
+    assert run.code == 0
+    assert run.json["outcome"] == "arrived"
+    for scene in (world, write_on_plane(0.0)):
+        view = ("view", "nova_carter", "--world", scene, *start, "--size", "64x48", "-o", f"{scene.stem}.png")
+        assert trundle(*view).code == 0
+    assert Path(f"{world.stem}.png").read_bytes() == Path("plane_0.0.png").read_bytes()
+
+
+@pytest.mark.parametrize(("form", "file"), [("sdf", "w.sdf"), ("mjcf", "w.xml"), ("usd", "w.usda")])
+@pytest.mark.parametrize("height", [-0.5, 0.3])
+def test_an_exported_world_has_the_plane_where_it_was(trundle, write_on_plane, form, file, height):
+    if form == "usd":
+        pytest.importorskip("pxr")
+    world = write_on_plane(height)
+    assert trundle("export", world, "--to", form, "-o", file).code == 0
+    again = World.load(file)
+    assert again.ground_z == pytest.approx(height)
+    assert again.bounds[0][2] == pytest.approx(height)
+    assert trundle("export", world, "--to", form, "--floor-z", height, "-o", file).code == 0
+    again = World.load(file)
+    assert again.ground_z == 0.0
+    assert again.bounds[0][2] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_mesh_below_zero_collides_over_the_plane_in_mjcf(trundle, write_on_plane, tmp_path):
+    """A concave mesh is written with convex pieces, which must not end at z = 0."""
+    mujoco = pytest.importorskip("mujoco")
+    bin_walls = (
+        "v -1 -1 -0.5\nv 1 -1 -0.5\nv 1 1 -0.5\nv -1 1 -0.5\nv -1 -1 -0.1\nv 1 -1 -0.1\nv 1 1 -0.1\nv -1 1 -0.1\n"
+    )
+    (tmp_path / "bin.obj").write_text(bin_walls + "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+    file = write_on_plane(-0.5)
+    mesh = "<collision name='bin'><geometry><mesh><uri>bin.obj</uri></mesh></geometry></collision></link>"
+    file.write_text(file.read_text().replace("</link>", mesh))
+    assert trundle("export", file, "--to", "mjcf", "-o", "w.xml").code == 0
+    model = mujoco.MjModel.from_xml_path("w.xml")
+    assert sum("piece" in model.geom(geom).name for geom in range(model.ngeom)) == 8
+
+
+@pytest.mark.parametrize(("height", "why"), [(30.0, "has nothing on it"), (-30.0, "has nothing on it")])
+def test_a_floor_far_off_is_refused(trundle, write, height, why):
+    done = trundle("run", write(HALL), "--start", "-2,0", "--goal", "1,0", "--floor-z", height, "--no-video")
+    assert done.code == 2
+    assert why in done.err
+    assert "0.3 to 2.5 m" in done.err
+
+
+def test_a_floor_below_the_ground_plane_is_refused(trundle, write_on_plane):
+    done = trundle("map", "build", write_on_plane(0.3), "--floor-z", 0.0)
+    assert done.code == 2
+    assert "below the ground plane" in done.err
+    assert "0.3 m" in done.err

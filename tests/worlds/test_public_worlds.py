@@ -110,11 +110,13 @@ def test_gazebos_own_floor_and_light_need_no_files(tmp_path, uri):
     assert names(world) == ["m"]
 
 
-def test_a_raised_ground_plane_is_a_plate_of_its_size(tmp_path):
-    world = World.load(world_file(tmp_path / "w.sdf", include("model://ground_plane", pose="1 0 0.5 0 0 0")))
-    low, high = world.bounds
-    assert low.tolist() == pytest.approx([-49.0, -50.0, 0.5])
-    assert high.tolist() == pytest.approx([51.0, 50.0, 0.5])
+@pytest.mark.parametrize("height", [0.5, -0.5])
+def test_a_ground_plane_lies_where_its_pose_says(tmp_path, height):
+    body = include("model://ground_plane", pose=f"1 0 {height} 0 0 0")
+    body += f"<model name='m'><static>1</static><pose>0 0 {height} 0 0 0</pose><link name='l'><collision name='c'>{BOX}"
+    world = World.load(world_file(tmp_path / "w.sdf", body + "</collision></link></model>"))
+    assert names(world) == ["m"]
+    assert world.ground_z == height
 
 
 def test_models_of_other_names_are_no_floor(tmp_path):

@@ -129,14 +129,15 @@ def find_floor_z(
 
     Raises:
         InputError: If --floor-z is given without a world.
-        WorldError: If there are two floors that the robot may be meant to stand on.
+        WorldError: If there are two floors that the robot may be meant to stand on, or --floor-z is far off.
     """
     from trundle.geometry import Pose2D
-    from trundle.worlds.floors import find_common_floor, find_floor
+    from trundle.worlds.floors import check_floor, find_common_floor, find_floor
 
     if floor_z is not None:
         if source is None:
             raise InputError("--floor-z is the height of the floor in a world: give --world as well")
+        check_floor(world, floor_z)
         return floor_z
     if source is None or not looks_like_file(source) or is_yaml(source) or source.lower().endswith(".map"):
         return 0.0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -23,6 +25,7 @@ from trundle.sim.mujoco.robot_parts import BASE
 from trundle.sim.mujoco.world_parts import FLOOR, GROUP_PIECES, at_least_four
 from trundle.solids import Box, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds import World
+from trundle.worlds.floors import lower_solid
 from trundle.worlds.mjcf import PIECE
 
 
@@ -31,7 +34,7 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
 
     Without a robot every solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides convex
     bodies alone: a mesh that is none is seen, and collides as convex pieces that are not; see `trundle.sim.convex`. The
-    floor is a plane.
+    floor is a plane, at z = 0 or where the world's ground is.
 
     Raises:
         WorldError: If a name, a mesh or the number of cells cannot be held.
@@ -51,8 +54,10 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
     add(asset, "material", None, name="world:floor", texture="world:floor", texuniform="true", texrepeat="1 1")
     body = add(root, "worldbody")
     add(body, "light", None, type="directional", dir="0.25 0.2 -1", pos="0 0 20", diffuse="0.6 0.6 0.6")
-    add(body, "geom", None, name=FLOOR, type="plane", size="0 0 0.05", material="world:floor")
-    pieces = take_apart(solids, ceiling=math.inf)
+    ground = world.ground_z or 0.0
+    place = {"pos": numbers((0.0, 0.0, ground))} if ground else {}
+    add(body, "geom", None, name=FLOOR, type="plane", size="0 0 0.05", material="world:floor", **place)
+    pieces = _take_apart(solids, ground)
     for solid in solids:
         _add_solid(asset, body, solid, pieces.get(solid.name))
     text = to_text(root)
@@ -118,6 +123,16 @@ def _add_solid(
             add(body, "geom", None, type="mesh", mesh=solid.name, **place)
         case _:
             raise WorldError(f"MJCF cannot hold the shape of {solid.name!r}")
+
+
+def _take_apart(solids: Sequence[Solid], ground: float) -> dict[str, Pieces]:
+    """What collides of meshes over the ground."""
+    pieces = take_apart([lower_solid(solid, ground) for solid in solids], ceiling=math.inf)
+    up = (0.0, 0.0, ground)
+    return {
+        name: replace(found, hulls=[hull._replace(corners=hull.corners + up) for hull in found.hulls])
+        for name, found in pieces.items()
+    }
 
 
 def _add_pieces(asset: ElementTree.Element, body: ElementTree.Element, name: str, pieces: Pieces) -> None:

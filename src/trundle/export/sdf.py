@@ -33,7 +33,7 @@ def export_world(world: World, path: Path) -> None:
     root = ElementTree.Element("sdf", version="1.9")
     home = add(root, "world", None, name=world.name)
     _add_sun(home)
-    _add_floor(home, {solid.name for solid in solids})
+    _add_floor(home, {solid.name for solid in solids}, world.ground_z or 0.0)
     files = _write_meshes(path, solids)
     for solid in solids:
         link = _add_model(home, solid.name, solid.pose)
@@ -61,11 +61,11 @@ def _add_sun(home: ElementTree.Element) -> None:
     add(light, "direction", "0.25 0.2 -1")
 
 
-def _add_floor(home: ElementTree.Element, taken: set[str]) -> None:
+def _add_floor(home: ElementTree.Element, taken: set[str], height: float) -> None:
     name = "floor"
     while name in taken:
         name += "_"
-    link = _add_model(home, name, Pose3D())
+    link = _add_model(home, name, Pose3D((0.0, 0.0, height)))
     for tag in ("collision", "visual"):
         shape = add(link, tag, None, name=tag)
         plane = add(add(shape, "geometry"), "plane")

@@ -69,7 +69,7 @@ def _add_floor(stage: Any, world: World, material: Any) -> None:
     floor.CreateAxisAttr(UsdGeom.Tokens.z)
     floor.CreateWidthAttr(float(high[0] - low[0]) + 2.0 * _FLOOR_MARGIN)
     floor.CreateLengthAttr(float(high[1] - low[1]) + 2.0 * _FLOOR_MARGIN)
-    floor.AddTranslateOp().Set(Gf.Vec3d(float(middle[0]), float(middle[1]), 0.0))
+    floor.AddTranslateOp().Set(Gf.Vec3d(float(middle[0]), float(middle[1]), world.ground_z or 0.0))
     set_color(floor, _FLOOR_COLOR)
     set_extent(floor)
     make_collider(floor.GetPrim())

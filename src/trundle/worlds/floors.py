@@ -1,7 +1,8 @@
 """Which level of a world a robot stands on: floors that are not at z = 0.
 
-A floor is level, faces up, lies under the whole footprint and has the robot's height free above it. Every world has one
-at z = 0, unless a surface lies below that. Of several the lowest is taken. What lies above it may be another storey, a
+A floor is level, faces up, lies under the whole footprint and has the robot's height free above it. A world whose file
+declares a ground plane has one there, and none below; any other has one at z = 0, unless a surface lies below that. Of
+several the lowest is taken. What lies above it may be another storey, a
 roof or a table. It is another floor, and the robot's is then asked for, where it is large (`LARGE`), and lies within
 `STOREY` of the lower one or something stands on it.
 """
@@ -20,11 +21,9 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D, Pose3D
 from trundle.robots import Robot
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.worlds.ground import LARGE
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 from trundle.worlds.world import World
-
-LARGE = 10.0
-"""A level of less [m²] is no floor where there is a lower one: it may be a table's top."""
 
 STOREY = 2.0
 """A level that is so far [m] above a floor is a roof, unless something stands on it."""
@@ -38,7 +37,7 @@ _PROBES = 9
 _EDGE = 1e-6
 
 FLOOR_TOP = 1e-3
-"""What is so near to z = 0 [m] is the floor there: nothing that ends so low is an obstacle."""
+"""What is so near to the ground [m] is the ground: nothing that ends so low is an obstacle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +74,7 @@ class _Surfaces:
 
     def __init__(self, world: World) -> None:
         self.solids = world.solids
+        self.ground = world.ground_z
         self.lows, self.highs = solids_bounds(world.solids)
         self._made: dict[int, FloatArray] = {}
 
@@ -130,10 +130,11 @@ def find_common_floor(world: World, robot: Robot) -> float:
     """Height [m] of the floor that is under most of a world, where it is not known where the robot starts.
 
     The lowest floor is looked for at 9 x 9 places over the world, and the height that is most frequent is taken. If not
-    z = 0, it must be large, with something on it: the top of a crate or of a container is not.
+    the ground, it must be large, with something on it: the top of a crate or of a container is not.
     """
+    ground = world.ground_z or 0.0
     if not world.solids:
-        return 0.0
+        return ground
     (x_low, y_low, _), (x_high, y_high, _) = (corner.tolist() for corner in world.bounds)
     steps = (np.arange(_PROBES) + 0.5) / _PROBES
     surfaces = _Surfaces(world)
@@ -145,9 +146,11 @@ def find_common_floor(world: World, robot: Robot) -> float:
             if levels:
                 found[round(levels[0], 4)] += 1
     for level in sorted(found, key=lambda level: (-found[level], level)):
-        if level == 0.0 or _carries(surfaces, level):
+        if level == round(ground, 4):
+            return ground
+        if _carries(surfaces, level):
             return level
-    return 0.0
+    return ground
 
 
 def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, blocked: bool = True) -> list[float]:
@@ -157,9 +160,13 @@ def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, bloc
     """
     columns = surfaces.columns(points)
     levels = _shared_levels(columns)
-    if not levels or levels[0] > _SAME:
-        levels = [0.0, *levels]
-    levels = [0.0 if abs(level) < FLOOR_TOP else level for level in levels]
+    ground = surfaces.ground
+    if ground is not None:
+        levels = [max(level, ground) for level in levels if level >= ground - _SAME]
+    base = ground or 0.0
+    if not levels or levels[0] > base + _SAME:
+        levels = [base, *levels]
+    levels = [base if abs(level - base) < FLOOR_TOP else level for level in levels]
     counts = [sum(column.is_free(level, robot.body.height) for column in columns) for level in levels]
     free = [level for level, count in zip(levels, counts, strict=True) if count == len(columns)]
     if free or not blocked:
@@ -262,18 +269,45 @@ def _carries(surfaces: _Surfaces, level: float) -> bool | None:
 
 
 def lower_world(world: World, floor_z: float) -> World:
-    """Move a world down so that its floor at a height [m] lies at z = 0, where every world's floor is.
+    """Move a world down so that its floor at a height [m] lies at z = 0, where the floor is that robots drive on.
 
     Raises:
-        WorldError: If the height is not a finite number.
+        WorldError: If the height is not a finite number, below the world's ground, or not within the world.
+    """
+    ground = world.ground_z
+    if floor_z == 0.0 and ground in (None, 0.0):
+        return world
+    check_floor(world, floor_z)
+    solids = world.solids if floor_z == 0.0 else tuple(lower_solid(solid, floor_z) for solid in world.solids)
+    return replace(world, solids=solids, ground_z=None if ground is None else 0.0)
+
+
+def check_floor(world: World, floor_z: float) -> None:
+    """Refuse a height [m] of a floor that nothing stands on, or that lies below the ground plane.
+
+    Raises:
+        WorldError: If it is that, or not a finite number.
     """
     if not math.isfinite(floor_z):
         raise WorldError(f"floor_z must be a height in metres, got {floor_z}")
-    if floor_z == 0.0:
-        return world
-    return replace(world, solids=tuple(_lowered(solid, floor_z) for solid in world.solids))
+    if world.ground_z is not None and floor_z < world.ground_z - _SAME:
+        raise WorldError(
+            f"floor_z is {floor_z:g} m, below the ground plane of world {world.name!r} at {world.ground_z:g} m; give "
+            "that or more"
+        )
+    if not world.solids:
+        return
+    low, high = (float(corner[2]) for corner in world.bounds)
+    if world.ground_z is not None:
+        low, high = min(low, world.ground_z), max(high, world.ground_z)
+    if not low - STOREY <= floor_z <= high + _SAME:
+        raise WorldError(
+            f"floor_z is {floor_z:g} m, and the solids of world {world.name!r} span heights {low:g} to {high:g} m: a "
+            "floor there has nothing on it; give the height of the floor in metres, as the world's file has it"
+        )
 
 
-def _lowered(solid: Solid, by: float) -> Solid:
+def lower_solid(solid: Solid, by: float) -> Solid:
+    """Move a solid down [m]."""
     x, y, z = solid.pose.position
     return replace(solid, pose=replace(solid.pose, position=(x, y, z - by)))

@@ -13,6 +13,7 @@ from trundle.geometry import Pose3D
 from trundle.modelfile import GeometryChoice, compile_spec, drop_textures, read_spec
 from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
 from trundle.uris import Folders, split_folders
+from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.load import check_choice
 from trundle.worlds.shapes import (
     Names,
@@ -20,7 +21,6 @@ from trundle.worlds.shapes import (
     capsule_parts,
     ellipsoid_mesh,
     height_field_mesh,
-    is_floor,
     make_solids,
 )
 from trundle.worlds.tessellate import rectangle_mesh
@@ -38,10 +38,10 @@ _COLLIDES, _SHOWN = 1, 2
 def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Folders = ()) -> World:
     """Read an MJCF or URDF file as a world: the geometry that no joint moves, where it stands in the file.
 
-    Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours. A plane
-    that faces up at z = 0 or below is the floor, any other a rectangle of its size; one without a size is left out with
-    a warning, as is what joints move and mocap bodies. A mesh that trundle wrote with convex pieces, which collide in
-    its place, is that mesh again.
+    Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours. A level
+    plane that faces up is the ground at its height (`worlds.ground.find_ground` says which of several), any other a
+    rectangle of its size; one without a size is left out with a warning, as is what joints move and mocap bodies. A
+    mesh that trundle wrote with convex pieces, which collide in its place, is that mesh again.
 
     Args:
         path: The file.
@@ -68,6 +68,7 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
     in_pieces = set(pieces.values())
     names = Names()
     solids: list[Solid] = []
+    planes = LevelPlanes()
     endless: list[str] = []
     moving: list[str] = []
     for geom in range(model.ngeom):
@@ -82,14 +83,16 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
         matrix = _matrix(data.geom_xpos[geom], data.geom_xmat[geom])
         if not np.isfinite(matrix).all():
             raise WorldError(f"{path}: geom {name!r}: its place has numbers that are not finite")
-        parts = _parts(model, geom)
+        parts, pose, color = _parts(model, geom), Pose3D.from_matrix(matrix), _color(model, geom)
         if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
-            if is_floor(float(matrix[2, 3]), float(matrix[2, 2])):
+            if planes.take(name, parts, pose, _plane_area(model, geom), color):
                 continue
             endless += [] if parts else [name]
-        solids += make_solids(names, name, parts, Pose3D.from_matrix(matrix), color=_color(model, geom), kind="model")
-    _warn_of_left_out(path, endless, moving)
-    return World(spec.modelname if spec.modelname not in ("", "MuJoCo Model") else path.stem, tuple(solids))
+        solids += make_solids(names, name, parts, pose, color=color, kind="model")
+    ground, rectangles, without_size = planes.settle(solids, names)
+    _warn_of_left_out(path, endless + without_size, moving)
+    name = spec.modelname if spec.modelname not in ("", "MuJoCo Model") else path.stem
+    return World(name, (*solids, *rectangles), ground_z=ground)
 
 
 def _warn_of_left_out(path: Path, endless: list[str], moving: list[str]) -> None:
@@ -155,6 +158,13 @@ def _color(model: mujoco.MjModel, geom: int) -> Color:
     material = int(model.geom_matid[geom])
     red, green, blue, alpha = (model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]).tolist()
     return (red, green, blue, alpha)
+
+
+def _plane_area(model: mujoco.MjModel, geom: int) -> float:
+    """[m²]; a plane that collides has no end, nor has one without a size."""
+    x, y, _ = model.geom_size[geom].tolist()
+    drawn = not int(model.geom_group[geom]) & _COLLIDES and x > 0.0 and y > 0.0
+    return 4.0 * x * y if drawn else ENDLESS
 
 
 def _parts(model: mujoco.MjModel, geom: int) -> list[Part]:

@@ -12,6 +12,7 @@ from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
 from trundle.uris import Folders, split_folders
+from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.load import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
@@ -30,7 +31,7 @@ from trundle.worlds.sdf_values import (
     read_version,
     refuse_macros,
 )
-from trundle.worlds.shapes import Names, is_floor, make_solids
+from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
 from trundle.xmlfile import XmlElement, read_xml
 
@@ -57,8 +58,9 @@ def load_sdf(
     """Read an SDF world, or the models of an SDF file without one.
 
     Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
-    materials. A plane that faces up at z = 0 or below is the floor, any other a rectangle of its size. A <state>,
-    lights and plugins are not looked at, actors are left out with a warning. Nested models, includes by path, merged
+    materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` says which of
+    several), any other a rectangle of its size. A <state>, lights and plugins are not looked at, actors are left out
+    with a warning. Nested models, includes by path, merged
     ones too, and poses in named frames are followed; Gazebo's `Ground Plane` and `Sun` need no files.
 
     Args:
@@ -83,11 +85,11 @@ def load_sdf(
     check_choice("geometry", geometry, ("collision", "visual"))
     check_choice("missing", missing, ("error", "skip"))
     reader = _Reader(geometry, movable, missing, Files(split_folders(paths)), Filter.of(exclude))
-    name, solids = reader.read_file(path, world)
+    found = reader.read_file(path, world)
     for text in reader.remarks():
         warnings.warn(f"{path}: {text}", WorldWarning, stacklevel=2)
     warn_of_unmet(reader.leave_out, str(path))
-    return World(name, tuple(solids))
+    return found
 
 
 @dataclass(slots=True)
@@ -119,12 +121,13 @@ class _Reader:
     files: Files
     leave_out: Filter
     names: Names = field(default_factory=Names)
+    planes: LevelPlanes = field(default_factory=LevelPlanes)
     moving: list[str] = field(default_factory=list[str])
     skipped: list[str] = field(default_factory=list[str])
     includes: int = 0
     roots: dict[Path, XmlElement] = field(default_factory=dict[Path, XmlElement])
 
-    def read_file(self, path: Path, world: str | None) -> tuple[str, list[Solid]]:
+    def read_file(self, path: Path, world: str | None) -> World:
         place = Place(path)
         root = read_xml(path, error=WorldError)
         read_version(place, root)
@@ -146,8 +149,10 @@ class _Reader:
         solids: list[Solid] = []
         for model in models:
             solids += self._place_model(model, scope, Pose3D(), "")
+        ground, rectangles, _ = self.planes.settle(solids, self.names)
+        solids += [solid for solid in rectangles if not self.leave_out.takes_solid(solid)]
         name = home.get("name", "") if worlds else ""
-        return path.stem if name in ("", "default") else name, solids
+        return World(path.stem if name in ("", "default") else name, tuple(solids), ground_z=ground)
 
     def remarks(self) -> list[str]:
         """What was left out."""
@@ -294,10 +299,18 @@ class _Reader:
             return []
         given = read_pose(scope.place, shape)
         placed = pose @ scope.locate(given) if given.frame else at @ given.pose
-        if child(element, "plane") is not None:
-            found = [part for part in found if not _is_floor(placed @ part.pose)]
-        solids = make_solids(self.names, name, found, placed, color=_color(link, shape), kind="model")
+        color = _color(link, shape)
+        if child(element, "plane") is not None and self._put_aside(name, found, placed, color):
+            return []
+        solids = make_solids(self.names, name, found, placed, color=color, kind="model")
         return [solid for solid in solids if not self.leave_out.takes_solid(solid)]
+
+    def _put_aside(self, name: str, plane: Sequence[Part], pose: Pose3D, color: Color | None) -> bool:
+        """Whether a <plane> is level: it may be the ground. Where it collides, it is so without an end."""
+        (part,) = plane
+        low, high = Solid(name, part.shape).bounds()
+        area = ENDLESS if self.geometry == "collision" else float((high - low)[:2].prod())
+        return self.planes.take(name, [part._replace(pose=Pose3D())], pose @ part.pose, area, color)
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
@@ -307,10 +320,6 @@ def _color(link: XmlElement, shape: XmlElement) -> Color | None:
     visuals = children(link, "visual")
     same = [visual for visual in visuals if visual.get("name") == shape.get("name")]
     return next((color for color in map(read_color, [*same, *visuals]) if color is not None), None)
-
-
-def _is_floor(plane: Pose3D) -> bool:
-    return is_floor(plane.position[2], float(plane.rotation()[2, 2]))
 
 
 def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:

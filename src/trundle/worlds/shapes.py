@@ -11,9 +11,6 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.solids import Color, Cylinder, Mesh, Shape, Solid, Sphere
 from trundle.worlds.tessellate import sphere_mesh
 
-FLOOR_TOP = 0.01
-"""A level plane that lies no higher than this [m] is the floor, which every world has."""
-
 
 class Names:
     """Gives out names that are unique: a second `table` becomes `table#2`."""
@@ -48,11 +45,6 @@ class Part(NamedTuple):
     suffix: str = ""
     pose: Pose3D = Pose3D()
     color: Color | None = None
-
-
-def is_floor(height: float, normal_z: float) -> bool:
-    """Whether a plane at a height [m], with a unit normal of this third component, is the floor."""
-    return height <= FLOOR_TOP and normal_z > 1.0 - 1e-9
 
 
 def capsule_parts(radius: float, length: float) -> list[Part]:

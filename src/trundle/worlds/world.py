@@ -40,6 +40,8 @@ class World:
         name: For messages, pictures and folder names.
         solids: What there is; names are unique.
         seeds: Points (x, y) [m] that are known to be free and reachable, where a map's flood fill may start.
+        ground_z: Height [m] of the endless level plane that its file declares, which is the lowest floor there is;
+            none where the file declares none. Where it is not 0, `worlds.floors.lower_world` moves it there.
 
     Raises:
         WorldError: If two solids have one name.
@@ -48,6 +50,7 @@ class World:
     name: str
     solids: tuple[Solid, ...]
     seeds: tuple[tuple[float, float], ...] = ()
+    ground_z: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "solids", tuple(self.solids))

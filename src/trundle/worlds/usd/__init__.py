@@ -48,7 +48,8 @@ def load_usd(
 
     Stages in any unit and with either axis up come out in metres with z up. Solids are named by their prims' paths
     (`/World/Racks[3]/Shelf` inside the fourth instance of a point instancer) and are of the kind that their semantic
-    label says. A plane prim that faces up at z = 0 or below is the floor, which every world has, and makes no solid.
+    label says. A level plane prim that faces up is the ground at its height (`worlds.ground.find_ground` says which of
+    several) and makes no solid, any other is a rectangle.
 
     Lists of words may also be one text with commas between them.
 

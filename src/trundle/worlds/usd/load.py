@@ -13,9 +13,10 @@ from pxr import UsdPhysics
 from trundle.errors import InputError, WorldError
 from trundle.solids import Solid
 from trundle.worlds.affine import FlattenedError
+from trundle.worlds.ground import find_ground, is_ground
 from trundle.worlds.leave_out import Filter, split_words, warn_of_unmet
 from trundle.worlds.usd.colors import Colors
-from trundle.worlds.usd.shapes import Shapes, is_floor_plane
+from trundle.worlds.usd.shapes import Shapes, level_plane
 from trundle.worlds.usd.stage import opened, report_missing, select_variants, to_metres, warn
 from trundle.worlds.usd.unmatched import seen_without_collider
 from trundle.worlds.usd.walk import SHAPES, Place, walk
@@ -86,11 +87,16 @@ def load(path: str, options: Options) -> World:
         colliders = _takes_colliders(places, options.geometry)
         chosen = _choose(path, places, options, colliders)
         _warn_of_robots(path, stage, leave_out)
-        solids = tuple(_solids(path, chosen, leave_out, colliders))
+        planes = [(place, plane) for place in chosen if (plane := level_plane(place)) is not None]
+        chosen = [place for place in chosen if level_plane(place) is None]
+        solids = list(_solids(path, chosen, leave_out, colliders))
+        ground = find_ground([plane for _, plane in planes], solids)
+        decks = [place for place, plane in planes if not is_ground(plane, ground)]
+        solids += _solids(path, decks, leave_out, colliders)
         if colliders and options.geometry == "auto":
-            _warn_of_unmatched(path, places, options, solids)
-        world = World(Path(path).stem, solids, _seeds(stage))
-    _warn_of_emptiness(path, places, chosen, options)
+            _warn_of_unmatched(path, places, options, solids, ground)
+        world = World(Path(path).stem, tuple(solids), _seeds(stage), ground)
+    _warn_of_emptiness(path, places, chosen + decks, options)
     warn_of_unmet(leave_out, path)
     return world
 
@@ -107,7 +113,7 @@ def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
 
 
 def _choose(path: str, places: Sequence[Place], options: Options, colliders: bool) -> list[Place]:
-    """The places that count, without the floor and without prims of types that have no solid form."""
+    """The places that count, without prims of types that have no solid form."""
     if colliders:
         chosen = [place for place in places if place.approximation is not None]
     else:
@@ -116,7 +122,7 @@ def _choose(path: str, places: Sequence[Place], options: Options, colliders: boo
     for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
         first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
         warn(f"{path}: prims of type {kind} have no solid form and are left out: {count}, the first is {first}")
-    return [place for place in chosen if place.prim.GetTypeName() in SHAPES and not is_floor_plane(place)]
+    return [place for place in chosen if place.prim.GetTypeName() in SHAPES]
 
 
 def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bool) -> Iterator[Solid]:
@@ -154,10 +160,12 @@ def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
             )
 
 
-def _warn_of_unmatched(path: str, places: Sequence[Place], options: Options, solids: Sequence[Solid]) -> None:
+def _warn_of_unmatched(
+    path: str, places: Sequence[Place], options: Options, solids: Sequence[Solid], ground: float | None
+) -> None:
     seen = [place for place in places if place.approximation is None and _is_seen(place, options)]
-    shapes = [place for place in seen if place.prim.GetTypeName() in SHAPES and not is_floor_plane(place)]
-    alone = seen_without_collider(shapes, solids)
+    shapes = [place for place in seen if place.prim.GetTypeName() in SHAPES]
+    alone = seen_without_collider(shapes, solids, ground or 0.0)
     if alone:
         warn(
             f"{path}: colliders are taken, and {len(alone)} shapes that are seen are no colliders and near none: left "
@@ -170,7 +178,7 @@ def _is_seen(place: Place, options: Options) -> bool:
 
 
 def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Place], options: Options) -> None:
-    if chosen or all(is_floor_plane(place) for place in places):
+    if chosen or all(level_plane(place) is not None for place in places):
         return
     if options.geometry == "collision":
         reason = f'none of its {len(places)} shapes but the floor is a collider; take geometry="visual"'

@@ -14,9 +14,9 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds import tessellate
 from trundle.worlds.affine import FlattenedError, place, pose_of, scale_mesh, split
+from trundle.worlds.ground import ENDLESS, LevelPlane, is_level
 from trundle.worlds.hull import convex_hull
 from trundle.worlds.polygons import triangulate
-from trundle.worlds.shapes import is_floor
 from trundle.worlds.usd.walk import TIME, Place
 
 Placeable: TypeAlias = Box | Cylinder | Sphere | Mesh
@@ -86,13 +86,24 @@ class Shapes:
         return self._scaled[scaled], pose_of(item.matrix[:3, 3], rotation)
 
 
-def is_floor_plane(item: Place) -> bool:
-    """Whether a prim is a plane that is the floor."""
+def level_plane(item: Place) -> LevelPlane | None:
+    """A prim as a level plane that faces up; none where it is not that. One that collides has no end."""
     if item.prim.GetTypeName() != "Plane":
-        return False
-    normal = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, 2]
+        return None
+    turned = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, :3]
+    normal = turned[:, 2]
     length = float(np.linalg.norm(normal))
-    return length > 0.0 and is_floor(float(item.matrix[2, 3]), float(normal[2]) / length)
+    if length == 0.0 or not is_level(float(normal[2]) / length):
+        return None
+    height = float(item.matrix[2, 3])
+    if item.approximation is not None:
+        return LevelPlane(height, ENDLESS)
+    plane = UsdGeom.Plane(item.prim)
+    try:
+        drawn = _number(plane.GetWidthAttr()) * _number(plane.GetLengthAttr())
+    except FlattenedError:
+        return None
+    return LevelPlane(height, drawn * abs(float(np.linalg.det(turned[:2, :2]))))
 
 
 def _primitive(prim: Any) -> tuple[Placeable, str]:

@@ -12,25 +12,30 @@ from trundle.solids import Solid, solids_bounds
 from trundle.worlds.usd.walk import TIME, Place
 
 LOW, HIGH = 0.01, 2.0
-"""What ends below or starts above these heights [m] is floor or ceiling, and no matter."""
+"""What ends below or starts above these heights over the ground [m] is floor or ceiling, and no matter."""
 
 _NEAR = 0.01
 _AT_ONCE = 1 << 22
 
 
-def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid]) -> list[Place]:
+def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], ground: float) -> list[Place]:
     """The shapes between floor and ceiling whose bounds meet those of no solid above the floor.
 
     Args:
         places: Of shapes that are seen and do not collide.
         solids: What colliders became.
+        ground: Its height [m].
     """
     bounds = [(place, _bounds(place)) for place in places]
-    found = [(place, box) for place, box in bounds if box is not None and box[1][2] > LOW and box[0][2] < HIGH]
+    found = [
+        (place, box)
+        for place, box in bounds
+        if box is not None and box[1][2] - ground > LOW and box[0][2] - ground < HIGH
+    ]
     if not found:
         return []
     lows, highs = solids_bounds(solids)
-    standing = highs[:, 2] > LOW
+    standing = highs[:, 2] - ground > LOW
     lows, highs = lows[standing] - _NEAR, highs[standing] + _NEAR
     step = max(1, _AT_ONCE // max(1, len(lows)))
     alone: list[Place] = []
