@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from trundle.errors import OutputError
+from trundle.values import as_path
 
 
 @contextmanager
@@ -119,11 +120,12 @@ def output_path(target: str | os.PathLike[str]) -> Path:
     """The path of what is to be written.
 
     Raises:
-        OutputError: If the text cannot be a path.
+        OutputError: If it cannot be a path.
     """
-    if "\0" in os.fspath(target):
-        raise OutputError(f"cannot write {os.fspath(target)!r}: no path has a null character in it")
-    return Path(target)
+    path = as_path(target, "a file or folder to write", OutputError)
+    if "\0" in path:
+        raise OutputError(f"cannot write {path!r}: no path has a null character in it")
+    return Path(path)
 
 
 def _permissions(path: Path) -> int:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.inputfile import open_file
+from trundle.values import as_path
 
 MAX_BYTES = 4_000_000_000
 """Of all arrays together, unpacked."""
@@ -33,25 +34,26 @@ def read_arrays(
     Raises:
         InputError: Of the type `error`, if the file cannot be read, is damaged, or unpacks to more than 4 GB.
     """
+    name = as_path(path, "a .npz file", error)
     try:
         with open_file(path) as stream:
             magic = stream.read(6)
             if not magic.startswith(b"PK"):
                 what = "one array alone, and " if magic == b"\x93NUMPY" else ""
-                raise error(f"{os.fspath(path)}: {what}not a .npz file of numbers")
+                raise error(f"{name}: {what}not a .npz file of numbers")
             stream.seek(0)
             with zipfile.ZipFile(stream) as archive:
                 size = sum(item.file_size for item in archive.infolist())
             if size > MAX_BYTES:
-                raise error(f"{os.fspath(path)}: it unpacks to {size} bytes, more than the {MAX_BYTES} that are read")
+                raise error(f"{name}: it unpacks to {size} bytes, more than the {MAX_BYTES} that are read")
             stream.seek(0)
             with np.load(stream, allow_pickle=False) as stored:
                 there = list(stored.files)
-                return {name: stored[name] for name in names if name in there}, there
+                return {key: stored[key] for key in names if key in there}, there
     except OSError as problem:
-        raise error(f"cannot read {os.fspath(path)}: {problem.strerror or problem}") from problem
+        raise error(f"cannot read {name}: {problem.strerror or problem}") from problem
     except InputError:
         raise
     except Exception as problem:  # zipfile and numpy raise whatever the bytes lead them into
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-        raise error(f"{os.fspath(path)}: not a .npz file of numbers: {reason}") from problem
+        raise error(f"{name}: not a .npz file of numbers: {reason}") from problem

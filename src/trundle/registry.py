@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Generic, TypeVar, cast
 
 from trundle.errors import InputError, UnknownNameError
+from trundle.values import check_kind
 
 _Made = TypeVar("_Made")
 
@@ -37,8 +38,9 @@ class Registry(Generic[_Made]):
 
         Raises:
             UnknownNameError: If there is no such name; it lists the choices and the nearest.
-            InputError: If another package's entry point cannot be imported.
+            InputError: If it is no text, or another package's entry point cannot be imported.
         """
+        check_kind(name, str, f"the name of a {self._kind}", f"there are: {', '.join(self.names())}")
         if name in self._builtin:
             module, _, attribute = self._builtin[name].partition(":")
             return getattr(importlib.import_module(module), attribute)

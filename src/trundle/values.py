@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 from collections.abc import Sequence
 from typing import TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
+from trundle.errors import InputError, TrundleError
 
 _Item = TypeVar("_Item", bound=np.generic)
 
@@ -32,6 +33,63 @@ def as_number(value: object, what: str) -> float:
 def is_finite_number(value: object) -> TypeGuard[float]:
     """Whether this is a number, not text, and neither NaN nor infinite."""
     return isinstance(value, numbers.Real) and math.isfinite(value)
+
+
+def check_number(name: str, value: object, least: float, most: float, unit: str = "") -> float:
+    """A number from `least` to `most` as a float.
+
+    Raises:
+        InputError: If it is none, or NaN.
+    """
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        number = float(value)
+        if least <= number <= most:
+            return number
+    bounds = f"of {least:g} or more" if math.isinf(most) else f"from {least:g} to {most:g}"
+    raise InputError(f"{name} must be a number {bounds}{unit and f' {unit}'}, got {value!r}")
+
+
+def check_count(name: str, value: object, least: int, most: int) -> int:
+    """A whole number from `least` to `most`.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and least <= value <= most:
+        return int(value)
+    raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}")
+
+
+def check_flag(name: str, value: object) -> bool:
+    """A bool.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} is true or false, got {value!r}")
+    return bool(value)
+
+
+def check_kind(value: object, kinds: type | tuple[type, ...], what: str, advice: str) -> None:
+    """Raise `InputError`, with what to do instead, unless a value is of one of these classes."""
+    if isinstance(value, kinds):
+        return
+    *others, last = [kind.__name__ for kind in (kinds if isinstance(kinds, tuple) else (kinds,))]
+    wanted = f"{', '.join(others)} or {last}" if others else last
+    raise InputError(f"{what} must be of type {wanted}, got {type(value).__name__}; {advice}")
+
+
+def as_path(value: object, what: str, error: type[TrundleError] = InputError) -> str:
+    """Take the path of a file, a text or a `pathlib.Path`, as text.
+
+    Raises:
+        TrundleError: Of the type `error`, if it is none.
+    """
+    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if isinstance(path, str):
+        return path
+    raise error(f"{what} must be a path, str or pathlib.Path, got {type(value).__name__}")
 
 
 def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Sequence[float]:

@@ -10,6 +10,7 @@ import yaml
 
 from trundle.errors import InputError
 from trundle.inputfile import open_file, read_up_to
+from trundle.values import as_path
 
 MAX_BYTES = 250_000
 MAX_DEPTH = 32
@@ -51,7 +52,7 @@ def compose(
         InputError: If the file is missing, too large, not UTF-8, empty, not YAML, more than one document, uses
             anchors or aliases, or repeats a key.
     """
-    source = Path(path)
+    source = Path(as_path(path, "a YAML file"))
     return compose_text(_read_text(source, max_bytes), str(source), allow_duplicate_keys=allow_duplicate_keys)
 
 

@@ -99,5 +99,5 @@ def test_what_cannot_be_asked_is_refused(arguments, options, kind, message):
     planner, starts, goals = arguments
     with pytest.raises(kind, match=message):
         plan_many(planner, make_costmap(), starts, goals, **options)
-    with pytest.raises(InputError, match="a planner needs a Costmap"):
+    with pytest.raises(InputError, match="a planner's costmap must be of type Costmap"):
         plan_many("jps", np.zeros((3, 3)), [(0, 0)], [(1, 1)])

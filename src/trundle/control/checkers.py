@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.values import check_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,12 +18,19 @@ class GoalChecker:
         yaw_tolerance: Difference in yaw [rad].
         stopped_linear: Speed below which it stands [m/s].
         stopped_angular: Turning speed below which it stands [rad/s].
+
+    Raises:
+        InputError: If one is no number of 0 or more.
     """
 
     xy_tolerance: float = 0.25
     yaw_tolerance: float = 0.25
     stopped_linear: float = 0.02
     stopped_angular: float = 0.02
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            check_number(field.name, getattr(self, field.name), 0.0, math.inf)
 
     def is_reached(self, pose: Pose2D, twist: Twist2D, goal: Pose2D, *, any_yaw: bool) -> bool:
         """Whether a robot at `pose`, moving with `twist`, has arrived; `any_yaw` where the goal has no yaw."""
@@ -46,6 +54,9 @@ class ProgressChecker:
         required_movement_radius: [m].
         required_movement_angle: [rad]; turning in place counts as getting on.
         movement_time_allowance: [s].
+
+    Raises:
+        InputError: If one is no number of 0 or more.
     """
 
     def __init__(
@@ -54,9 +65,11 @@ class ProgressChecker:
         required_movement_angle: float = 0.5,
         movement_time_allowance: float = 10.0,
     ) -> None:
-        self.required_movement_radius = required_movement_radius
-        self.required_movement_angle = required_movement_angle
-        self.movement_time_allowance = movement_time_allowance
+        self.required_movement_radius = check_number(
+            "required_movement_radius", required_movement_radius, 0.0, math.inf
+        )
+        self.required_movement_angle = check_number("required_movement_angle", required_movement_angle, 0.0, math.inf)
+        self.movement_time_allowance = check_number("movement_time_allowance", movement_time_allowance, 0.0, math.inf)
         self._pose: Pose2D | None = None
         self._time = 0.0
 

@@ -9,6 +9,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.path import Path
 from trundle.registry import Registry
 from trundle.robots import Robot
+from trundle.values import check_kind
 
 CONTROLLERS: Registry[Controller] = Registry(
     "controller",
@@ -65,8 +66,9 @@ def create_controller(controller: str | Controller, robot: Robot, **options: Any
 
     Raises:
         UnknownNameError: If there is no controller of that name.
-        InputError: If it does not take these options, or is no controller.
+        InputError: If it does not take these options, or is no controller; or the robot is none.
     """
+    check_kind(robot, Robot, "a controller's robot", "Robot.load(name) makes one")
     made = CONTROLLERS.take(controller, "compute_velocity", robot, **options)
     return made if callable(getattr(made, "set_speed_limit", None)) else OlderController(made)
 

@@ -33,7 +33,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.robots import Robot
-from trundle.values import is_finite_number
+from trundle.values import check_kind, is_finite_number
 
 if TYPE_CHECKING:
     from trundle.maps.masks import KeepoutMask
@@ -151,13 +151,15 @@ class Costmap(GridFrame):
             unknown_cost: For "costly", from 0 to 252; `least_cost` and `hybrid_astar` weigh it as they do all costs.
 
         Raises:
-            InputError: If the footprint is no convex outline around base_link, or an option is out of range.
+            InputError: If the grid is none, the footprint is no convex outline around base_link, or an option is out
+                of range.
             MapError: If the mask lies beside the map.
         """
+        check_kind(grid, OccupancyGrid, "a costmap's map", "OccupancyGrid.load(path) reads one")
         outline = as_outline(footprint)
         radius = circumscribed_radius(outline) + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
         table = cost_table(inscribed_radius(outline), radius, cost_scaling_factor, grid.resolution)
-        floor = None if keepout is None else keepout.costs_on(grid)
+        floor = None if keepout is None else _costs_of(keepout, grid)
         check_unknown(unknown, unknown_cost)
         cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
         data = inflate(cells, table, floor)
@@ -329,6 +331,13 @@ class Costmap(GridFrame):
         return _core.footprint_clearance(
             self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
         )
+
+
+def _costs_of(keepout: KeepoutMask, grid: OccupancyGrid) -> npt.NDArray[np.uint8]:
+    from trundle.maps.masks import KeepoutMask
+
+    check_kind(keepout, KeepoutMask, "keepout", "KeepoutMask.load(path) reads one")
+    return keepout.costs_on(grid)
 
 
 def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:

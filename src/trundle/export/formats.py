@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeAlias, cast
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
 from trundle.export.plain import check_encodable
 from trundle.export.scene import Scene
+from trundle.files import output_path
 from trundle.inputfile import exists
 from trundle.robots import Robot
 from trundle.worlds import World
@@ -68,7 +69,7 @@ def format_of(path: str | os.PathLike[str]) -> str:
     Raises:
         InputError: If it stands for none.
     """
-    suffix = Path(path).suffix.lower()
+    suffix = output_path(path).suffix.lower()
     for name, known in FORMATS.items():
         if suffix in known.suffixes:
             return name

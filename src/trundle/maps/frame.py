@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.values import as_array
 
@@ -41,10 +42,8 @@ class GridFrame(ABC):
 
         Points that are not a number, or farther away than numbers go, lie outside.
         """
-        dx, dy = (
-            _points(x) - self.origin.x,
-            _points(y) - self.origin.y,
-        )
+        dx, dy = _points(x) - self.origin.x, _points(y) - self.origin.y
+        _check_shapes(dx, dy)
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
         with np.errstate(over="ignore"):
             col, row = (
@@ -55,19 +54,39 @@ class GridFrame(ABC):
 
     def cell_to_world(self, row: npt.ArrayLike, col: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Centres x, y [m] in the map frame of cells (row, col), of any one shape."""
-        along = (_points(col) + 0.5) * self.resolution
-        across = (_points(row) + 0.5) * self.resolution
+        along, across = (_points(col) + 0.5) * self.resolution, (_points(row) + 0.5) * self.resolution
+        _check_shapes(along, across)
         cos, sin = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
         return self.origin.x + cos * along - sin * across, self.origin.y + sin * along + cos * across
 
     def contains(self, row: npt.ArrayLike, col: npt.ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether cells lie inside the grid."""
-        rows, cols = np.asarray(row), np.asarray(col)
+        rows, cols = _numbers(row), _numbers(col)
+        _check_shapes(rows, cols)
         return (rows >= 0) & (rows < self.shape[0]) & (cols >= 0) & (cols < self.shape[1])
 
 
 def _points(values: npt.ArrayLike) -> FloatArray:
     return as_array(values, np.float64, "coordinates", copy=False)
+
+
+def _numbers(values: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Whole numbers as they are, all else as coordinates."""
+    if isinstance(values, np.ndarray) and values.dtype.kind in "iu":
+        return values
+    return _points(values)
+
+
+def _check_shapes(first: npt.NDArray[Any], second: npt.NDArray[Any]) -> None:
+    """Raise `InputError` unless two arrays are of one shape, or can be made so."""
+    if first.shape == second.shape:
+        return
+    try:
+        np.broadcast_shapes(first.shape, second.shape)
+    except ValueError:
+        raise InputError(
+            f"coordinates must be of one shape, or one number for all; got {first.shape} and {second.shape}"
+        ) from None
 
 
 def _whole(numbers: npt.ArrayLike) -> CellArray:

@@ -19,7 +19,7 @@ from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
 from trundle.solids import Solid, solids_bounds
-from trundle.values import as_array
+from trundle.values import as_array, is_finite_number
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
@@ -85,16 +85,20 @@ def rasterise_world(
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
     """Make a world's map; see `OccupancyGrid.from_world`."""
-    if not (math.isfinite(resolution) and resolution >= MIN_RESOLUTION):
-        raise MapError(f"resolution must be at least {MIN_RESOLUTION} m a cell, got {resolution}")
+    if not isinstance(getattr(world, "solids", None), Sequence):
+        raise MapError(
+            f"a map is made of a World, got {type(world).__name__}; World.load(path) and World.generate(name) make one"
+        )
+    if not (is_finite_number(resolution) and resolution >= MIN_RESOLUTION):
+        raise MapError(f"resolution must be at least {MIN_RESOLUTION} m a cell, got {resolution!r}")
     if coverage not in ("any", "centre"):
         raise MapError(f'coverage is {coverage!r}, it must be "any" or "centre"')
     if style not in ("exact", "isaac"):
         raise MapError(f'style is {style!r}, it must be "exact" or "isaac"')
     if style == "isaac" and coverage != "any":
         raise MapError('style="isaac" marks every cell that is touched: leave coverage at "any"')
-    if not (math.isfinite(margin) and margin >= 0.0):
-        raise MapError(f"margin must be a number of metres of at least 0, got {margin}")
+    if not (is_finite_number(margin) and margin >= 0.0):
+        raise MapError(f"margin must be a number of metres of at least 0, got {margin!r}")
     slope = _check_floor(floor, max_slope, floor_z, style)
     band = _choose_band(z_range, floor_z, resolution, style)
     remarks: list[str] = []
@@ -139,11 +143,11 @@ def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: fl
 
 
 def _choose_band(z_range: tuple[float, float], floor_z: float, resolution: float, style: Style) -> HeightBand:
-    numbers = [float(height) for height in z_range]
+    numbers = as_array(z_range, np.float64, "z_range", MapError).ravel().tolist()
     if len(numbers) != 2 or not all(map(math.isfinite, numbers)) or numbers[1] - numbers[0] <= 4.0 * DEPTH:
-        raise MapError(f"z_range must be (lowest, highest) height in metres, lowest first, got {tuple(z_range)}")
-    if not math.isfinite(floor_z):
-        raise MapError(f"floor_z must be a height in metres, got {floor_z}")
+        raise MapError(f"z_range must be (lowest, highest) height in metres, lowest first, got {z_range!r}")
+    if not is_finite_number(floor_z):
+        raise MapError(f"floor_z must be a height in metres, got {floor_z!r}")
     low, high = numbers[0] + floor_z, numbers[1] + floor_z
     if style == "isaac":
         # Isaac Sim's generator asks for overlaps with a box of half extents (cell/2, cell/2, Δz/2 + cell/2) a cell.

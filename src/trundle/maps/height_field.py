@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files import atomic_path
+from trundle.files import atomic_path, output_path
 from trundle.geometry import FloatArray
 from trundle.npzfile import read_arrays
+from trundle.values import as_path
 
 _KEYS = ("heights", "resolution", "origin")
 _MOST_SAMPLES = 100_000_000
@@ -104,7 +105,7 @@ class HeightField:
         Raises:
             MapError: If it cannot be read, or lacks one of them; the message says which.
         """
-        file = Path(path)
+        file = Path(as_path(path, "a height field's file", MapError))
         found, names = read_arrays(file, _KEYS, error=MapError)
         missing = [key for key in _KEYS[:2] if key not in found]
         if missing:
@@ -123,7 +124,7 @@ class HeightField:
             MapError: If the file's name does not end in .npz.
             OutputError: If the folder cannot be written to. No half file is left.
         """
-        file = Path(path)
+        file = output_path(path)
         if file.suffix != ".npz":
             raise MapError(f"{file}: a height field's file ends in .npz")
         with atomic_path(file) as temporary, temporary.open("wb") as stream:

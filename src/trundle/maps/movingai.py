@@ -18,6 +18,7 @@ from trundle.files import write_bytes
 from trundle.inputfile import open_file, read_up_to
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.values import round_trinary
+from trundle.values import as_path
 
 _FREE_TERRAIN = b".GS"
 _BLOCKED_TERRAIN = b"@OTW"
@@ -111,7 +112,7 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
     Raises:
         MapError: If the file cannot be read, or a line has other fields than the nine of the format.
     """
-    source = Path(path)
+    source = Path(as_path(path, "a file of scenarios", MapError))
     queries: list[MovingAIQuery] = []
     for number, raw in enumerate(_read(source, _MAX_SCENARIO_BYTES).split(b"\n"), start=1):
         try:

@@ -19,6 +19,7 @@ from trundle.maps.image import read_image
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
 from trundle.maps.pixels import Pixels, compute_greys
 from trundle.maps.ros_yaml import RosMapDescription, load_description
+from trundle.values import as_path
 
 _IMAGE_SUFFIXES = (".png", ".pgm", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg")
 
@@ -27,7 +28,7 @@ def load_map(
     path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
 ) -> OccupancyGrid:
     """Read a map; see `OccupancyGrid.load`."""
-    source = Path(path)
+    source = Path(as_path(path, "a map's file", MapError))
     if compat not in (None, "humble"):
         raise MapError(f'compat is {compat!r}, it must be "humble" or None')
     suffix = source.suffix.lower()

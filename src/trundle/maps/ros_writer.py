@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
+from trundle.files import output_path
 from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.map_files import save_pair
 from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table
@@ -34,7 +34,7 @@ def save_map(
     image_format: Literal["png", "pgm"] = "png",
 ) -> None:
     """Write a map; see `OccupancyGrid.save`."""
-    target = Path(path)
+    target = output_path(path)
     suffix = target.suffix.lower()
     if suffix == ".map":
         from trundle.maps.movingai import save_map as save_movingai_map

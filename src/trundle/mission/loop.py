@@ -20,7 +20,7 @@ from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
 from trundle.sim import RobotState, Simulator, world_of
-from trundle.values import as_number
+from trundle.values import as_number, check_kind
 
 TIME_PER_GOAL_S = 60.0
 SLOWNESS = 4.0
@@ -62,11 +62,14 @@ def run(
         BlockedPoseError: If the robot cannot stand at the start or at a goal.
         OutsideMapError: If the start or a goal is outside the map.
     """
+    check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
+    check_kind(navigator, Navigator, "a run's navigator", "Navigator(grid, robot) makes one")
     begin, goals = Pose2D.of(start), read_goals(goal)
     if time_limit_s is not None and not (
         math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
     ):
         raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
+    audience = Audience(observers)
     plans, unreachable = plan_legs(navigator, begin, goals)
     planned_m = sum(path.length for path in plans)
     if time_limit_s is None:
@@ -86,7 +89,7 @@ def run(
         seed=seed,
         speed_mask=navigator.speed_mask,
     )
-    return _Drive(sim, navigator, info, observers, stop_on_contact=stop_on_contact).run(unreachable)
+    return _Drive(sim, navigator, info, audience, stop_on_contact=stop_on_contact).run(unreachable)
 
 
 class _Drive:
@@ -97,14 +100,14 @@ class _Drive:
         sim: Simulator,
         navigator: Navigator,
         info: RunInfo,
-        observers: Sequence[Observer],
+        audience: Audience,
         *,
         stop_on_contact: bool,
     ) -> None:
         self._sim = sim
         self._navigator = navigator
         self._info = info
-        self._audience = Audience(observers)
+        self._audience = audience
         self._stop_on_contact = stop_on_contact
         self._rows: list[tuple[float, ...]] = []
         self._paths: list[Path] = []

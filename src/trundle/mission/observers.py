@@ -15,6 +15,7 @@ from trundle.navigation import NavigationStatus
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import RobotState
+from trundle.values import check_kind
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -94,6 +95,7 @@ class Audience:
     """The observers of one run; one that raises is dropped, and the others are told on."""
 
     def __init__(self, observers: Sequence[Observer]) -> None:
+        check_kind(observers, Sequence, "observers", "give a list of them, [observer]")
         self._observers = list(observers)
         self.errors: list[BaseException] = []
 

@@ -14,7 +14,7 @@ from trundle._core import label_components
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, ScenarioError
 from trundle.geometry import Pose2D
-from trundle.values import as_number, check_seed
+from trundle.values import as_number, check_kind, check_seed
 
 MIN_DISTANCE = 5.0
 """Between start and goal, in a straight line [m], where the map has room for it."""
@@ -61,6 +61,7 @@ def sample_mission(
         ScenarioError: If the map has no room for it.
         InputError: If both are given, or `min_distance` is not a number of 0 or more.
     """
+    check_kind(costmap, Costmap, "a mission's costmap", "Costmap.from_grid(grid, robot) makes one")
     if start is not None and goal is not None:
         raise InputError("start and goal are both given: there is nothing to pick")
     if not (math.isfinite(as_number(min_distance, "min_distance")) and min_distance >= 0.0):

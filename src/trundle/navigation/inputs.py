@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 from trundle.costmap import Costmap, UnknownPolicy
@@ -14,7 +14,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
-from trundle.values import as_sequence, is_finite_number
+from trundle.values import as_sequence, check_kind, is_finite_number
 
 LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
 """Of control [Hz]."""
@@ -59,6 +59,8 @@ def load_costmap(
         return None, grid
     if unknown_cost is not None and unknown != "costly":
         raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
+    advice = "OccupancyGrid.from_world(world) makes one of a world"
+    check_kind(grid, (OccupancyGrid, Costmap, str, os.PathLike), "a navigator's map", advice)
     cells = grid if isinstance(grid, OccupancyGrid) else OccupancyGrid.load(grid)
     zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
     wanted = {
@@ -69,6 +71,21 @@ def load_costmap(
     }
     given: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
     return cells, Costmap.from_grid(cells, robot.outline, **given, keepout=zones)
+
+
+def read_options(options: object, what: str) -> dict[str, Any]:
+    """Take options by name; none are none.
+
+    Raises:
+        InputError: If they are no mapping of names.
+    """
+    if options is None:
+        return {}
+    if isinstance(options, Mapping):
+        given = dict(cast("Mapping[Any, Any]", options))
+        if all(isinstance(name, str) for name in given):
+            return given
+    raise InputError(f"{what} are options by name, {{'name': value}}; got {options!r}")
 
 
 def read_goal(

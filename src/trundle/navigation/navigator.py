@@ -16,7 +16,7 @@ from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal
+from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal, read_options
 from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
@@ -24,7 +24,7 @@ from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
-from trundle.values import as_number
+from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
 
@@ -125,11 +125,19 @@ class Navigator:
             self._limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name = planner if isinstance(planner, str) else type(planner).__name__
         self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
-        self.planner = create_planner(planner, **(planner_options or {}))
-        self.smoother = None if smoother is None else create_smoother(smoother, **(smoother_options or {}))
-        self.controller = create_controller(controller, self.robot, **(controller_options or {}))
-        self.goal_checker = goal_checker or GoalChecker()
-        self.progress_checker = progress_checker or ProgressChecker()
+        self.planner = create_planner(planner, **read_options(planner_options, "planner_options"))
+        self.smoother = (
+            None
+            if smoother is None
+            else create_smoother(smoother, **read_options(smoother_options, "smoother_options"))
+        )
+        self.controller = create_controller(
+            controller, self.robot, **read_options(controller_options, "controller_options")
+        )
+        self.goal_checker = GoalChecker() if goal_checker is None else goal_checker
+        self.progress_checker = ProgressChecker() if progress_checker is None else progress_checker
+        check_kind(self.goal_checker, GoalChecker, "goal_checker", "GoalChecker(xy_tolerance=0.25) makes one")
+        check_kind(self.progress_checker, ProgressChecker, "progress_checker", "ProgressChecker() makes one")
         self.dt = 1.0 / control_frequency
         self._recovery = Recovery(self.dt)
         self._padded = pad_outline(self.robot.outline, FOOTPRINT_PADDING_M)

@@ -16,10 +16,10 @@ from trundle.planning.ends import End
 from trundle.planning.footprint_planner import FootprintOptions
 from trundle.planning.hybrid_astar import PADDING_M, HybridAStarPlanner
 from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
-from trundle.planning.options import check_flag
 from trundle.planning.path_check import PathCheck
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query
+from trundle.values import check_flag
 
 
 class AutoPlanner(PosePlanner):

@@ -16,8 +16,8 @@ from trundle.planning.cancellation import Cancellation, check_limits, sooner
 from trundle.planning.ends import begin_plan
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
-from trundle.planning.options import check_flag
 from trundle.planning.places import cells_near
+from trundle.values import check_flag
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0

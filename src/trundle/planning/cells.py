@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, OutsideMapError
-from trundle.planning.options import check_count
+from trundle.values import check_count
 
 CellLike = Sequence[int] | npt.NDArray[np.integer]
 Cells = npt.NDArray[np.int64]

@@ -13,8 +13,8 @@ from trundle.planning.blocked_end import blocked_end
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import CHECK_STEP_RAD
-from trundle.planning.options import check_question
 from trundle.planning.places import cells_near, footprint_fits
+from trundle.planning.question import check_question
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1

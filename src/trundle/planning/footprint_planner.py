@@ -21,10 +21,10 @@ from trundle.planning.detours import Detours
 from trundle.planning.ends import End, place_to_turn, place_with_room
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
-from trundle.planning.options import check_count, check_number
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query, no_path, none_found
 from trundle.planning.tight_places import TightPlaces
+from trundle.values import check_count, check_number
 
 
 def cell_weights(neutral_cost: float, cost_weight: float) -> FloatArray:

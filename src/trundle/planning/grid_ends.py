@@ -12,7 +12,7 @@ from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
 from trundle.geometry import FloatArray
 from trundle.planning.cells import CellLike, Cells, as_cells, as_pair
-from trundle.planning.options import check_flag, check_number
+from trundle.values import check_flag, check_number
 
 _Distance = TypeVar("_Distance", float, FloatArray)
 Moved = tuple[_Distance, _Distance, _Distance]

@@ -22,9 +22,9 @@ from trundle.planning.constrained_smoother import (
 )
 from trundle.planning.ends import End
 from trundle.planning.grid_search import GridSearch
-from trundle.planning.options import check_flag
 from trundle.planning.pose_planner import PosePlanner
 from trundle.planning.query import Query, no_path
+from trundle.values import check_flag
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
 

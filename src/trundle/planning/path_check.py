@@ -13,7 +13,7 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
-from trundle.planning.options import check_count
+from trundle.values import check_count
 
 _HALF_STEP_M = 0.5 * CHECK_STEP_M
 

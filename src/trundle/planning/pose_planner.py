@@ -10,8 +10,8 @@ from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience, check_limits, sooner
 from trundle.planning.ends import End, begin_plan, find_end
-from trundle.planning.options import check_flag, check_number
 from trundle.planning.query import Query
+from trundle.values import check_flag, check_number
 
 
 class PosePlanner(ABC):

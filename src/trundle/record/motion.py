@@ -13,6 +13,7 @@ from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.inputfile import exists, is_file
 from trundle.mission import Trajectory
+from trundle.values import as_path
 
 _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "command_w"}
 
@@ -44,7 +45,7 @@ class Motion:
         Raises:
             InputError: If there is no such folder or file, or it is neither; it says what was looked for.
         """
-        place = Path(path)
+        place = Path(as_path(path, "the folder or file of a run"))
         is_folder = exists(place) and place.is_dir()
         files = [place / "trajectory.npz", place / "drive.csv"] if is_folder else [place]
         file = next((file for file in files if is_file(file)), None)

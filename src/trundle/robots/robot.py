@@ -19,6 +19,7 @@ from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
 from trundle.uris import Folders, split_folders
+from trundle.values import check_kind
 from trundle.yamlfile import Config, Plain, compose, plain_value, validate
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -174,6 +175,7 @@ class Robot(Config):
         """
         if isinstance(name_or_path, Robot):
             return name_or_path
+        check_kind(name_or_path, (str, os.PathLike), "a robot", "give a Robot, a name or the path of a file")
         text = os.fspath(name_or_path)
         limits = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
         if text in _catalogue():

@@ -10,7 +10,7 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
-from trundle.values import as_array
+from trundle.values import as_array, check_kind
 from trundle.worlds import World
 
 SIMULATORS: Registry[Simulator] = Registry(
@@ -147,6 +147,7 @@ def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **opt
 
     Raises:
         UnknownNameError: If there is no such backend or robot.
-        InputError: If the backend does not take these options.
+        InputError: If the backend does not take these options, or the world is none.
     """
+    check_kind(world, World, "a simulator's world", "World.load(path) and World.generate(name) make one")
     return SIMULATORS.make(backend, world, Robot.load(robot), **options)

@@ -16,6 +16,7 @@ from trundle.geometry import Pose3D
 from trundle.maps import OccupancyGrid
 from trundle.maps.grid import OCCUPIED, UNKNOWN
 from trundle.solids import Box, Color, OccupancyCells, Solid
+from trundle.values import check_kind, is_finite_number
 from trundle.worlds.load import check_choice
 from trundle.worlds.world import Unknown, World
 
@@ -83,6 +84,10 @@ def extrude(
         MapError: If the file cannot be used.
     """
     check_choice("unknown", unknown, ("solid", "free"))
+    if not (is_finite_number(height) and height > 0.0):
+        raise WorldError(f"height must be a positive number of metres, got {height!r}")
+    advice = "OccupancyGrid.load(path) reads one"
+    check_kind(grid, (OccupancyGrid, str, os.PathLike), "a world's map", advice)
     name = "map"
     if not isinstance(grid, OccupancyGrid):
         name = Path(grid).stem

@@ -17,6 +17,7 @@ from trundle.errors import InputError, WorldError, WorldWarning
 from trundle.guard import ReadLimits, read_guarded
 from trundle.inputfile import check_regular
 from trundle.maps.from_world import find_outlier
+from trundle.values import as_path
 from trundle.worlds.leave_out import leave_out
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
 
     All formats but our own maps are read by libraries, and so in a process of their own: see `trundle.guard`.
     """
-    file = Path(path)
+    file = Path(as_path(path, "a world's file", WorldError))
     target = LOADERS.get(file.suffix.lower())
     if target is None:
         raise WorldError(
