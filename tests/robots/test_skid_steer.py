@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trundle.errors import RobotError, RobotWarning
-from trundle.export import export_robot
+from trundle.errors import InputError, RobotError, RobotWarning
+from trundle.export import Scene, export_robot, export_scene
 from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.path import Path as Plan
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.sim.mujoco.joints import list_joints
@@ -203,3 +204,18 @@ def test_wheels_that_are_not_opposite_each_other_are_refused(tmp_path):
     file.write_text(file.read_text().replace('xyz="-0.256 -0.2854', 'xyz="-0.156 -0.2854'))
     with pytest.raises(RobotError, match="rear_right_wheel"):
         read(file)
+
+
+def test_isaac_refuses_several_axles_before_it_starts(tmp_path):
+    robot = read(write(tmp_path))
+    with pytest.raises(RobotError, match=r"'husky' has several wheels a side.*use backend mujoco or kinematic"):
+        simulate(World("empty", ()), robot, backend="isaac")
+
+
+def test_a_script_for_isaac_sim_refuses_several_axles(tmp_path):
+    robot = read(write(tmp_path))
+    plan = Plan(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
+    scene = Scene("mission", World("empty", ()), robot, Pose2D(0.0, 0.0), (plan,))
+    with pytest.raises(InputError, match="'husky' has several wheels a side"):
+        export_scene(scene, tmp_path / "drive.py")
+    assert not (tmp_path / "drive.py").exists()

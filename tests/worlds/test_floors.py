@@ -123,3 +123,10 @@ def test_a_lowered_world_has_its_floor_at_zero():
 def test_tops_of_containers_are_not_the_floor_of_a_world():
     containers = [Solid(f"container_{i}", Box((6.0, 2.4, 2.6)), Pose3D((0.0, 2.5 * i, 1.3))) for i in range(8)]
     assert find_common_floor(World("w", tuple(containers)), CARTER) == 0.0
+
+
+@pytest.mark.parametrize("above", [(), (slab("roof", 3.1),)], ids=["open", "roofed"])
+def test_a_start_within_a_shelf_is_on_the_floor_and_not_on_the_shelf(above):
+    shelf = Solid("shelf", Box((2.0, 1.0, 2.0)), Pose3D((0.0, 0.0, 1.0)))
+    assert find_floor(World("w", (slab("slab", 0.034), shelf, *above)), CARTER, HERE) == pytest.approx(0.034)
+    assert find_floor(World("w", (shelf, *above), ground_z=0.0), CARTER, HERE) == 0.0

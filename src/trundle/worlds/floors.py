@@ -156,7 +156,7 @@ def find_common_floor(world: World, robot: Robot) -> float:
 def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, blocked: bool = True) -> list[float]:
     """Floors under all of some points with the robot's height free above, lowest first.
 
-    With `blocked`, where there is none, the one that is freest.
+    With `blocked`, where there is none, the one that is freest, of equally free ones the highest.
     """
     columns = surfaces.columns(points)
     levels = _shared_levels(columns)
@@ -167,11 +167,15 @@ def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, bloc
     if not levels or levels[0] > base + _SAME:
         levels = [base, *levels]
     levels = [base if abs(level - base) < FLOOR_TOP else level for level in levels]
+    if blocked:
+        # A shelf that a start lies in has a free top, which is no floor.
+        near = levels[0] + robot.z_range[0]
+        levels = [level for level in levels if level <= near or _is_floor_too(surfaces, levels[0], level)]
     counts = [sum(column.is_free(level, robot.body.height) for column in columns) for level in levels]
     free = [level for level, count in zip(levels, counts, strict=True) if count == len(columns)]
     if free or not blocked:
         return free
-    return [levels[int(np.argmax(counts))]]
+    return [max(zip(counts, levels, strict=True))[1]]
 
 
 def _shared_levels(columns: Sequence[_Column]) -> list[float]:
