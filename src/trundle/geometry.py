@@ -279,13 +279,6 @@ def _exactly(values: Sequence[float], count: int, what: str) -> list[float]:
     return numbers.tolist()
 
 
-def readonly(array: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[np.generic]:
-    """Copy an array and make the copy read-only, for frozen values."""
-    copy = np.array(array, dtype=dtype, order="C", copy=True)
-    copy.flags.writeable = False
-    return copy
-
-
 def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
     """Move every edge of a convex, counter-clockwise outline outwards by `padding` [m]; shape (N, 2) stays (N, 2)."""
     points = np.asarray(outline, dtype=np.float64)

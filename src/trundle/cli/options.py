@@ -40,7 +40,6 @@ PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name
 SmootherName = Annotated[
     str | None, Parameter(name="--smoother", help="A smoother of the planned paths by name: constrained.")
 ]
-ControllerName = Annotated[str, Parameter(name="--controller", help="A controller by name.")]
 Backend = Annotated[
     str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
 ]

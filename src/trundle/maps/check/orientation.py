@@ -12,7 +12,6 @@ import numpy.typing as npt
 from trundle.maps.check.finding import Kind
 
 ScalarT = TypeVar("ScalarT", bound=np.generic)
-Pads = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
