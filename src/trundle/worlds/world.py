@@ -107,7 +107,7 @@ class World:
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
-        | .sdf, .world | Gazebo's SDF 1.4 to 1.11 | `worlds.sdf.load_sdf` |
+        | .sdf, .world, .sdf.xacro | Gazebo's SDF 1.2 to 1.12 | `worlds.sdf.load_sdf` |
         | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; what is fixed | `worlds.mjcf.load_mjcf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
