@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support.swept import costmap_of, room, swept_area_blocked
-from trundle.costmap import INSCRIBED
+from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import BlockedPoseError, InputError, NoPathError, PlanningError, PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
@@ -226,3 +226,58 @@ def test_a_deadline_that_passes_while_it_looks_for_a_better_path_gives_the_one_t
 
 def stop(patience, why):
     raise patience.stopped(why)
+
+
+def clutter(seed, size, density):
+    """A walled room with a share of its cells blocked at random, and two poses in it that are free by 1 cm."""
+    rng = np.random.default_rng(seed)
+    cells = np.where(rng.random((size, size)) < density, 100, 0).astype(np.int8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(cells, 0.05), Robot.load("turtlebot3_burger"))
+    side = 0.05 * size
+    poses = np.column_stack([rng.uniform(0, side, 4000), rng.uniform(0, side, 4000), rng.uniform(-3.14, 3.14, 4000)])
+    poses = poses[costmap.clearance(poses, cap=0.3) > 0.01]
+    start, farthest = poses[0], np.argsort(-np.hypot(*(poses - poses[0])[:, :2].T))
+    return costmap, Pose2D(*start), Pose2D(*poses[farthest[len(poses) // 3]])
+
+
+@pytest.mark.parametrize(("seed", "size", "density"), [(37, 60, 0.025), (105, 50, 0.03), (139, 50, 0.03)])
+def test_a_small_robot_gets_through_gaps_that_are_narrower_than_the_cells_of_the_search(seed, size, density):
+    costmap, start, goal = clutter(seed, size, density)
+    path = create_planner("auto").plan(costmap, start, goal)
+    assert path.goal == goal
+    assert swept_area_blocked(costmap, path) < 1e-6
+
+
+def test_once_a_search_with_turns_has_tried_all_poses_none_without_them_follows(monkeypatch):
+    planner = create_planner("auto")
+    monkeypatch.setattr(planner._searches[1], "_plan_to", lambda *_: pytest.fail("it cannot find anything"))
+    shut = alley((3.0, 4.3, 3.3, 4.75), (3.0, 5.25, 3.3, 5.7))
+    with pytest.raises(NoPathError, match=r"away from the start|none of \d+ poses"):
+        planner.plan(shut, NOSE_IN, Pose2D(8, 8))
+
+
+def test_where_the_search_with_turns_gives_up_the_one_without_them_follows(monkeypatch):
+    planner = create_planner("auto")
+
+    def give_up(*_):
+        raise PlanningStoppedError("none found within 1 expansion", status="exhausted")
+
+    monkeypatch.setattr(planner._searches[0], "_plan_to", give_up)
+    assert planner.plan(alley(), NOSE_IN, Pose2D(8, 8, 1.0)).goal == Pose2D(8, 8, 1.0)
+
+
+def test_a_deadline_that_passes_in_a_search_of_poses_leaves_the_partial_path_of_least_cost(monkeypatch):
+    costmap, goal = alley(), Pose2D(8, 8, 1.0)
+    plain = create_planner("least_cost", allow_partial=True).plan(costmap, NOSE_IN, goal)
+    planner = create_planner("auto", allow_partial=True)
+    for search in (*planner._searches, planner._nearing):
+        for method in ("_plan_to", "_plan_near"):
+            monkeypatch.setattr(search, method, lambda *args: stop(args[-1], "timeout"))
+    path = planner.plan(costmap, NOSE_IN, goal, deadline_s=60.0)
+    assert (path.status, path.remaining_m) == ("partial", plain.remaining_m)
+    for search in (*planner._searches, planner._nearing):
+        monkeypatch.setattr(search, "_plan_to", lambda *args: stop(args[-1], "cancelled"))
+        monkeypatch.setattr(search, "_plan_near", lambda *args: stop(args[-1], "cancelled"))
+    with pytest.raises(PlanningStoppedError, match="cancelled"):
+        planner.plan(costmap, NOSE_IN, goal, deadline_s=60.0)

@@ -38,7 +38,7 @@ class HybridSearch {
         halves_(halves),
         factor_(settings.factor(query.resolution)),
         cell_(query.resolution * factor_ / halves),
-        motions_(hybrid_motions(settings.model, cell_)) {
+        motions_(hybrid_motions(settings.model, cell_, halves > 1)) {
     for (int cost = 0; cost < 256; ++cost) {
       const double weight = cost >= PoseChecker::kInscribed ? 0.0 : 1.0 + settings.cost_weight * cost / 252.0;
       weights_[cost] = static_cast<float>(weight);
@@ -82,7 +82,7 @@ class HybridSearch {
       expand(entry.node);
     }
     if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off && !way.pocket) {
-      way.stuck = expansions_ < kFirstLook;
+      way.stuck = expansions_ < kFirstLook * static_cast<std::uint64_t>(halves_ * halves_);
       way.closed_off = !way.stuck && guide_.is_closed_off(status_);
     }
     finish(way);

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Unpack
 
 import numpy as np
 
+from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
-from trundle.geometry import FloatArray, Pose2D, pad_outline, wrap_angles
+from trundle.geometry import FloatArray, Pose2D, pad_outline
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
@@ -23,7 +25,7 @@ from trundle.values import check_flag
 
 
 class AutoPlanner(PosePlanner):
-    """Plans by `least_cost`, and where that finds no path by `hybrid_astar`, with turns in place and then without.
+    """Plans by `least_cost`, and where that finds no path by `hybrid_astar` with turns in place.
 
     `least_cost` plans for a point and checks the footprint afterwards, so it fails where the robot has to reverse out
     of its start or into its goal. `hybrid_astar` searches poses, and drives backwards where it must. `Path.planner` and
@@ -31,9 +33,10 @@ class AutoPlanner(PosePlanner):
     planner gets to it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
     does where it can, one of `hybrid_astar` that keeps a larger distance is taken instead.
 
-    Where all fail, the error is a `NoPathError` if the inscribed circle cannot get there, or if a search of poses ended
-    because it had tried all of them; otherwise a `PlanningStoppedError`. With `allow_partial` the path is given that
-    ends nearest to the goal.
+    Where the search with turns in place gives up before it has tried all poses, one without them follows. Where all
+    fail, the error is a `NoPathError` if the inscribed circle cannot get there, or if a search of poses ended because
+    it had tried all of them; otherwise a `PlanningStoppedError`. With `allow_partial` the path is given that ends
+    nearest to the goal; where a deadline ends the search of poses, that of `least_cost`.
 
     Args:
         neutral_cost: Of `LeastCostPlanner`.
@@ -67,25 +70,51 @@ class AutoPlanner(PosePlanner):
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
+        failure: PlanningError
+        searches: list[HybridAStarPlanner] = []
         try:
             path = self._least_cost._plan_to(query, goal, patience)
         except NoPathError as error:
-            failures: list[PlanningError] = [error]  # not even the inscribed circle gets there
+            failure = error  # not even the inscribed circle gets there
         except PlanningStoppedError as error:
             if error.status != "exhausted":
                 raise
-            failures = []
-            for search in self._searches:
-                try:
-                    return search._plan_to(query, goal, patience)
-                except PlanningError as why:
-                    patience.check()
-                    failures.append(why)
+            failure, searches = error, self._searches
         else:
             return self._improve(query, goal, path, patience)
-        if self._allow_partial:
-            return self._plan_near(query.costmap, query.start, goal, patience)
-        raise next((error for error in failures if isinstance(error, NoPathError)), failures[-1])
+        if self._nearing is None:
+            return self._search(searches, query, goal, patience, failure)
+        # Before the searches of poses, which may use up the time.
+        near = self._least_cost._plan_near(query.costmap, query.start, goal, patience)
+        try:
+            return self._search(searches, query, goal, patience, failure)
+        except PlanningError as error:
+            if isinstance(error, PlanningStoppedError) and error.status == "cancelled":
+                raise
+            return self._nearer(self._nearing, near, query.costmap, query.start, goal, patience)
+
+    def _search(
+        self,
+        searches: Sequence[HybridAStarPlanner],
+        query: Query,
+        goal: Pose2D,
+        patience: Patience,
+        failure: PlanningError,
+    ) -> Path:
+        """The path of the first search of poses that finds one; where none does, the error that says most.
+
+        What a robot can do that never turns in place, it can do as well where it may: once the search with turns has
+        tried all poses, the one without them has nothing to add. It has where the first one stopped before.
+        """
+        for search in searches:
+            try:
+                return search._plan_to(query, goal, patience)
+            except NoPathError:
+                raise
+            except PlanningError as error:
+                patience.check()
+                failure = error
+        raise failure
 
     def _improve(self, query: Query, goal: Pose2D, path: Path, patience: Patience) -> Path:
         """A path of `least_cost`, or a better one where that has its goal moved, or turns close to something."""
@@ -102,9 +131,20 @@ class AutoPlanner(PosePlanner):
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
         path = self._least_cost._plan_near(costmap, start, goal, patience)
-        if self._nearing is None or self._least_cost.is_near_enough(path, costmap, start, goal):
+        return path if self._nearing is None else self._nearer(self._nearing, path, costmap, start, goal, patience)
+
+    def _nearer(
+        self, nearing: HybridAStarPlanner, path: Path, costmap: Costmap, start: End, goal: Pose2D, patience: Patience
+    ) -> Path:
+        """A partial path of `least_cost`, or one of a search of poses that ends nearer to the goal."""
+        if self._least_cost.is_near_enough(path, costmap, start, goal):
             return path
-        other = self._nearing._plan_near(costmap, start, goal, patience)
+        try:
+            other = nearing._plan_near(costmap, start, goal, patience)
+        except PlanningStoppedError as error:
+            if error.status == "cancelled":
+                raise
+            return path
         return other if other.remaining_m < path.remaining_m - costmap.resolution else path
 
     def _pad(self, footprint: FloatArray) -> FloatArray:
@@ -117,11 +157,20 @@ class AutoPlanner(PosePlanner):
 
 def _turns_tightly(costmap: Costmap, path: Path, padded: FloatArray) -> bool:
     """Whether the padded outline touches something where a path turns in place."""
-    first, last = path.poses[:-1], path.poses[1:]
-    turns = np.flatnonzero((first[:, 0] == last[:, 0]) & (first[:, 1] == last[:, 1]))
-    first, last = first[turns], last[turns]
-    last[:, 2] = first[:, 2] + wrap_angles(last[:, 2] - first[:, 2])
-    return bool((costmap.footprint_sweeps(first, last, outline=padded) < math.inf).any())
+    poses = path.poses
+    turns = (poses[1:, 0] == poses[:-1, 0]).nonzero()[0]
+    first, last = poses[turns], poses[turns + 1]
+    if not (first[:, 1] == last[:, 1]).all():  # lines along y
+        in_place = first[:, 1] == last[:, 1]
+        first, last = first[in_place], last[in_place]
+    change = last[:, 2] - first[:, 2]
+    last[:, 2] -= 2.0 * math.pi * np.rint(change / (2.0 * math.pi))
+    # `Costmap.footprint_sweeps` without its checks of the arguments: this is part of every plan.
+    origin = costmap.origin
+    shares = _core.footprint_sweep(
+        costmap.data, costmap.resolution, origin.x, origin.y, origin.yaw, padded, first, last
+    )
+    return bool((shares < math.inf).any())
 
 
 def _keeps_more(costmap: Costmap, path: Path, other: Path) -> bool:

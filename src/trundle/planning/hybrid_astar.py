@@ -53,7 +53,9 @@ class HybridAStarSettings:
         turn_penalty: Cost of turning in place [m/rad].
         cost_weight: A cell of cost c is 1 + cost_weight · c / 252 times as dear as a free one.
         heuristic_weight: At least 1; with more it finds sooner a way that may be dearer by as much.
-        cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map.
+        cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map. Where
+            no path is found, states of a half, a quarter and an eighth of it and shorter motions are tried, as far as
+            50,000 expansions go, so that gaps hardly wider than the robot are not missed.
         smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
         padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
             [m], and a quarter of it where no way is found that does. Poses are checked so closely that nothing can
@@ -189,13 +191,16 @@ class HybridAStarPlanner(PosePlanner):
     def _find(self, query: Query, patience: Patience) -> tuple[int, Path | None, int]:
         """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
         padding = self._padding_at_ends(query)
-        found = self._find_padded(query, patience, padding)
         less = max(_LESS_PADDING * padding, LEAST_PADDING_M)
+        found = self._find_padded(query, patience, padding, refine=less >= padding)
         if found[0] in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED) and less < padding:
-            return self._find_padded(query, patience, less)
+            return self._find_padded(query, patience, less, refine=True)
         return found
 
-    def _find_padded(self, query: Query, patience: Patience, padding: float) -> tuple[int, Path | None, int]:
+    def _find_padded(
+        self, query: Query, patience: Patience, padding: float, *, refine: bool
+    ) -> tuple[int, Path | None, int]:
+        """The same with this padding; with `refine` in smaller cells as well where those of the settings do not do."""
         costmap, settings = query.costmap, self.settings
         checked = CheckedOutline.of(costmap.footprint, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
@@ -212,6 +217,7 @@ class HybridAStarPlanner(PosePlanner):
             patience.flag,
             settings.allow_partial,
             checked.inner,
+            refine,
         )
         if status in (_TIMEOUT, _CANCELLED):
             raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
