@@ -9,7 +9,7 @@ import os
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from trundle.errors import InputError, MissingExtraError, WorldError
 from trundle.geometry import FloatArray
 from trundle.inputfile import check_regular, exists, open_file, read_up_to
+from trundle.parsers import parser_errors, parser_reason
 from trundle.solids import Color, Mesh
 from trundle.xmlfile import parse_xml, read_limited
 
@@ -82,32 +83,47 @@ def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
         ("y", 1.0) if suffix in _GLTF else _read_collada_asset(path) if suffix == ".dae" else ("z", 1.0)
     )
     turn = (_Y_UP if (up or file_up) == "y" else np.eye(3)) * (file_unit if factor is None else factor)
-    scene = _load_scene(path)
-    parts: list[MeshPart] = []
-    placed = _placed_nodes(path, scene)
-    for node, transform, geometry in placed:
-        mesh = scene.geometry[geometry]
-        faces = getattr(mesh, "faces", None)
-        if faces is None:
-            continue  # points or lines
-        name = str(node if len(placed) > 1 else geometry).strip() or path.stem
-        parts.append(_flatten(f"{path}: mesh {name!r}", mesh, np.asarray(transform), turn, name, str(geometry)))
+    parts = [_flatten(f"{path}: mesh {node.name!r}", node, turn) for node in _read_nodes(path)]
     if not parts:
         raise WorldError(f"{path}: no mesh with faces is in it")
     return parts
 
 
-def _placed_nodes(path: Path, scene: Any) -> list[tuple[str, FloatArray, str]]:
-    """Nodes with a mesh, by name: trimesh's own order is that of a set."""
-    try:
+class _Node(NamedTuple):
+    """A node with a mesh, as trimesh has it, in plain arrays that are not checked."""
+
+    name: str
+    geometry: str
+    transform: FloatArray
+    vertices: FloatArray
+    faces: npt.NDArray[np.int64]
+    rgba: Any
+
+
+def _read_nodes(path: Path) -> list[_Node]:
+    """Nodes with a mesh, by name: trimesh's own order is that of a set. Points and lines are left out."""
+    scene = _load_scene(path)
+    with parser_errors(f"{path}: its nodes hang together in a circle, or not at all", WorldError):
         nodes = sorted(scene.graph.nodes_geometry, key=str)
-        return [(node, *scene.graph[node]) for node in nodes]
-    except (ValueError, KeyError) as error:
-        raise WorldError(f"{path}: its nodes hang together in a circle, or not at all: {error}") from error
+        placed = [(node, *scene.graph[node]) for node in nodes]
+    with parser_errors(f"{path}: its meshes cannot be read", WorldError):
+        return [
+            _Node(
+                str(node if len(placed) > 1 else geometry).strip() or path.stem,
+                str(geometry),
+                np.asarray(transform, dtype=np.float64),
+                np.asarray(mesh.vertices, dtype=np.float64),
+                np.asarray(mesh.faces, dtype=np.int64),
+                _read_rgba(mesh),
+            )
+            for node, transform, geometry in placed
+            for mesh in (scene.geometry[geometry],)
+            if getattr(mesh, "faces", None) is not None
+        ]
 
 
-def _flatten(where: str, mesh: Any, transform: FloatArray, turn: FloatArray, name: str, geometry: str) -> MeshPart:
-    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
+def _flatten(where: str, node: _Node, turn: FloatArray) -> MeshPart:
+    transform, vertices, faces = node.transform, node.vertices, node.faces
     if len(faces) == 0:
         raise WorldError(f"{where} has no faces")
     if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
@@ -133,7 +149,9 @@ def _flatten(where: str, mesh: Any, transform: FloatArray, turn: FloatArray, nam
     if not kept.any():
         raise WorldError(f"{where} has only faces without area")
     used, index = np.unique(joined[kept], return_inverse=True)
-    return MeshPart(name, geometry, corners[used], index.reshape(-1, 3).astype(np.int32), _color_of(mesh))
+    return MeshPart(
+        node.name, node.geometry, corners[used], index.reshape(-1, 3).astype(np.int32), _color_of(node.rgba)
+    )
 
 
 def _load_scene(path: Path) -> Any:
@@ -156,9 +174,7 @@ def _load_scene(path: Path) -> Any:
     try:
         scene = cast("Any", trimesh).load_scene(str(path), process=False, resolver=named, **options)
     except Exception as error:  # readers of broken files raise whatever the bytes lead them into
-        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        if named.refused:
-            reason = named.refused
+        reason = named.refused or parser_reason(error)
         if isinstance(error, ImportError):  # it wants a library that guesses how bytes are meant as text
             reason = "it is not UTF-8 text"
         raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
@@ -251,16 +267,19 @@ def _metres(unit: str | float) -> float:
     return metres
 
 
-def _color_of(mesh: Any) -> Color | None:
+def _read_rgba(mesh: Any) -> Any:
+    """A mesh's colour, channels of 0 to 255, as trimesh has it: of its material, or the mean of its faces."""
     visual = getattr(mesh, "visual", None)
     kind = getattr(visual, "kind", None)
     if visual is None or kind is None:
         return None
     if kind == "texture":
-        rgba = getattr(getattr(visual, "material", None), "main_color", None)
-    else:
-        rgba = np.asarray(visual.face_colors, dtype=np.float64).mean(axis=0)
-    if rgba is None or len(rgba) != 4:
+        return getattr(getattr(visual, "material", None), "main_color", None)
+    return np.asarray(visual.face_colors, dtype=np.float64).mean(axis=0)
+
+
+def _color_of(rgba: Any) -> Color | None:
+    if np.shape(rgba) != (4,):
         return None
     red, green, blue, alpha = (float(np.clip(channel, 0.0, 255.0)) / 255.0 for channel in rgba)
     return (red, green, blue, alpha)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import logging
 import os
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from trundle.errors import InputError
 from trundle.inputfile import is_file
 from trundle.meshfile import read_mesh
 from trundle.mjcffile import check_mjcf
+from trundle.parsers import parser_errors
 from trundle.uris import describe_search, find_uri
 from trundle.xacro import expand_xacro
 from trundle.xmlfile import XmlElement, read_limited, read_xml
@@ -66,22 +68,37 @@ def read_spec(
     Raises:
         InputError: Of the type `error`, if it cannot be read, is neither, or a mesh is not there.
     """
-    import mujoco
-
-    log_warnings()
     root = read_xml(path, error=error)
     if root.tag not in ("mujoco", "robot"):
         raise error(f"{path}: MJCF starts with <mujoco> and URDF with <robot>, this file with <{root.tag}>")
-    try:
-        if root.tag == "mujoco":
-            check_mjcf(path, root, error=error)
-            return mujoco.MjSpec.from_file(os.fspath(path))
-        assets = _prepare_urdf(path, root, folders, error, geometry)
-        return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), assets=assets)
-    except (ValueError, mujoco.FatalError) as problem:
-        if isinstance(problem, InputError):
-            raise
-        raise error(f"{path}: MuJoCo cannot read it: {_one_line(problem)}") from problem
+    if root.tag == "mujoco":
+        return read_mjcf(path, root, error=error)
+    assets = _prepare_urdf(path, root, folders, error, geometry)
+    text = ElementTree.tostring(root, encoding="unicode")
+    return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_string(text, assets=assets))
+
+
+def read_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> mujoco.MjSpec:
+    """Read an MJCF file, or a part of one that others include.
+
+    Args:
+        path: The file.
+        root: Its content.
+        error: Type of the exception.
+
+    Raises:
+        InputError: Of the type `error`, if it cannot be read.
+    """
+    check_mjcf(path, root, error=error)
+    return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_file(os.fspath(path)))
+
+
+def _parse(path: Path, error: type[InputError], parse: Callable[[Any], mujoco.MjSpec]) -> mujoco.MjSpec:
+    import mujoco
+
+    log_warnings()
+    with parser_errors(f"{path}: MuJoCo cannot read it", error):
+        return parse(mujoco)
 
 
 def compile_spec(path: Path, spec: mujoco.MjSpec, *, error: type[InputError]) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -92,13 +109,11 @@ def compile_spec(path: Path, spec: mujoco.MjSpec, *, error: type[InputError]) ->
     """
     import mujoco
 
-    try:
+    with parser_errors(f"{path}: MuJoCo cannot build it", error):
         model = spec.compile()
-    except (ValueError, mujoco.FatalError) as problem:
-        raise error(f"{path}: MuJoCo cannot build it: {_one_line(problem)}") from problem
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
     return model, data
 
 
@@ -109,10 +124,6 @@ def drop_textures(spec: mujoco.MjSpec) -> None:
     for assets in (spec.skins, spec.textures):
         for asset in list(assets):
             spec.delete(asset)
-
-
-def _one_line(problem: BaseException) -> str:
-    return " ".join(str(problem).split())
 
 
 def _prepare_urdf(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.inputfile import open_file
+from trundle.parsers import parser_reason
 from trundle.values import as_path
 
 MAX_BYTES = 4_000_000_000
@@ -55,5 +56,4 @@ def read_arrays(
     except InputError:
         raise
     except Exception as problem:  # zipfile and numpy raise whatever the bytes lead them into
-        reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-        raise error(f"{name}: not a .npz file of numbers: {reason}") from problem
+        raise error(f"{name}: not a .npz file of numbers: {parser_reason(problem)}") from problem

@@ -86,6 +86,17 @@ def test_a_height_field_that_is_too_large_ends_at_the_memory_limit(tmp_path):
         World.load(write(tmp_path, "w.xml", text), memory_limit_gb=0.3)
 
 
+@linux
+@pytest.mark.parametrize(("load", "error"), [(World.load, WorldError), (Robot.load, RobotError)])
+def test_a_height_field_for_which_mujoco_raises_an_exception_of_no_type(tmp_path, load, error):
+    text = (
+        "<mujoco><asset><hfield name='h' nrow='100000000' ncol='5' size='1 1 1 1'/></asset>"
+        "<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>"
+    )
+    with pytest.raises(error, match=r"w\.xml: "):
+        load(write(tmp_path, "w.xml", text), memory_limit_gb=0.5)
+
+
 def test_a_scenario_cannot_say_that_a_file_is_trusted(tmp_path):
     text = "world: {name: hall.usda, options: {trusted: true}}\nrobot: nova_carter\n"
     with pytest.raises(ScenarioError, match=r"trusted is no option of a scenario.*TRUNDLE_TRUSTED"):

@@ -139,8 +139,8 @@ def test_urdf_joints_keep_fixed_ones_and_names_without_any_mesh(tmp_path):
             '<joint name="a" type="fixed"><parent link="p"/><child link="d"/></joint></robot>',
             "two joints",
         ),
-        ('<mujoco><worldbody><body><joint type="screw"/></body></worldbody></mujoco>', "MuJoCo cannot build"),
-        ('<mujoco><include file="missing.xml"/></mujoco>', "MuJoCo cannot build"),
+        ('<mujoco><worldbody><body><joint type="screw"/></body></worldbody></mujoco>', "MuJoCo cannot read"),
+        ('<mujoco><include file="missing.xml"/></mujoco>', "MuJoCo cannot read"),
     ],
 )
 def test_files_that_are_no_robot_are_refused_with_the_reason(tmp_path, text, message):

@@ -10,6 +10,7 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.maps.pixels import Pixels
+from trundle.parsers import parser_reason
 
 SIGNATURE = b"BM"
 
@@ -106,6 +107,5 @@ def decode_bmp(content: bytes, name: str) -> Pixels:
             with_alpha = image.mode == "RGBA"
             samples = np.asarray(image.convert("RGBA" if with_alpha else "RGB"))
     except Exception as error:  # Pillow's reader raises whatever the bytes lead it into
-        reason = str(error).strip() or type(error).__name__
-        raise MapError(f"{name}: the BMP file is damaged ({reason}); write the image again") from error
+        raise MapError(f"{name}: the BMP file is damaged ({parser_reason(error)}); write the image again") from error
     return Pixels(samples[..., :3], samples[..., 3] if with_alpha else None)

@@ -10,8 +10,7 @@ import mujoco
 
 from trundle.errors import InputError, RobotError, RobotWarning
 from trundle.guard import read_guarded, read_limits
-from trundle.mjcffile import check_mjcf
-from trundle.modelfile import log_warnings
+from trundle.modelfile import compile_spec, read_mjcf
 from trundle.robots import DifferentialDrive, Robot
 from trundle.robots.from_model import read_robot
 from trundle.robots.model_wheels import wheels_named
@@ -80,8 +79,9 @@ def read_joints(path: Path) -> list[Joint]:
     if root.tag == "robot":
         return urdf_joints(path, root, wheels=_wheel_joints(path, root))
     if root.tag in ("mujoco", "mujocoinclude"):
-        check_mjcf(path, root, error=RobotError)
-        return _model_joints(_compile_without_assets(path))
+        spec = read_mjcf(path, root, error=RobotError)
+        _drop_assets(spec)
+        return _model_joints(compile_spec(path, spec, error=RobotError)[0])
     raise RobotError(
         f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
     )
@@ -102,18 +102,8 @@ def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
     return frozenset(wheel.joint for wheel in DifferentialDrive.model_validate(read["drive"]).wheels)
 
 
-def _compile_without_assets(path: Path) -> mujoco.MjModel:
-    """Compile an MJCF file with a small ball in the place of every mesh, as joints do not depend on them."""
-    log_warnings()
-    try:
-        spec = mujoco.MjSpec.from_file(os.fspath(path))
-        _drop_assets(spec)
-        return spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise RobotError(f"{path}: MuJoCo cannot build it: {error}") from error
-
-
 def _drop_assets(spec: mujoco.MjSpec) -> None:
+    """Put a small ball in the place of every mesh, as joints do not depend on them."""
     for geom in spec.geoms:
         if geom.meshname or geom.hfieldname:
             geom.meshname = geom.hfieldname = ""

@@ -16,13 +16,13 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 from trundle.errors import WorldError, WorldWarning
 from trundle.geometry import FloatArray
 from trundle.inputfile import check_regular
+from trundle.parsers import parser_reason
 
 log = logging.getLogger(__name__)
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 _SHOWN = 20
-_NO_TEXT = "it has text that is not UTF-8"
 _VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}")
 
 
@@ -46,8 +46,8 @@ def opened(path: str) -> Iterator[Any]:
         yield Usd.Stage.Open(path)
     except Tf.ErrorException as error:
         raise WorldError(f"{path}: not a USD file that can be read: {_reason(error)}") from None
-    except UnicodeDecodeError as error:
-        raise WorldError(f"{path}: not a USD file that can be read: {_NO_TEXT}") from error
+    except (RuntimeError, UnicodeDecodeError) as error:
+        raise WorldError(f"{path}: not a USD file that can be read: {parser_reason(error)}") from error
     except (TypeError, OverflowError) as error:  # from attributes that a file gives a type of its own
         raise WorldError(f"{path}: it has a value of another type, or out of range: {error}") from error
     finally:
@@ -139,7 +139,7 @@ def _reason(error: Exception) -> str:
     try:
         text = str(error)
     except UnicodeDecodeError:  # it quotes the file's bytes
-        return _NO_TEXT
+        return parser_reason(error)
     said = re.findall(r"in file .*? : '(.*?)'\s*$", text, flags=re.MULTILINE | re.DOTALL)
     return _one_line(said[0] if said else text)
 
