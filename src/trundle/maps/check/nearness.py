@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +21,22 @@ from trundle.maps.grid import OCCUPIED
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
 _BLUR_CELLS = 1.5  # standard deviation around walls: what a noisy scan or a turned lattice moves them by
 
+LAST_STEP = 0.05
+"""With which a climb to the best place ends [cells]."""
+
 Matrix = FloatArray
+
+
+class Scored(Protocol):
+    """A place that has been looked at."""
+
+    @property
+    def score(self) -> float:
+        """How well the map agrees with the world there."""
+        ...
+
+
+ScoredT = TypeVar("ScoredT", bound=Scored)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,3 +110,14 @@ def _blur(cells: Cells) -> npt.NDArray[np.float32]:
     table[0] = 254
     near = inflate(np.where(cells == OCCUPIED, np.int8(OCCUPIED), np.int8(0)), table)
     return np.minimum(near, 252).astype(np.float32) / np.float32(252.0)
+
+
+def climb(best: ScoredT, step: float, last: float, around: Callable[[ScoredT, float], Sequence[ScoredT]]) -> ScoredT:
+    """The best place near one: the best of those `around` it at a step [cells]; where none is better, half the step."""
+    while step >= last:
+        next_one = max(around(best, step), key=lambda one: one.score)
+        if next_one.score > best.score + 1e-9:
+            best = next_one
+        else:
+            step /= 2.0
+    return best

@@ -12,7 +12,7 @@ from trundle.errors import MapError
 from trundle.geometry import FloatArray
 from trundle.maps.check.lattice import Lattice, WorldCells
 from trundle.maps.check.matching import Match, as_good, find_matches
-from trundle.maps.check.nearness import Level, Points, choose_points, look_up, make_levels, orient
+from trundle.maps.check.nearness import LAST_STEP, Level, Points, choose_points, climb, look_up, make_levels, orient
 from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
@@ -21,7 +21,6 @@ _MOST = 0.12  # by so much an axis may be stretched; wrong cells are wrong by th
 _USUAL_FACTORS = (0.1, 0.2, 0.25, 0.4, 0.5, 2.0, 2.5, 4.0, 5.0, 10.0)
 _SAMPLES = 5_000
 _KEPT = 4  # sizes that are followed down the levels
-_LAST_STEP = 0.05  # cells
 _LEAST_CELLS = 1.0  # at the map's ends: less is no stretch that a robot would notice
 _SQUARE_CELLS = 1.0  # there: what the search cannot tell from an equal scale of both axes
 
@@ -167,7 +166,7 @@ class _Search:
 
     def refine(self, match: Match) -> _Size:
         """The best size near that of a match."""
-        return self._settle_on(self._levels[0], self._start(match), _LAST_STEP, scale=True)
+        return self._settle_on(self._levels[0], self._start(match), LAST_STEP, scale=True)
 
     def _list_sizes(self, orientation: Orientation, *, nowhere: bool) -> list[_Size]:
         """Sizes to try: of one axis, of both, and those that make the map as large as the world."""
@@ -214,18 +213,16 @@ class _Search:
     def _climb(self, size: _Size) -> _Size:
         """The best size and place near one, from the coarsest level to single cells."""
         for level in self._levels[::-1]:
-            last = _LAST_STEP if level.block == 1 else level.block / 4.0
+            last = LAST_STEP if level.block == 1 else level.block / 4.0
             size = self._settle_on(level, size, last, scale=True)
         return size
 
     def _settle(self, size: _Size) -> _Size:
         """The best place near one, for a size that stays."""
-        return self._settle_on(self._levels[0], size, _LAST_STEP, scale=False)
+        return self._settle_on(self._levels[0], size, LAST_STEP, scale=False)
 
     def _settle_on(self, level: Level, size: _Size, last: float, *, scale: bool) -> _Size:
-        best = replace(size, score=self._score(self._points, level, size))
-        step = float(level.block)
-        while step >= last:
+        def around(best: _Size, step: float) -> list[_Size]:
             tried = [replace(best, x=best.x + by) for by in (-step, step)]
             tried += [replace(best, y=best.y + by) for by in (-step, step)]
             if scale:
@@ -235,13 +232,10 @@ class _Search:
                     tried.append(replace(best, across=best.across + across))
                     tried.append(replace(best, up=best.up + up))
                     tried.append(replace(best, across=best.across + both, up=best.up + both))
-            scored = [replace(one, score=self._score(self._points, level, one)) for one in tried]
-            next_one = max(scored, key=lambda one: one.score)
-            if next_one.score > best.score + 1e-9:
-                best = next_one
-            else:
-                step /= 2.0
-        return best
+            return [replace(one, score=self._score(self._points, level, one)) for one in tried]
+
+        first = replace(size, score=self._score(self._points, level, size))
+        return climb(first, float(level.block), last, around)
 
     def _score(self, points: Points, level: Level, size: _Size) -> float:
         moved = points.places @ size.matrix().T + (self._middle - self._corner + np.array([size.x, size.y]))

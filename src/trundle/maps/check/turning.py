@@ -11,7 +11,18 @@ import numpy as np
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.check.lattice import Lattice, WorldCells
 from trundle.maps.check.matching import Match, as_good
-from trundle.maps.check.nearness import Level, Matrix, Points, choose_points, look_up, make_levels, orient, rotation
+from trundle.maps.check.nearness import (
+    LAST_STEP,
+    Level,
+    Matrix,
+    Points,
+    choose_points,
+    climb,
+    look_up,
+    make_levels,
+    orient,
+    rotation,
+)
 from trundle.maps.check.orientation import ORIENTATIONS, Orientation
 
 WELL_MATCHED = 0.75
@@ -22,7 +33,6 @@ _FINAL_SAMPLES = 16_000
 _KEPT = (32, 16, 8, 4)  # places that are followed down the levels
 _APART = 3.0  # cells of a level: nearer places are one
 _PEAK_CELLS = 1.5  # each way of the best score, where it falls as a parabola does
-_LAST_STEP = 0.05  # cells
 _WIDEST_FINAL = math.radians(3.0)  # that the last search may turn by
 
 _LEAST_TURN_CELLS = 1.0  # at the map's far cells: less is no turn that a robot would notice
@@ -139,22 +149,19 @@ class _Search:
     def settle(self, place: Turn, *, turn: bool) -> Turn:
         """The best place near one, with or without turning."""
         points, level = self._many, self._levels[0]
-        best = replace(place, score=self._score(points, level, place))
-        first, step = place.angle, 1.0
-        while step >= _LAST_STEP:
+
+        def around(best: Turn, step: float) -> list[Turn]:
             turns = (-step / self.radius, step / self.radius) if turn else ()
             tried = [
-                replace(best, angle=best.angle + by) for by in turns if abs(best.angle + by - first) < _WIDEST_FINAL
+                replace(best, angle=best.angle + by)
+                for by in turns
+                if abs(best.angle + by - place.angle) < _WIDEST_FINAL
             ]
             tried += [replace(best, x=best.x + by) for by in (-step, step)]
             tried += [replace(best, y=best.y + by) for by in (-step, step)]
-            scored = [replace(one, score=self._score(points, level, one)) for one in tried]
-            next_one = max(scored, key=lambda one: one.score)
-            if next_one.score > best.score + 1e-9:
-                best = next_one
-            else:
-                step /= 2.0
-        return best
+            return [replace(one, score=self._score(points, level, one)) for one in tried]
+
+        return climb(replace(place, score=self._score(points, level, place)), 1.0, LAST_STEP, around)
 
     def polish(self, place: Turn) -> Turn:
         """The top of a parabola through the scores around a place, in each direction."""
