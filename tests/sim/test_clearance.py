@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from trundle.geometry import Pose2D, Pose3D
@@ -110,6 +110,7 @@ shapes = st.one_of(
     st.lists(st.tuples(numbers, numbers, st.floats(-3.0, 3.0)), min_size=1, max_size=6),
     st.sampled_from([0.05, 0.3]),
 )
+@example([(mesh(1.5, 1.0, 2.0), Pose3D((0.0, 0.0, 0.4)))], [(0.0, 0.0, 0.0)], 0.05)  # wholly inside a mesh
 def test_it_agrees_with_shapely(found, poses, resolution) -> None:
     solids = [Solid(str(number), shape, pose) for number, (shape, pose) in enumerate(found)]
     outlines = [shapely.Polygon(outline) for outline in place_outline(CARTER.outline, np.array(poses))]

@@ -20,6 +20,9 @@ from trundle.worlds import World
 _MOST_CELLS = 60_000_000
 """Of a map of a world; its cells are made larger until there are no more."""
 
+_POINT_M = 1e-4
+"""Edge of a cell that stands for a point."""
+
 _LETHAL = 254
 
 
@@ -101,9 +104,25 @@ def _solid_clearance(solid: Solid, outlines: FloatArray, low: float, high: float
             case None:
                 return cap
     polygons = cut_triangles(solid.pose.transform_points(solid.shape.vertices)[solid.shape.faces], low, high)
+    if _is_enclosed(solid, outlines, low, high):
+        return 0.0
     first, last = outlines.min(axis=(0, 1)) - cap, outlines.max(axis=(0, 1)) + cap
     near = (polygons.min(axis=1) <= last).all(axis=1) & (polygons.max(axis=1) >= first).all(axis=1)
     return float(polygon_distances(outlines, polygons[near]).min()) if near.any() else cap
+
+
+def _is_enclosed(solid: Solid, outlines: FloatArray, low: float, high: float) -> bool:
+    """Whether a corner of one of the outlines (P, N, 2) is inside a closed mesh, as maps fill it."""
+    bottom, top = solid.bounds()
+    for x, y in outlines[:, 0].tolist():
+        if not (bottom[0] < x < top[0] and bottom[1] < y < top[1]):
+            continue
+        cell = np.zeros((1, 1), dtype=np.int8)
+        corner = (x - _POINT_M / 2.0, y - _POINT_M / 2.0)
+        SolidRaster(cell, _POINT_M, corner, HeightBand(low, high), centre=True).add([solid])
+        if cell[0, 0] != 0:
+            return True
+    return False
 
 
 def _cells_clearance(solid: Solid, cells: OccupancyCells, robot: Robot, poses: FloatArray, cap: float) -> float:
