@@ -53,7 +53,7 @@ def compose(
             anchors or aliases, or repeats a key.
     """
     source = Path(as_path(path, "a YAML file"))
-    return compose_text(_read_text(source, max_bytes), str(source), allow_duplicate_keys=allow_duplicate_keys)
+    return compose_text(read_text(source, max_bytes), str(source), allow_duplicate_keys=allow_duplicate_keys)
 
 
 def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) -> yaml.Node:
@@ -83,7 +83,12 @@ def place(node: yaml.Node, name: str) -> str:
     return _place(name, node.start_mark)
 
 
-def _read_text(path: Path, max_bytes: int) -> str:
+def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
+    """Read a text file.
+
+    Raises:
+        InputError: If it cannot be read, is too large, or is not UTF-8.
+    """
     try:
         with open_file(path) as stream:
             content = read_up_to(stream, max_bytes + 1)

@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,25 @@ def test_bad_input(trundle: Trundle, flipped: Path, arguments: tuple[str, ...], 
     done = trundle("map", "check", *arguments)
     assert done.code == 2
     assert words in done.err
+
+
+@pytest.mark.parametrize("kind", ["missing", "a folder", "a pipe", "an image"])
+def test_a_file_without_text_to_check_is_bad_input(trundle: Trundle, tmp_path: Path, kind: str) -> None:
+    file = tmp_path / "map.yaml"
+    match kind:
+        case "a folder":
+            file.mkdir()
+        case "a pipe":
+            os.mkfifo(file)
+        case "an image":
+            file.write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff")
+        case _:
+            pass
+    done = trundle("map", "check", file)
+    assert (done.code, done.out) == (2, "")
+    assert len(done.err.splitlines()) == 1
+    assert "map.yaml" in done.err
+    assert "YAML file of a map" in done.err
 
 
 @pytest.fixture

@@ -69,6 +69,14 @@ def test_references_that_double_end_at_the_time_limit(tmp_path):
         World.load(file, time_limit_s=2)
 
 
+@pytest.mark.parametrize("arc", ['def Xform "A" (references = @{}@) {{}}', "(subLayers = [@{}@])"])
+def test_a_pipe_that_usd_would_open_ends_at_the_time_limit(tmp_path, arc):
+    os.mkfifo(tmp_path / "pipe.usda")
+    file = write(tmp_path, "w.usda", "#usda 1.0\n" + arc.format("./pipe.usda") + "\n")
+    with pytest.raises(WorldError, match=r"w\.usda: reading it took longer than 1 s"):
+        World.load(file, time_limit_s=1)
+
+
 @pytest.mark.parametrize(("load", "error"), [(World.load, WorldError), (list_joints, RobotError)])
 def test_prims_nested_deeply_are_a_crash_of_the_child_alone(tmp_path, load, error):
     file = write(tmp_path, "w.usda", "#usda 1.0\n" + 'def "a" {' * 60_000 + "}" * 60_000)

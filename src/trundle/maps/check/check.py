@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from trundle.errors import MapError
+from trundle.errors import InputError, MapError
 from trundle.geometry import Pose2D
 from trundle.inputfile import is_file
 from trundle.maps.check.areas import Chart
@@ -29,7 +29,9 @@ from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.occupancy import Compat
 from trundle.maps.resample import resample_axis_aligned
+from trundle.maps.ros_yaml import MAX_YAML_BYTES
 from trundle.robots import Robot
+from trundle.yamlnodes import read_text
 
 DEFAULT_ROBOT = "nova_carter"
 """Whose height band `DEFAULT_Z_RANGE` is."""
@@ -65,7 +67,7 @@ def check_map(
         The report. Mistakes that keep the map from loading are findings in it and no exceptions.
 
     Raises:
-        MapError: If there is no such file.
+        MapError: If there is no such file, or it cannot be read as text.
     """
     source = Path(path)
     if not is_file(source):
@@ -79,6 +81,7 @@ def check_map(
         except MapError as error:
             return _unreadable([Finding("yaml", "error", str(error), None, "correct the file")])
     else:
+        _check_text(source)
         described = check_description(source)
         findings += described.findings
         if described.description is None:
@@ -103,6 +106,14 @@ def check_map(
         corrected=report.corrected if report.corrected is not None else (grid if corrected else None),
         corrected_kinds=kinds,
     )
+
+
+def _check_text(source: Path) -> None:
+    """Refuse a YAML file in which there is no text to find mistakes in."""
+    try:
+        read_text(source, MAX_YAML_BYTES)
+    except InputError as error:
+        raise MapError(f"{error}. Give the YAML file of a map, and not its image") from error
 
 
 def check_grid(

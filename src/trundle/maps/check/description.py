@@ -107,8 +107,6 @@ def _advise(message: str) -> str:
         return "keep one document: take out what follows ---"
     if "not a map's YAML file" in message:
         return f"write one `key: value` a line, with a space after the colon: {', '.join(_USUAL)}"
-    if "not a text file" in message:
-        return "give the YAML file of the map, and not its image"
     return "correct the line; quotes, brackets and colons must come in pairs with what they belong to"
 
 
