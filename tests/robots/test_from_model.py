@@ -253,6 +253,29 @@ def test_an_outline_of_many_corners_is_enclosed_in_one_of_fewer():
     assert shapely.Polygon(outline).area < 1.03 * shapely.Polygon(circle).area
 
 
+@pytest.mark.parametrize(
+    ("inertial", "shape", "message"),
+    [
+        ('diaginertia="1 1 1"', "", "none of its links has a shape"),
+        ('diaginertia=""', '<geom size=".1"/>', "mass and inertia of moving bodies"),
+        ('fullinertia=" "', '<geom size=".1"/>', "mass and inertia of moving bodies"),
+        ("", '<geom size=".1"/>', "mass and inertia of moving bodies"),
+    ],
+)
+def test_a_chassis_without_a_shape_or_an_inertia_is_refused(tmp_path, inertial, shape, message):
+    mass = '<inertial pos="0 0 0" mass="1" {}/>'
+    round_mass = mass.format('diaginertia=".1 .1 .1"')
+    wheels = "".join(
+        f'<body pos="0 {y} .05">{round_mass}<joint name="{side}_wheel" axis="0 1 0"/></body>'
+        for side, y in (("left", 0.1), ("right", -0.1))
+    )
+    chassis = f'<body pos="0 0 .1"><freejoint/>{mass.format(inertial)}{shape}{wheels}</body>'
+    (tmp_path / "m.xml").write_text(f"<mujoco><worldbody>{chassis}</worldbody></mujoco>")
+    (tmp_path / "r.yaml").write_text("model: m.xml\ndrive: {wheel_radius: 0.05}\n")
+    with pytest.raises(RobotError, match=rf"m\.xml: .*{message}"):
+        Robot.load(tmp_path / "r.yaml", trusted=True)
+
+
 @pytest.mark.parametrize("place", ["0 0 1e300", "nan 0 0", "0 1e20 0"])
 def test_geometry_that_is_nowhere_is_refused(tmp_path, place):
     """Found by mutated files: the lowest points of a part could not be told from its others."""

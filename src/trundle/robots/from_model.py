@@ -79,7 +79,10 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     rolling = frozenset[int]().union(*(wheel.bodies for wheel in wheels))
     chassis = [int(body) for body in bodies if int(body) not in rolling]
     points = {body: [frame.local(part) for part in body_points(model, data, body)] for body in bodies.tolist()}
-    everything = np.vstack([part for parts in points.values() for part in parts])
+    parts = [part for found in points.values() for part in found]
+    if not parts:
+        raise RobotError(f"{path}: none of its links has a shape; give the chassis a <collision>, or a <geom> in MJCF")
+    everything = np.vstack(parts)
     if not (np.abs(everything) < _LARGEST).all():  # not a number either
         raise RobotError(f"{path}: its geometry is not within {_LARGEST:g} m of its wheels: correct its sizes")
 
