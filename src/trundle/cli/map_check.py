@@ -53,8 +53,8 @@ def check(
 ) -> int:
     """Look for what is wrong with a map: its file, its place, its space, and a robot's way through it.
 
-    Exits with 1 where there is an error among the findings. A map that is flipped, rotated, shifted or half a cell off
-    shows only against a world.
+    Exits with 1 where there is an error among the findings, and with 2 where the file is missing or no
+    text. A map that is flipped, rotated, shifted or half a cell off shows only against a world.
 
     Args:
         map_file: The YAML of a ROS map.
