@@ -90,7 +90,16 @@ def read_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> mujoc
         InputError: Of the type `error`, if it cannot be read.
     """
     check_mjcf(path, root, error=error)
-    return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_file(os.fspath(path)))
+    if path.suffix.lower() == ".xml":
+        return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_file(os.fspath(path)))
+    # MuJoCo opens no other suffix (.mjcf): it is given the text, with the places of what that includes.
+    folder = path.resolve().parent
+    for element in root.iter("include"):
+        element.set("file", os.fspath(folder / element.get("file", "")))
+    text = ElementTree.tostring(root, encoding="unicode")
+    spec = _parse(path, error, lambda mujoco: mujoco.MjSpec.from_string(text))
+    spec.modelfiledir = os.fspath(folder)
+    return spec
 
 
 def _parse(path: Path, error: type[InputError], parse: Callable[[Any], mujoco.MjSpec]) -> mujoco.MjSpec:

@@ -60,6 +60,25 @@ def test_fixed_geometry_of_mjcf_becomes_solids(tmp_path):
     np.testing.assert_allclose(solids["ground"].bounds(), ((7, 8, -0.1), (11, 10, 0.5)), atol=1e-6)
 
 
+def test_a_file_named_mjcf_is_read_with_its_includes_and_meshes(tmp_path):
+    folder = tmp_path / "a & b"
+    (folder / "parts").mkdir(parents=True)
+    trimesh.creation.box((1.0, 2.0, 3.0)).export(folder / "parts" / "crate.stl")
+    (folder / "more.xml").write_text(
+        "<mujoco><worldbody><geom name='post' type='sphere' size='1'/></worldbody></mujoco>"
+    )
+    (folder / "hall.mjcf").write_text(
+        "<mujoco model='hall'><compiler meshdir='parts'/><include file='more.xml'/>"
+        "<asset><mesh name='crate' file='crate.stl'/></asset>"
+        "<worldbody><geom name='crate' type='mesh' mesh='crate' pos='5 0 0'/></worldbody></mujoco>"
+    )
+    world = World.load(folder / "hall.mjcf")
+    assert world.name == "hall"
+    solids = {solid.name: solid for solid in world.solids}
+    assert set(solids) == {"post", "crate"}
+    np.testing.assert_allclose(solids["crate"].bounds(), ((4.5, -1.0, -1.5), (5.5, 1.0, 1.5)), atol=1e-6)
+
+
 def test_what_is_seen_can_be_asked_for(tmp_path):
     (tmp_path / "hall.xml").write_text(
         MJCF.replace('group="2"', 'group="1"').replace('name="wall"', 'name="wall" group="3"')
