@@ -93,7 +93,7 @@ class HybridAStar:
         cancel: npt.NDArray[np.uint8] | None,
         partial: bool = False,
         inner: npt.NDArray[np.float64] | None = None,
-        refine: bool = False,
+        thorough: bool = False,
     ) -> tuple[
         int,
         npt.NDArray[np.float64],
@@ -111,7 +111,7 @@ class HybridAStar:
         nodes were expanded, cells of the field settled, and poses checked with the outline. With `partial` the status
         may be 1, 4 or 5 with poses all the same: they lead to the pose nearest to the goal of those that were tried.
         `outline` is kept free at poses at most `step` apart; with `inner`, of as many corners, only what that sweeps.
-        With `refine`, where nothing is found, smaller cells and shorter motions are tried as well.
+        With `thorough` it searches in smaller cells and motions before it says 1.
         """
     @property
     def bytes(self) -> int: ...

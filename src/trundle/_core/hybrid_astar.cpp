@@ -54,7 +54,7 @@ class HybridAStar {
   nb::tuple plan(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 1> start,
                  In<double, 1> goal, bool any_yaw, double step, double spacing, std::uint64_t max_expansions,
                  std::optional<double> seconds, Flag cancel, bool partial, std::optional<In<double, 2>> inner,
-                 bool refine) const {
+                 bool thorough) const {
     const HybridQuery query{costs.data(),     static_cast<std::int64_t>(costs.shape(0)),
                             static_cast<std::int64_t>(costs.shape(1)),
                             resolution,       outline.data(),
@@ -62,6 +62,7 @@ class HybridAStar {
                             pose_of(goal),    any_yaw,
                             step,             max_expansions,
                             inner ? inner->data() : nullptr,
+                            thorough,
                             partial};
     if (outline.shape(1) != 2 || outline.shape(0) < 3) throw nb::value_error("the outline needs shape (N, 2), N >= 3");
     if (inner && (inner->shape(1) != 2 || inner->shape(0) != outline.shape(0))) {
@@ -80,7 +81,7 @@ class HybridAStar {
     {
       nb::gil_scoped_release release;
       std::unique_ptr<HybridMemory> memory = pool_.borrow();
-      way = search(query, patience, *memory, refine);
+      way = search(query, patience, *memory);
       pool_.give_back(std::move(memory));
       if ((way.status == SearchStatus::kFound && !way.spent) || way.partial) {
         const std::vector<Stretch> joined = merged(way.parts);
@@ -108,27 +109,35 @@ class HybridAStar {
   std::size_t bytes() const { return pool_.bytes(); }
 
  private:
-  HybridWay search(const HybridQuery &query, const Patience &patience, HybridMemory &memory, bool refine) const {
+  HybridWay search(const HybridQuery &query, const Patience &patience, HybridMemory &memory) const {
     HybridWay way = HybridSearch(settings_, query, patience, memory).find();
-    // A start that is hard to get away from may be a matter of shorter motions, as are gaps hardly wider than the robot.
-    for (int halves = 2; halves <= (refine ? kFinest : way.stuck ? 2 : 1) && is_worth_refining(way); halves *= 2) {
-      HybridQuery finer = query;
-      finer.max_expansions = std::min(query.max_expansions, kFineExpansions);
-      HybridWay fine = HybridSearch(settings_, finer, patience, memory, halves).find();
-      fine.expansions += way.expansions;
-      if (fine.spent) break;
-      way = std::move(fine);
+    // A start that is hard to get away from may be a matter of shorter motions; a goal is not, as curves end there.
+    const bool stuck = way.stuck && way.status == SearchStatus::kUnreachable;
+    if (stuck) {
+      way = HybridSearch(settings_, query, patience, memory, kHalfStates).find();
+    }
+    if (!query.thorough || way.status != SearchStatus::kUnreachable || way.spent || way.closed_off) return way;
+    return look_closely(query, patience, memory, std::move(way), stuck);
+  }
+
+  // A gap that a robot fits with a centimetre to spare may lie between the states and motions of the first search. Returns
+  // its answer where a search as close as is worth it finds no other; `halved` if it was one in half the cells.
+  HybridWay look_closely(HybridQuery query, const Patience &patience, HybridMemory &memory, HybridWay way,
+                         bool halved) const {
+    query.max_expansions = std::min(query.max_expansions, kMostClose);
+    for (const StateGrid &states : {kHalfStates, kCloseStates, kClosestStates}) {
+      if (halved && !states.close) continue;
+      HybridWay closer = HybridSearch(settings_, query, patience, memory, states).find();
+      if (closer.spent) break;
+      const bool soon_over = closer.expansions < kSoonOver;
+      closer.expansions += way.expansions;
+      way = std::move(closer);
+      if (way.status != SearchStatus::kUnreachable || (states.close && !soon_over)) break;
     }
     return way;
   }
 
-  // Whether motions of its cells do not get there, though the inscribed circle may.
-  static bool is_worth_refining(const HybridWay &way) {
-    return way.status == SearchStatus::kUnreachable && !way.spent && !way.closed_off && !way.pocket;
-  }
-
-  static constexpr int kFinest = 8;
-  static constexpr std::uint64_t kFineExpansions = 50'000;
+  static constexpr std::uint64_t kMostClose = 100'000, kSoonOver = 5'000;  // expansions
 
   static PlanarPose pose_of(const In<double, 1> &values) {
     if (values.shape(0) != 3) throw nb::value_error("a pose needs three numbers");
@@ -158,6 +167,6 @@ void bind_hybrid_astar(nanobind::module_ &m) {
            nb::arg("outline").noconvert(), nb::arg("start").noconvert(), nb::arg("goal").noconvert(),
            nb::arg("any_yaw"), nb::arg("step"), nb::arg("spacing"), nb::arg("max_expansions"),
            nb::arg("seconds").none(), nb::arg("cancel").none(), nb::arg("partial") = false,
-           nb::arg("inner").noconvert() = nb::none(), nb::arg("refine") = false)
+           nb::arg("inner").noconvert() = nb::none(), nb::arg("thorough") = false)
       .def_prop_ro("bytes", &trundle::HybridAStar::bytes);
 }

@@ -22,8 +22,8 @@ enum class Pocket { kUnknown, kOpen, kClosed };
 class PocketSearch {
  public:
   PocketSearch(const HybridSettings &settings, const HybridQuery &query, const float *weights, const Patience &patience,
-               HybridMemory &memory)
-      : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory) {}
+               HybridMemory &memory, const StateGrid &states)
+      : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory), states_(states) {}
 
   // What is known after `most` more poses. Closed is only said after a second search in cells half as large and motions as
   // short as can be, and where that is soon over a third in cells half as large again. They may look at more, since few
@@ -31,7 +31,7 @@ class PocketSearch {
   // says so.
   Pocket look(std::uint64_t most, SearchStatus &status) {
     if (found_ != Pocket::kUnknown) return found_;
-    if (halves_ == 0) begin(1);
+    if (halves_ == 0) begin(states_.close ? states_.halves : 1);
     while (go_on(halves_ == 1 ? most : most + kFinePoses, status) == Pocket::kClosed && is_finer_better()) {
       begin(2 * halves_);
     }
@@ -59,12 +59,14 @@ class PocketSearch {
   static constexpr std::size_t kTight = 1'000;  // poses
   static constexpr std::uint32_t kNoPose = ~std::uint32_t{0};
 
-  bool is_finer_better() const { return halves_ == 1 || (halves_ == 2 && memory_.pocket.poses.size() < kTight); }
+  bool is_finer_better() const {
+    return !states_.close && (halves_ == 1 || (halves_ == 2 && memory_.pocket.poses.size() < kTight));
+  }
 
   void begin(int halves) {
     halves_ = halves, found_ = Pocket::kUnknown;
     cell_ = query_.resolution * settings_.factor(query_.resolution) / halves;
-    motions_ = hybrid_motions(settings_.model, cell_, halves > 1);
+    motions_ = hybrid_motions(settings_.model, cell_, states_, halves > 1);
     // Out is where the robot has had room to turn and to manoeuvre.
     if (far_ == 0.0) far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
     memory_.pocket.poses.clear();
@@ -122,8 +124,9 @@ class PocketSearch {
   std::uint64_t key(const PlanarPose &pose) const {
     const auto cols = static_cast<std::uint64_t>(static_cast<double>(query_.cols) * query_.resolution / cell_) + 1;
     const auto row = static_cast<std::uint64_t>(pose.y / cell_), col = static_cast<std::uint64_t>(pose.x / cell_);
-    const auto heading = static_cast<std::int64_t>(std::lround((pose.yaw - query_.goal.yaw) / kHeadingStep)) % kHeadings;
-    return (row * cols + col) * kHeadings + static_cast<std::uint64_t>((heading + kHeadings) % kHeadings);
+    const std::int64_t count = states_.headings;
+    const std::int64_t heading = std::lround((pose.yaw - query_.goal.yaw) / states_.heading_step()) % count;
+    return (row * cols + col) * static_cast<std::uint64_t>(count) + static_cast<std::uint64_t>((heading + count) % count);
   }
 
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -133,6 +136,7 @@ class PocketSearch {
   const float *weights_;
   const Patience &patience_;
   HybridMemory &memory_;
+  const StateGrid states_;
   std::vector<HybridMotion> motions_;
   int halves_ = 0;
   double cell_ = 0.0, far_ = 0.0;

@@ -13,8 +13,17 @@
 
 namespace trundle {
 
-inline constexpr int kHeadings = 72;
-inline constexpr double kHeadingStep = 2.0 * kPi / kHeadings;
+// What states are apart from each other: cells `halves` times smaller than the settings say, and headings around a circle.
+// In `close` ones motions are as short as can be, and half as tight arcs are among them.
+struct StateGrid {
+  int halves, headings;
+  bool close;
+  double heading_step() const { return 2.0 * kPi / headings; }
+};
+
+inline constexpr StateGrid kStates{1, 72, false}, kHalfStates{2, 72, false}, kCloseStates{4, 216, true},
+    kClosestStates{16, 216, true};
+inline constexpr int kMostHeadings = 216;
 
 struct HybridSettings {
   MotionModel model;
@@ -39,6 +48,7 @@ struct HybridQuery {
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
   const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
+  bool thorough;           // whether to look closely before saying that there is no way
   bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
 };
 

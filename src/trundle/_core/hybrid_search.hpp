@@ -24,21 +24,20 @@ namespace trundle {
 
 class HybridSearch {
  public:
-  // In cells and motions that are `halves` times smaller.
   HybridSearch(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory,
-               int halves = 1)
+               const StateGrid &states = kStates)
       : settings_(settings),
         model_(settings.model),
         query_(query),
         patience_(patience),
         memory_(memory),
         guide_(settings, query_, patience, memory),
-        pocket_(settings_, query_, weights_, patience, memory),
+        pocket_(settings_, query_, weights_, patience, memory, states),
         shots_(settings.model),
-        halves_(halves),
+        states_(states),
         factor_(settings.factor(query.resolution)),
-        cell_(query.resolution * factor_ / halves),
-        motions_(hybrid_motions(settings.model, cell_, halves > 1)) {
+        cell_(query.resolution * factor_ / states.halves),
+        motions_(hybrid_motions(settings.model, cell_, states, states.close)) {
     for (int cost = 0; cost < 256; ++cost) {
       const double weight = cost >= PoseChecker::kInscribed ? 0.0 : 1.0 + settings.cost_weight * cost / 252.0;
       weights_[cost] = static_cast<float>(weight);
@@ -82,7 +81,7 @@ class HybridSearch {
       expand(entry.node);
     }
     if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off && !way.pocket) {
-      way.stuck = expansions_ < kFirstLook * static_cast<std::uint64_t>(halves_ * halves_);
+      way.stuck = expansions_ < kFirstLook * static_cast<std::uint64_t>(states_.halves * states_.halves);
       way.closed_off = !way.stuck && guide_.is_closed_off(status_);
     }
     finish(way);
@@ -104,8 +103,8 @@ class HybridSearch {
   };
 
   void begin() {
-    for (int k = 0; k < kHeadings; ++k) {
-      yaws_[k] = query_.start.yaw + k * kHeadingStep;
+    for (int k = 0; k < states_.headings; ++k) {
+      yaws_[k] = query_.start.yaw + k * states_.heading_step();
       cos_[k] = std::cos(yaws_[k]), sin_[k] = std::sin(yaws_[k]);
     }
     memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, guide_.least_cost(query_.start), kNoNode, 0, 0, true});
@@ -132,12 +131,14 @@ class HybridSearch {
   static int direction_of(const Stretch &part) { return (part.length > 0.0) - (part.length < 0.0); }
 
   // By the map's cells, or halves of them, so that what lies on the map lies in one of these.
-  std::int64_t cell(double metres) const { return static_cast<std::int64_t>(metres * halves_ / query_.resolution) / factor_; }
+  std::int64_t cell(double metres) const {
+    return static_cast<std::int64_t>(metres * states_.halves / query_.resolution) / factor_;
+  }
 
   std::uint64_t key_of(const HybridNode &node) const {
-    const auto cols = static_cast<std::uint64_t>((query_.cols * halves_ + factor_ - 1) / factor_);
+    const auto cols = static_cast<std::uint64_t>((query_.cols * states_.halves + factor_ - 1) / factor_);
     const auto row = static_cast<std::uint64_t>(cell(node.y)), col = static_cast<std::uint64_t>(cell(node.x));
-    return (row * cols + col) * kHeadings + node.heading;
+    return (row * cols + col) * static_cast<std::uint64_t>(states_.headings) + node.heading;
   }
 
   // Take a node from the queue; false where it is not to be expanded, or not yet.
@@ -182,7 +183,7 @@ class HybridSearch {
       const std::uint8_t cost = memory_.checker.cost_at(to.x, to.y);
       if (cost >= PoseChecker::kInscribed) continue;
       HybridNode node{to.x, to.y, 0.0, 0.0, index, 0, static_cast<std::uint8_t>(m), false};
-      node.heading = static_cast<std::uint8_t>((from.heading + motion.bins + kHeadings) % kHeadings);
+      node.heading = static_cast<std::uint8_t>((from.heading + motion.bins + states_.headings) % states_.headings);
       if (memory_.closed.contains(key_of(node))) continue;
       node.to_go = guide_.field_at(to.x, to.y, status_);
       if (std::isinf(node.to_go)) continue;
@@ -292,9 +293,9 @@ class HybridSearch {
     return direction * ahead < 0 ? cost + model_.change_cost : cost;
   }
 
-  // Once there is a way, it looks for a better one for a while that is in proportion.
+  // Once there is a way, it looks for a better one for a while that is in proportion; not where the first took a close look.
   bool spent_after_first() const {
-    return best_node_ != kNoNode && expansions_ > 4 * first_found_ + 500;
+    return best_node_ != kNoNode && expansions_ > (states_.close ? first_found_ : 4 * first_found_ + 500);
   }
 
   // Of nodes as near to the goal the one that was settled first.
@@ -344,12 +345,13 @@ class HybridSearch {
   HybridGuide guide_;
   PocketSearch pocket_;
   Shots shots_;
-  const int halves_, factor_;
+  const StateGrid states_;
+  const int factor_;
   const double cell_;
   const std::vector<HybridMotion> motions_;
   int until_shot_ = 0;
   float weights_[256];
-  double yaws_[kHeadings], cos_[kHeadings], sin_[kHeadings];
+  double yaws_[kMostHeadings], cos_[kMostHeadings], sin_[kMostHeadings];
   SearchStatus status_ = SearchStatus::kFound;
   std::uint64_t expansions_ = 0, first_found_ = 0, next_look_ = kFirstLook, nearest_at_ = 0;
   double best_cost_ = kInfinite;

@@ -54,8 +54,8 @@ class HybridAStarSettings:
         cost_weight: A cell of cost c is 1 + cost_weight · c / 252 times as dear as a free one.
         heuristic_weight: At least 1; with more it finds sooner a way that may be dearer by as much.
         cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map. Where
-            no path is found, states of a half, a quarter and an eighth of it and shorter motions are tried, as far as
-            50,000 expansions go, so that gaps hardly wider than the robot are not missed.
+            no path is found, states of a half, a quarter and a sixteenth of it and shorter motions are tried, as far as
+            100,000 expansions go, so that gaps hardly wider than the robot are not missed.
         smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
         padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
             [m], and a quarter of it where no way is found that does. Poses are checked so closely that nothing can
@@ -192,15 +192,14 @@ class HybridAStarPlanner(PosePlanner):
         """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
         padding = self._padding_at_ends(query)
         less = max(_LESS_PADDING * padding, LEAST_PADDING_M)
-        found = self._find_padded(query, patience, padding, refine=less >= padding)
+        found = self._find_padded(query, patience, padding, thorough=less >= padding)
         if found[0] in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED) and less < padding:
-            return self._find_padded(query, patience, less, refine=True)
+            return self._find_padded(query, patience, less, thorough=True)
         return found
 
     def _find_padded(
-        self, query: Query, patience: Patience, padding: float, *, refine: bool
+        self, query: Query, patience: Patience, padding: float, *, thorough: bool
     ) -> tuple[int, Path | None, int]:
-        """The same with this padding; with `refine` in smaller cells as well where those of the settings do not do."""
         costmap, settings = query.costmap, self.settings
         checked = CheckedOutline.of(costmap.footprint, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
@@ -217,7 +216,7 @@ class HybridAStarPlanner(PosePlanner):
             patience.flag,
             settings.allow_partial,
             checked.inner,
-            refine,
+            thorough,
         )
         if status in (_TIMEOUT, _CANCELLED):
             raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
