@@ -56,10 +56,23 @@ class BitGrid {
     bits = blocked ? bits | bit : bits & ~bit;
   }
 
-  // The first cell after (row, col) with growing columns that is blocked or has a forced neighbour: one beside it is
+  // A row inside the border, and the two beside it.
+  struct Rows {
+    const std::uint64_t *low, *own, *high;
+    bool blocked(std::int32_t col) const { return own[(static_cast<std::size_t>(col) >> 6) * kLine] >> (col & 63) & 1; }
+  };
+  Rows around(std::int32_t row) const { return {bits_ + place(row - 1), bits_ + place(row), bits_ + place(row + 1)}; }
+  // Those around `row`, from those around the row before it or, with step -1, after it.
+  template <int Step>
+  Rows onward(const Rows &last, std::int32_t row) const {
+    if constexpr (Step > 0) return {last.own, last.high, bits_ + place(row + 1)};
+    return {bits_ + place(row - 1), last.low, last.own};
+  }
+
+  // The first cell after a column, with growing columns, that is blocked or has a forced neighbour: one beside it is
   // free, and the one beside the cell before is blocked.
-  Stop scan_up(std::int32_t row, std::int32_t col) const {
-    const std::uint64_t *low = bits_ + place(row - 1), *own = bits_ + place(row), *high = bits_ + place(row + 1);
+  static Stop scan_up(const Rows &rows, std::int32_t col) {
+    const auto [low, own, high] = rows;
     std::size_t at = (static_cast<std::size_t>(col) >> 6) * kLine;
     std::uint64_t l = low[at], m = own[at], h = high[at];
     std::uint64_t stops = (m | ((l << 1) & ~l) | ((h << 1) & ~h)) & (~std::uint64_t{1} << (col & 63));
@@ -74,8 +87,8 @@ class BitGrid {
   }
 
   // The same with falling columns.
-  Stop scan_down(std::int32_t row, std::int32_t col) const {
-    const std::uint64_t *low = bits_ + place(row - 1), *own = bits_ + place(row), *high = bits_ + place(row + 1);
+  static Stop scan_down(const Rows &rows, std::int32_t col) {
+    const auto [low, own, high] = rows;
     std::size_t at = (static_cast<std::size_t>(col) >> 6) * kLine;
     std::uint64_t l = low[at], m = own[at], h = high[at];
     std::uint64_t stops =

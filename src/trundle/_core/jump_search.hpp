@@ -54,63 +54,61 @@ class BitJumps {
     cols_.prefetch(cell.col, cell.row);
   }
 
-  // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in a direction.
-  // A diagonal jump that has led so far away that the way to the goal costs more than `least` from here is put off:
-  // where it got to is given as if it were a jump point, and most are never asked for again.
+  // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in directions,
+  // given as bits. A diagonal jump that has led so far away that the way to the goal costs more than `least` from here
+  // is put off: where it got to is given as if it were a jump point, and most are never asked for again.
   template <typename Estimate, typename Reach>
-  void jump(int direction, GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate,
+  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate,
             Reach &&reach) const {
-    switch (direction) {
-      case 0: straight<0>(from, goal, 0, reach); break;
-      case 1: diagonal<1>(from, goal, least, estimate, reach); break;
-      case 2: straight<2>(from, goal, 0, reach); break;
-      case 3: diagonal<3>(from, goal, least, estimate, reach); break;
-      case 4: straight<4>(from, goal, 0, reach); break;
-      case 5: diagonal<5>(from, goal, least, estimate, reach); break;
-      case 6: straight<6>(from, goal, 0, reach); break;
-      default: diagonal<7>(from, goal, least, estimate, reach);
+    const BitGrid::Rows rows = rows_.around(from.row), cols = cols_.around(from.col);
+    for (unsigned left = directions; left != 0; left &= left - 1) {
+      switch (__builtin_ctz(left)) {
+        case 0: straight<0>(rows, from, goal, 0, reach); break;
+        case 1: diagonal<1>(rows, cols, from, goal, least, estimate, reach); break;
+        case 2: straight<2>(cols, from, goal, 0, reach); break;
+        case 3: diagonal<3>(rows, cols, from, goal, least, estimate, reach); break;
+        case 4: straight<4>(rows, from, goal, 0, reach); break;
+        case 5: diagonal<5>(rows, cols, from, goal, least, estimate, reach); break;
+        case 6: straight<6>(cols, from, goal, 0, reach); break;
+        default: diagonal<7>(rows, cols, from, goal, least, estimate, reach);
+      }
     }
   }
 
  private:
   static constexpr std::uint64_t kAtOnce = 16;  // diagonal steps; measured: 8 to 32 are alike
 
-  template <int Direction>
-  Stop scan(GridCell from) const {
-    if constexpr (Direction == 0) return rows_.scan_up(from.row, from.col);
-    if constexpr (Direction == 4) return rows_.scan_down(from.row, from.col);
-    if constexpr (Direction == 2) return cols_.scan_up(from.col, from.row);
-    if constexpr (Direction == 6) return cols_.scan_down(from.col, from.row);
-  }
-
-  // Returns whether the next cell is free.
+  // `lines` are the rows, or columns, around that of the cell. Returns whether the next cell is free.
   template <int Direction, typename Reach>
-  bool straight(GridCell from, GridCell goal, std::uint64_t diagonal, Reach &reach) const {
+  static bool straight(const BitGrid::Rows &lines, GridCell from, GridCell goal, std::uint64_t diagonal, Reach &reach) {
     constexpr bool kAcross = Direction % 4 == 0;
     constexpr int kSign = kAcross ? kStepCol[Direction] : kStepRow[Direction];
-    const Stop stop = scan<Direction>(from);
     const std::int32_t here = kAcross ? from.col : from.row;
-    const std::int32_t steps = (stop.at - here) * kSign;
-    const bool in_line = kAcross ? from.row == goal.row : from.col == goal.col;
-    const std::int32_t to_goal = ((kAcross ? goal.col : goal.row) - here) * kSign;
-    if (in_line && to_goal > 0 && to_goal <= steps) {
-      reach(goal, static_cast<std::uint64_t>(to_goal), diagonal, Direction);
-    } else if (!stop.blocked) {
-      const GridCell cell = kAcross ? GridCell{from.row, stop.at} : GridCell{stop.at, from.col};
-      reach(cell, static_cast<std::uint64_t>(steps), diagonal, Direction);
+    const Stop stop = kSign > 0 ? BitGrid::scan_up(lines, here) : BitGrid::scan_down(lines, here);
+    if (kAcross ? from.row == goal.row : from.col == goal.col) {
+      const std::int32_t to_goal = ((kAcross ? goal.col : goal.row) - here) * kSign;
+      if (to_goal > 0 && to_goal <= (stop.at - here) * kSign) {
+        reach(goal, static_cast<std::uint64_t>(to_goal), diagonal, Direction);
+        return true;
+      }
     }
-    return !stop.blocked || steps > 1;
+    if (stop.blocked) return stop.at != here + kSign;
+    const GridCell cell = kAcross ? GridCell{from.row, stop.at} : GridCell{stop.at, from.col};
+    reach(cell, static_cast<std::uint64_t>((stop.at - here) * kSign), diagonal, Direction);
+    return true;
   }
 
   template <int Direction, typename Estimate, typename Reach>
-  void diagonal(GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate, Reach &reach) const {
+  void diagonal(BitGrid::Rows rows, BitGrid::Rows cols, GridCell from, GridCell goal, std::uint64_t least,
+                const Estimate &estimate, Reach &reach) const {
     constexpr int kAlong = kStepCol[Direction] > 0 ? 0 : 4, kUp = kStepRow[Direction] > 0 ? 2 : 6;
     GridCell cell = from;
-    bool free = !rows_.blocked(cell.row, cell.col + kStepCol[Direction]) &&
-                !rows_.blocked(cell.row + kStepRow[Direction], cell.col);
+    bool free = !rows.blocked(cell.col + kStepCol[Direction]) && !cols.blocked(cell.row + kStepRow[Direction]);
     for (std::uint64_t steps = 1; free; ++steps) {
       cell = {cell.row + kStepRow[Direction], cell.col + kStepCol[Direction]};
-      if (rows_.blocked(cell.row, cell.col)) return;
+      rows = rows_.onward<kStepRow[Direction]>(rows, cell.row);
+      if (rows.blocked(cell.col)) return;
+      cols = cols_.onward<kStepCol[Direction]>(cols, cell.col);
       if (steps % kAtOnce == 0 && steps * kDiagonalCost + estimate(cell) > least) {
         reach(cell, 0, steps, Direction);
         return;
@@ -120,8 +118,8 @@ class BitJumps {
         reach(goal, 0, steps, Direction);
         return;
       }
-      free = straight<kAlong>(cell, goal, steps, reach);
-      free = straight<kUp>(cell, goal, steps, reach) && free;
+      free = straight<kAlong>(rows, cell, goal, steps, reach);
+      free = straight<kUp>(cols, cell, goal, steps, reach) && free;
     }
   }
 
@@ -175,9 +173,8 @@ GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &est
       jumps.prefetch(cell);
       if (cell == goal) best = total;
     };
-    for (unsigned left = onward_directions(rows, node.at, node.arrival); left != 0; left &= left - 1) {
-      jumps.jump(__builtin_ctz(left), node.at, goal, entry.total - entry.reached, estimate, reach);
-    }
+    jumps.jump(onward_directions(rows, node.at, node.arrival), node.at, goal, entry.total - entry.reached, estimate,
+               reach);
   }
   way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
   if (way.status != SearchStatus::kFound) return way;

@@ -34,9 +34,16 @@ class JumpTable {
 
   std::size_t bytes() const { return spans_.size() * sizeof(std::int16_t); }
 
-  // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in a direction.
+  // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in directions,
+  // given as bits.
   template <typename Estimate, typename Reach>
-  void jump(int direction, GridCell from, GridCell goal, std::uint64_t, const Estimate &, Reach &&reach) const {
+  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t, const Estimate &, Reach &&reach) const {
+    for (unsigned left = directions; left != 0; left &= left - 1) jump_along(__builtin_ctz(left), from, goal, reach);
+  }
+
+ private:
+  template <typename Reach>
+  void jump_along(int direction, GridCell from, GridCell goal, Reach &reach) const {
     if (direction % 2 == 0) {
       straight(direction, from, goal, 0, reach);
       return;
@@ -67,7 +74,6 @@ class JumpTable {
     }
   }
 
- private:
   // By direction: the steps to the next jump point, or less the free steps to what blocks. In a diagonal direction a
   // jump point is a cell from which a straight jump leads to one.
   const std::int16_t *spans(GridCell cell) const {
@@ -102,7 +108,7 @@ class JumpTable {
         ++at;
         continue;
       }
-      const Stop stop = grid.scan_up(line, at);
+      const Stop stop = BitGrid::scan_up(grid.around(line), at);
       for (; at < stop.at; ++at) put(at, up, stop.at - at, stop.blocked);
     }
     for (std::int32_t at = end - 1; at > 0;) {
@@ -110,7 +116,7 @@ class JumpTable {
         --at;
         continue;
       }
-      const Stop stop = grid.scan_down(line, at);
+      const Stop stop = BitGrid::scan_down(grid.around(line), at);
       for (; at > stop.at; --at) put(at, down, at - stop.at, stop.blocked);
     }
   }
