@@ -92,7 +92,7 @@ class Observer(Protocol):
 
 
 class Audience:
-    """The observers of one run; one that raises is dropped, and the others are told on."""
+    """The observers of one run; one that raises is dropped, and the others continue."""
 
     def __init__(self, observers: Sequence[Observer]) -> None:
         check_kind(observers, Sequence, "observers", "give a list of them, [observer]")

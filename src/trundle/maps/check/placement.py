@@ -207,7 +207,7 @@ def _same_result(grid: OccupancyGrid, one: Match, other: Match) -> bool:
 
 
 def _incomparable(why: str) -> PlacementCheck:
-    """A world that was given, and that cannot be compared: not to be taken for one that agrees."""
+    """A world was given but could not be compared; this does not mean that it agrees with the map."""
     finding = Finding("mismatch", "warning", f"the map was not compared with the world: {why}", None, "see the reason")
     return replace(_unverified(why), findings=(finding,))
 
