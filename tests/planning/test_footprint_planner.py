@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from trundle.costmap import Costmap
@@ -16,7 +16,7 @@ from trundle.errors import (
     PlanningStoppedError,
     UnknownNameError,
 )
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, pad_outline
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.astar import AStarPlanner
@@ -107,6 +107,7 @@ def test_cost_keeps_the_way_off_the_walls_and_astar_goes_straight():
 
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), name=st.sampled_from(["least_cost", "astar"]), small=st.booleans())
+@example(seed=96902, name="least_cost", small=False)
 def test_every_path_is_drivable_or_refused(seed, name, small):
     rng = np.random.default_rng(seed)
     data = room(9, 7)
@@ -143,7 +144,9 @@ def check_refusal(costmap, error):
         assert error.nearest_free_m is None or error.nearest_free_m > 0.0
         assert costmap.footprint_collides([error.pose])[0]
     elif isinstance(error, PlanningStoppedError):
-        assert costmap.footprint_collides([error.pose])[0]
+        # Between two poses that are free, the place is given to within 0.01 mm.
+        wider = pad_outline(costmap.footprint, 2e-5)
+        assert costmap.footprint_collides([error.pose], outline=wider)[0]
     else:
         assert error.pose is not None
 

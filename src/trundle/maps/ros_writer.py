@@ -101,7 +101,7 @@ def _compute_greys(mode: Mode) -> npt.NDArray[np.uint8]:
         table = np.floor((100.0 - VALUES) / 100.0 * 255.0 + 0.5)
         table[0] = 128
     else:
-        table = np.where(VALUES == UNKNOWN, _RAW_UNKNOWN, VALUES)
+        table = np.where(VALUES == UNKNOWN, _RAW_UNKNOWN, VALUES.astype(np.int16))
     return table.astype(np.uint8)
 
 
