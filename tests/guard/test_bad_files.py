@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from trundle.errors import InputError, MapError, RobotError, ScenarioError, WorldError
-from trundle.inputfile import read_up_to
+from trundle.files.opening import read_up_to
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 from trundle.robots import Robot

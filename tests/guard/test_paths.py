@@ -9,7 +9,7 @@ import pytest
 
 from trundle.errors import TrundleError
 from trundle.export import export_world
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.maps.check import check_map
 from trundle.maps.movingai import load_scenarios

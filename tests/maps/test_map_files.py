@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from trundle.errors import OutputError
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 

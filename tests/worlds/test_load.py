@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.files.uris import split_folders
 from trundle.maps import OccupancyGrid
-from trundle.uris import split_folders
 from trundle.worlds import World
 from trundle.worlds.load import LOADERS
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from trundle.errors import MissingExtraError, WorldError, WorldWarning
-from trundle.uris import SEARCH_VARIABLES
+from trundle.files.uris import SEARCH_VARIABLES
 from trundle.worlds import World
 
 BOX = "<geometry><box><size>1 2 3</size></box></geometry>"

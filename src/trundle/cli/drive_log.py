@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypedDict
 
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.geometry import Twist2D
 from trundle.sim import RobotState
 

@@ -131,7 +131,7 @@ def _tell_written(
 
 
 def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str, robot_area: float | None) -> None:
-    from trundle.files import atomic_path
+    from trundle.files.writing import atomic_path
     from trundle.record.map_report import draw_report
 
     image = draw_report(grid, report, title=title, robot_area=robot_area)

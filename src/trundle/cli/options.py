@@ -204,7 +204,7 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
 
 
 def _make_folder(folder: Path) -> Path:
-    from trundle.files import make_folder
+    from trundle.files.writing import make_folder
 
     try:
         return make_folder(folder)

@@ -26,7 +26,7 @@ def is_map(path: Path) -> bool:
     """
     import yaml
 
-    from trundle.yamlfile import compose
+    from trundle.files.yaml_config import compose
 
     if path.suffix.lower() == ".map":
         return True
@@ -42,7 +42,7 @@ def is_scenario(path: Path) -> bool:
     """
     import yaml
 
-    from trundle.yamlfile import compose
+    from trundle.files.yaml_config import compose
 
     node = compose(path)
     return isinstance(node, yaml.MappingNode) and any(key.value in ("world", "map") for key, _ in node.value)

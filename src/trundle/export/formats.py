@@ -11,8 +11,8 @@ from typing import Any, Literal, TypeAlias, cast
 from trundle.errors import InputError, OutputError, UnknownNameError, WorldError
 from trundle.export.plain import check_encodable
 from trundle.export.scene import Scene
-from trundle.files import output_path
-from trundle.inputfile import exists
+from trundle.files.opening import exists
+from trundle.files.writing import output_path
 from trundle.robots import Robot
 from trundle.worlds import World
 

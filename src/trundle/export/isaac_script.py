@@ -16,7 +16,7 @@ from trundle.control.sections import Section, cut_sections, path_vertices
 from trundle.errors import InputError
 from trundle.export.scene import Scene
 from trundle.export.usd import export_robot, export_world
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.maps.masks import SpeedMask
 from trundle.navigation.speed_limiter import BESIDE_M, fastest_s, limits_along
 from trundle.path import Path as Plan

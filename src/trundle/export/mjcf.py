@@ -16,7 +16,7 @@ from trundle.errors import InputError, WorldError
 from trundle.export.plain import check_xml_names, plain_solids
 from trundle.export.scene import Scene
 from trundle.export.xmltext import add, numbers, to_text
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.geometry import FloatArray, Pose3D
 from trundle.robots import Robot
 from trundle.sim.convex import Pieces, take_apart

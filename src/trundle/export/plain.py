@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import OutputError, WorldError
-from trundle.files import make_folder
+from trundle.files.writing import make_folder
 from trundle.geometry import Pose3D
 from trundle.solids import Box, OccupancyCells, Solid
 from trundle.worlds import World

@@ -12,7 +12,7 @@ import numpy as np
 
 from trundle.export.plain import mesh_folder
 from trundle.export.xmltext import add, numbers, to_text
-from trundle.files import write_text
+from trundle.files.writing import write_text
 from trundle.geometry import FloatArray
 from trundle.robots import Caster, Robot
 from trundle.sim.mujoco.model import robot_spec

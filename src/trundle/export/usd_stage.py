@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from trundle.errors import OutputError
-from trundle.files import atomic_path
+from trundle.files.writing import atomic_path
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Mesh
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.errors import MapError
+from trundle.files.parser_errors import parser_reason
 from trundle.maps.pixels import Pixels
-from trundle.parsers import parser_reason
 
 SIGNATURE = b"BM"
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files import atomic_path, output_path
+from trundle.files.npz import read_arrays
+from trundle.files.writing import atomic_path, output_path
 from trundle.geometry import FloatArray
-from trundle.npzfile import read_arrays
 from trundle.values import as_path
 
 _KEYS = ("heights", "resolution", "origin")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trundle.errors import MapError
-from trundle.inputfile import open_file, read_up_to
+from trundle.files.opening import open_file, read_up_to
 from trundle.maps import bmp, pnm
 from trundle.maps.grid import MAX_CELLS
 from trundle.maps.pixels import Pixels

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import yaml
 
-from trundle.files import write_new_bytes, write_text
+from trundle.files.writing import write_new_bytes, write_text
 
 _MOST_TEXT = 100_000
 """Characters of a YAML file that are searched for the name of its image."""

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError
-from trundle.files import write_bytes
-from trundle.inputfile import open_file, read_up_to
+from trundle.files.opening import open_file, read_up_to
+from trundle.files.writing import write_bytes
 from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.values import round_trinary
 from trundle.values import as_path

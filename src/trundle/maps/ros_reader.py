@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import MapError, MapWarning
-from trundle.inputfile import is_file
+from trundle.files.opening import is_file
 from trundle.maps.grid import FREE, OccupancyGrid
 from trundle.maps.image import read_image
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table

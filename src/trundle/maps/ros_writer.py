@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.files import output_path
+from trundle.files.writing import output_path
 from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from trundle.maps.map_files import save_pair
 from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table

@@ -11,10 +11,10 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError, MapError
+from trundle.files.yaml_nodes import compose, place
 from trundle.geometry import Pose2D
 from trundle.maps.grid import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
-from trundle.yamlnodes import compose, place
 
 MAX_YAML_BYTES = 100_000
 MIN_RESOLUTION = 1e-6

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
+from trundle.files.yaml_config import Config
 from trundle.worlds.load import is_world_file
-from trundle.yamlfile import Config
 
 Positive = Annotated[float, Field(gt=0.0)]
 Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None

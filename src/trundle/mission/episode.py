@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.files import write_bytes
+from trundle.files.npz import read_arrays
+from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
-from trundle.npzfile import read_arrays
 from trundle.path import Path
 from trundle.values import as_array
 

@@ -14,7 +14,8 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from trundle.costmap import UnknownPolicy
 from trundle.errors import InputError, ScenarioError
-from trundle.files import output_path, write_text
+from trundle.files.writing import output_path, write_text
+from trundle.files.yaml_config import Config, load_config
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.choices import Choice, MapOptions, Positive, WorldChoice, name_alone, shorten
@@ -28,7 +29,6 @@ from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
-from trundle.yamlfile import Config, load_config
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Self
 
 from trundle.errors import OutputError
-from trundle.files import make_folder, sync_folder
+from trundle.files.writing import make_folder, sync_folder
 
 _LOGGER = logging.getLogger(__name__)
 

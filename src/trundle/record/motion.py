@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import InputError
+from trundle.files.opening import exists, is_file
 from trundle.geometry import FloatArray
-from trundle.inputfile import exists, is_file
 from trundle.mission import Trajectory
 from trundle.values import as_path
 

@@ -18,7 +18,7 @@ from PIL import Image
 
 from trundle import __version__
 from trundle.errors import OutputError, TrundleError
-from trundle.files import write_bytes, write_text
+from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.overlay import draw_run

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from trundle.errors import InputError, OutputError
-from trundle.files import write_bytes
+from trundle.files.writing import write_bytes
 from trundle.geometry import Pose2D
 from trundle.mission import Episode, RunInfo
 from trundle.record.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START

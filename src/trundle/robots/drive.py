@@ -6,8 +6,8 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-from trundle.yamlfile import Config
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -24,14 +24,14 @@ from typing import Any
 import numpy as np
 
 from trundle.errors import RobotError, RobotWarning
+from trundle.files.model_spec import compile_spec, drop_textures, read_spec
+from trundle.files.opening import check_regular
+from trundle.files.xacro import expand_xacro
+from trundle.files.xml_elements import read_xml
+from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray, convex_hull
-from trundle.inputfile import check_regular
-from trundle.modelfile import compile_spec, drop_textures, read_spec
 from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
-from trundle.xacro import expand_xacro
-from trundle.xmlfile import read_xml
-from trundle.yamlfile import Plain
 
 _TOUCHES = 0.006
 """What comes so near to the floor [m] carries the robot."""

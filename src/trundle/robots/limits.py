@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-from trundle.yamlfile import Config
 
 Positive = Annotated[float, Field(gt=0.0)]
 

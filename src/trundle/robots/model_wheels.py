@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from trundle.errors import RobotError, UnknownNameError
+from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray
 from trundle.robots.model_shape import body_points
-from trundle.yamlfile import Plain
 
 _ALIKE = 0.02
 """Wheels of one side have radii that differ by at most this share."""

@@ -13,14 +13,14 @@ import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from trundle.errors import InputError, RobotError, UnknownNameError
+from trundle.files.uris import Folders, split_folders
+from trundle.files.yaml_config import Config, Plain, compose, plain_value, validate
 from trundle.geometry import FloatArray, Twist2D
 from trundle.guard import ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
-from trundle.uris import Folders, split_folders
 from trundle.values import check_kind
-from trundle.yamlfile import Config, Plain, compose, plain_value, validate
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

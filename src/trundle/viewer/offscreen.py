@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from trundle.files import atomic_path
+from trundle.files.writing import atomic_path
 from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.viewer.cameras import Camera

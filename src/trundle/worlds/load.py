@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.files.opening import check_regular
 from trundle.guard import ReadLimits, read_guarded
-from trundle.inputfile import check_regular
 from trundle.maps.from_world import find_outlier
 from trundle.values import as_path
 from trundle.worlds.leave_out import leave_out

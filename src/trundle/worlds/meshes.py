@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from trundle.files.mesh import read_mesh
 from trundle.geometry import Pose3D
-from trundle.meshfile import read_mesh
 from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
 
@@ -18,7 +18,7 @@ def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
 
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; none means what the format says, see `trundle.meshfile.read_mesh`.
+        up: The file's upward axis, "y" or "z"; none means what the format says, see `trundle.files.mesh.read_mesh`.
         unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; none means what the format says.
 
     Raises:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from trundle.errors import WorldError, WorldWarning
+from trundle.files.model_spec import GeometryChoice, compile_spec, drop_textures, read_spec
+from trundle.files.uris import Folders, split_folders
 from trundle.geometry import Pose3D
-from trundle.modelfile import GeometryChoice, compile_spec, drop_textures, read_spec
 from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
-from trundle.uris import Folders, split_folders
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.load import check_choice
 from trundle.worlds.shapes import (

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from trundle.errors import WorldError, WorldWarning
+from trundle.files.uris import Folders, split_folders
+from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
-from trundle.uris import Folders, split_folders
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
 from trundle.worlds.load import check_choice
@@ -33,7 +34,6 @@ from trundle.worlds.sdf_values import (
 )
 from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
-from trundle.xmlfile import XmlElement, read_xml
 
 GeometryChoice: TypeAlias = Literal["collision", "visual"]
 MissingChoice: TypeAlias = Literal["error", "skip"]
@@ -69,7 +69,7 @@ def load_sdf(
         movable: Take models that are not static too, where they stand; else they are left out, with a warning.
         missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
         paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own
-            and before those that Gazebo's and ROS's environment variables name; see `trundle.uris.find_uri`.
+            and before those that Gazebo's and ROS's environment variables name; see `trundle.files.uris.find_uri`.
         world: Name of the <world>, where a file has several; none means the first.
         exclude: What to leave out, see `World.load`. What is missing or wrong in a shape that is left out by its name
             does not matter, and a missing model can be left out by the name that it would have.

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from trundle.errors import WorldError
+from trundle.files.mesh import MeshPart, read_mesh
+from trundle.files.opening import is_file
+from trundle.files.uris import describe_search, find_uri
+from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
-from trundle.inputfile import is_file
-from trundle.meshfile import MeshPart, read_mesh
 from trundle.solids import Box, Color, Cylinder, Shape, Sphere
-from trundle.uris import describe_search, find_uri
 from trundle.worlds.sdf_values import Place, child, children, read_flag, read_numbers, read_sizes, read_text
 from trundle.worlds.shapes import Part, capsule_parts, ellipsoid_mesh
 from trundle.worlds.tessellate import cone_mesh, rectangle_mesh
-from trundle.xmlfile import XmlElement
 
 _NOT_READ = ("heightmap", "image", "polyline")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NoReturn, cast
 
 from trundle.errors import WorldError
+from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
-from trundle.xmlfile import XmlElement
 
 VERSIONS = tuple(f"1.{minor}" for minor in range(2, 13))
 """Versions of SDF that are read."""

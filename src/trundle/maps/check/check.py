@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from trundle.errors import InputError, MapError
+from trundle.files.opening import is_file
+from trundle.files.yaml_nodes import read_text
 from trundle.geometry import Pose2D
-from trundle.inputfile import is_file
 from trundle.maps.check.areas import Chart
 from trundle.maps.check.description import check_description
 from trundle.maps.check.doors import check_doors
@@ -31,7 +32,6 @@ from trundle.maps.occupancy import Compat
 from trundle.maps.resample import resample_axis_aligned
 from trundle.maps.ros_yaml import MAX_YAML_BYTES
 from trundle.robots import Robot
-from trundle.yamlnodes import read_text
 
 DEFAULT_ROBOT = "nova_carter"
 """Whose height band `DEFAULT_Z_RANGE` is."""

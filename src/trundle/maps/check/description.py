@@ -12,6 +12,7 @@ from typing import TypeVar
 import yaml
 
 from trundle.errors import MapError
+from trundle.files.yaml_nodes import place
 from trundle.maps.check.finding import Finding, Kind
 from trundle.maps.occupancy import Mode, PixelRule
 from trundle.maps.ros_writer import FREE_THRESH, OCCUPIED_THRESH
@@ -25,7 +26,6 @@ from trundle.maps.ros_yaml import (
     parse_origin,
     read_fields,
 )
-from trundle.yamlnodes import place
 
 USUAL_RESOLUTIONS = (0.005, 0.5)
 """Cells of an indoor map are between these [m]; finer and coarser ones are more often a slip of the point."""

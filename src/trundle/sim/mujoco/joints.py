@@ -9,8 +9,9 @@ from pathlib import Path
 import mujoco
 
 from trundle.errors import InputError, RobotError, RobotWarning
+from trundle.files.model_spec import compile_spec, read_mjcf
+from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.guard import read_guarded, read_limits
-from trundle.modelfile import compile_spec, read_mjcf
 from trundle.robots import DifferentialDrive, Robot
 from trundle.robots.from_model import read_robot
 from trundle.robots.model_wheels import wheels_named
@@ -19,7 +20,6 @@ from trundle.sim.mujoco.model import robot_spec
 from trundle.sim.mujoco.robot_parts import traction_joints
 from trundle.sim.mujoco.urdf import urdf_joints
 from trundle.worlds.usd import need_usd
-from trundle.xmlfile import XmlElement, read_xml
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")

@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
+from trundle.files.model_spec import log_warnings
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
-from trundle.modelfile import log_warnings
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet

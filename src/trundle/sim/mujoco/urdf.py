@@ -8,9 +8,9 @@ from collections.abc import Set
 from pathlib import Path
 
 from trundle.errors import RobotError
+from trundle.files.xacro import expand_xacro
+from trundle.files.xml_elements import XmlElement
 from trundle.sim.mujoco.joint import TYPES, Joint
-from trundle.xacro import expand_xacro
-from trundle.xmlfile import XmlElement
 
 _WITHOUT_AXIS = ("fixed", "floating")
 _WITH_LIMITS = ("revolute", "prismatic")

@@ -14,9 +14,9 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from trundle.errors import WorldError, WorldWarning
+from trundle.files.opening import check_regular
+from trundle.files.parser_errors import parser_reason
 from trundle.geometry import FloatArray
-from trundle.inputfile import check_regular
-from trundle.parsers import parser_reason
 
 log = logging.getLogger(__name__)
 

@@ -4,7 +4,7 @@ import stat
 import pytest
 
 from trundle.errors import OutputError
-from trundle.files import atomic_path, make_folder, write_text
+from trundle.files.writing import atomic_path, make_folder, write_text
 
 
 def test_a_file_is_there_whole_or_not_at_all(tmp_path):

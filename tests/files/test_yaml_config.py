@@ -2,8 +2,8 @@ import pytest
 from pydantic import Field
 
 from trundle.errors import InputError
-from trundle.yamlfile import Config, load_config
-from trundle.yamlnodes import MAX_BYTES, compose
+from trundle.files.yaml_config import Config, load_config
+from trundle.files.yaml_nodes import MAX_BYTES, compose
 
 
 class Wheel(Config):

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError
-from trundle.inputfile import open_file, read_up_to
+from trundle.files.opening import open_file, read_up_to
 from trundle.values import as_path
 
 MAX_BYTES = 250_000

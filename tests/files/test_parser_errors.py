@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from trundle.errors import RobotError, TrundleError, WorldError
-from trundle.meshfile import read_mesh
-from trundle.modelfile import compile_spec, read_spec
-from trundle.parsers import parser_errors
+from trundle.files.mesh import read_mesh
+from trundle.files.model_spec import compile_spec, read_spec
+from trundle.files.parser_errors import parser_errors
 from trundle.sim.mujoco.joints import read_joints
 
 ANYTHING = [

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, cast
 
 from trundle.errors import InputError
-from trundle.xmlfile import XmlElement
+from trundle.files.xml_elements import XmlElement
 
 Value: TypeAlias = float | int | bool | str
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from trundle.errors import RobotError
-from trundle.xacro import expand_xacro
-from trundle.xmlfile import parse_xml
+from trundle.files.xacro import expand_xacro
+from trundle.files.xml_elements import parse_xml
 
 
 def expand(body, path="bot.urdf.xacro"):

@@ -8,7 +8,7 @@ from typing import cast
 from xml.parsers import expat
 
 from trundle.errors import InputError
-from trundle.inputfile import open_file, read_up_to
+from trundle.files.opening import open_file, read_up_to
 
 MAX_BYTES = 64 * 1024 * 1024
 """Largest file that is read: 160 times the largest of the BARN worlds."""

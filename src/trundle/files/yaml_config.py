@@ -12,7 +12,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from trundle.errors import InputError
-from trundle.yamlnodes import compose, compose_text, place
+from trundle.files.yaml_nodes import compose, compose_text, place
 
 __all__ = ["Config", "Plain", "compose", "compose_text", "load_config", "place", "plain_value", "validate"]
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import cast
 
 from trundle.errors import InputError
-from trundle.inputfile import check_regular, exists
-from trundle.xmlfile import XmlElement, read_xml
+from trundle.files.opening import check_regular, exists
+from trundle.files.xml_elements import XmlElement, read_xml
 
 MAX_FILES = 1_000
 """Of includes and attached models together."""

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from trundle.uris import SEARCH_VARIABLES, describe_search, find_uri
+from trundle.files.uris import SEARCH_VARIABLES, describe_search, find_uri
 
 
 @pytest.fixture(autouse=True)

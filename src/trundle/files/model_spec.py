@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 import numpy as np
 
 from trundle.errors import InputError
-from trundle.inputfile import is_file
-from trundle.meshfile import read_mesh
-from trundle.mjcffile import check_mjcf
-from trundle.parsers import parser_errors
-from trundle.uris import describe_search, find_uri
-from trundle.xacro import expand_xacro
-from trundle.xmlfile import XmlElement, read_limited, read_xml
+from trundle.files.mesh import read_mesh
+from trundle.files.mjcf_check import check_mjcf
+from trundle.files.opening import is_file
+from trundle.files.parser_errors import parser_errors
+from trundle.files.uris import describe_search, find_uri
+from trundle.files.xacro import expand_xacro
+from trundle.files.xml_elements import XmlElement, read_limited, read_xml
 
 if TYPE_CHECKING:
     import mujoco

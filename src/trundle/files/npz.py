@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.inputfile import open_file
-from trundle.parsers import parser_reason
+from trundle.files.opening import open_file
+from trundle.files.parser_errors import parser_reason
 from trundle.values import as_path
 
 MAX_BYTES = 4_000_000_000

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from trundle.errors import WorldError
-from trundle.xmlfile import MAX_DEPTH, parse_xml, read_xml
+from trundle.files.xml_elements import MAX_DEPTH, parse_xml, read_xml
 
 BOMB = """<?xml version="1.0"?>
 <!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol2 "&lol;&lol;&lol;">]>
@@ -41,7 +41,7 @@ def test_bad_xml_is_refused_with_its_line(text, message):
 
 
 def test_a_file_that_is_too_large_is_not_read(tmp_path, monkeypatch):
-    monkeypatch.setattr("trundle.xmlfile.MAX_BYTES", 10)
+    monkeypatch.setattr("trundle.files.xml_elements.MAX_BYTES", 10)
     (tmp_path / "w.sdf").write_text("<a>       </a>")
     with pytest.raises(WorldError, match="more than the"):
         read_xml(tmp_path / "w.sdf", error=WorldError)
