@@ -24,7 +24,7 @@ BUILD = --no-build-isolation $(FLAGS)
 # Written once here, so that no start has to compile Python first, whatever PYTHONDONTWRITEBYTECODE says.
 COMPILE := $(BIN)/python -m compileall -q src/trundle
 
-SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*.hpp) CMakeLists.txt
+SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp src/trundle/_core/*/*.hpp) CMakeLists.txt
 
 .PHONY: demo test fuzz check build setup dev clean
 

@@ -1,0 +1,276 @@
+// A map of blocked and free cells, ready for searches from several threads at once.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <shared_mutex>
+#include <utility>
+#include <vector>
+
+#include "grid/any_angle.hpp"
+#include "grid/bit_grid.hpp"
+#include "grid/bucket_search.hpp"
+#include "grid/byte_view.hpp"
+#include "grid/free_runs.hpp"
+#include "grid/jump_search.hpp"
+#include "grid/jump_table.hpp"
+#include "grid/landmarks.hpp"
+#include "shared/memory_pool.hpp"
+#include "grid/theta_star.hpp"
+
+namespace trundle {
+
+enum class Method { kAuto, kJump, kJumpTable, kBucket };
+
+class BinaryGrid {
+ public:
+  // With more clutter than this, bucket A* is faster than jumps: there are so many ways round.
+  static constexpr double kCluttered = 0.08;
+
+  BinaryGrid(const ByteView &blocked, int connectivity, Method method)
+      : connectivity_(connectivity),
+        asked_(method),
+        lines_(blocked.rows + 2, blocked.cols + 2),
+        turned_(blocked.cols + 2, blocked.rows + 2) {
+    if (blocked.row_stride < blocked.col_stride) {
+      pack(blocked.transposed(), turned_);
+      lines_.transpose(turned_);
+    } else {
+      pack(blocked, lines_);
+      turned_.transpose(lines_);
+    }
+    lines_.count(0, lines_.rows(), 0, lines_.words(), free_, euler_, corners_);
+    runs_.label(lines_);
+    choose_method();
+  }
+
+  std::int64_t rows() const { return lines_.rows() - 2; }
+  std::int64_t cols() const { return lines_.cols() - 2; }
+  bool inside(std::int64_t row, std::int64_t col) const { return row >= 0 && row < rows() && col >= 0 && col < cols(); }
+
+  Method method() const {
+    std::shared_lock lock(change_);
+    return method_;
+  }
+  bool blocked(GridCell cell) const {
+    std::shared_lock lock(change_);
+    return lines_.blocked(cell.row + 1, cell.col + 1);
+  }
+  // The geometric mean of the obstacles that one can go round and of their corners, per free cell. Corners alone are as many
+  // in a maze, where jumps are fast; obstacles grow together and become few in dense clutter, where jumps are slow.
+  double clutter() const {
+    std::shared_lock lock(change_);
+    return clutter_now();
+  }
+
+  // Memory that is kept between searches, without what searches in other threads have taken out.
+  std::size_t bytes() const {
+    std::shared_lock lock(change_);
+    std::size_t sum = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
+    if (table_) sum += table_->bytes();
+    if (landmarks_) sum += landmarks_->bytes();
+    return sum + jump_pool_.bytes() + bucket_pool_.bytes() + any_angle_pool_.bytes() + theta_pool_.bytes();
+  }
+
+  // The free cell nearest to one inside, at most `reach` away, of those that `from` can reach if that is given.
+  std::optional<GridCell> nearest(GridCell to, const GridCell *from, double reach) const {
+    std::shared_lock lock(change_);
+    std::uint32_t label = 0;
+    if (from != nullptr) {
+      if (lines_.blocked(from->row + 1, from->col + 1)) return {};
+      label = runs_.at(from->row + 1, from->col + 1);
+    }
+    std::optional<GridCell> cell =
+        runs_.nearest(lines_, {to.row + 1, to.col + 1}, from == nullptr ? nullptr : &label, reach);
+    if (cell) leave_border(*cell);
+    return cell;
+  }
+
+  // Whether two cells can reach each other: both are free, then.
+  bool joined(GridCell a, GridCell b) const {
+    std::shared_lock lock(change_);
+    return span_of(a, b).has_value();
+  }
+
+  // Cells inside the map; unreachable where one is blocked. The way from a to b is that from b to a, backwards.
+  GridWay find(GridCell start, GridCell goal, const Patience &patience) const {
+    std::shared_lock lock(change_);
+    GridWay way;
+    const std::optional<Span> span = span_of(start, goal);
+    if (!span) return way;
+    const auto [from, to, turned] = *span;
+    if (method_ == Method::kBucket) {
+      auto memory = bucket_pool_.borrow();
+      way = bucket_search(*masks_, connectivity_, from, to, patience, *memory);
+      bucket_pool_.give_back(std::move(memory));
+    } else {
+      auto memory = jump_pool_.borrow();
+      way = guided(to) ? jump_way(LandmarkEstimate(*landmarks_, from, to), from, to, patience, *memory)
+                       : jump_way(OctileEstimate{to}, from, to, patience, *memory);
+      jump_pool_.give_back(std::move(memory));
+    }
+    as_asked(way.corners, turned);
+    return way;
+  }
+
+  // The way of a point, in half cells; with Theta* not the shortest. The same in both directions.
+  PointWay find_point(GridCell start, GridCell goal, bool theta, const Patience &patience) const {
+    std::shared_lock lock(change_);
+    PointWay way;
+    const std::optional<Span> span = span_of(start, goal);
+    if (!span) return way;
+    const auto [from, to, turned] = *span;
+    if (theta) {
+      auto memory = theta_pool_.borrow();
+      way = theta_star(lines_, from, to, patience, *memory);
+      theta_pool_.give_back(std::move(memory));
+    } else {
+      auto memory = any_angle_pool_.borrow();
+      way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
+      any_angle_pool_.give_back(std::move(memory));
+    }
+    as_asked(way.points, turned);
+    return way;
+  }
+
+  // How many landmarks guide jumps now.
+  std::size_t landmarks() const {
+    std::shared_lock lock(change_);
+    return landmarks_ ? landmarks_->cells().size() : 0;
+  }
+
+  // Makes room for landmarks, and says where to measure from: nowhere where all is blocked.
+  std::vector<GridCell> begin_landmarks(std::size_t count) {
+    std::unique_lock lock(change_);
+    std::vector<GridCell> cells = landmark_cells(lines_, runs_, count);
+    landmarks_ = cells.empty() ? nullptr : std::make_unique<Landmarks>(lines_, cells.size());
+    for (GridCell &cell : cells) leave_border(cell);
+    return cells;
+  }
+
+  // Takes in one of these cells and the lengths of the ways from it, in cells, shape (rows, cols).
+  void add_landmark(GridCell cell, const float *lengths) {
+    std::unique_lock lock(change_);
+    if (!landmarks_ || landmarks_->full()) return;
+    const GridCell here{cell.row + 1, cell.col + 1};
+    if (lines_.blocked(here.row, here.col) || (!landmarks_->cells().empty() && !guided(here))) return;
+    landmarks_->add(here, lengths, rows(), cols());
+  }
+
+  // New values for a rectangle that lies inside.
+  void update(std::int64_t row, std::int64_t col, const ByteView &values) {
+    if (values.rows == 0 || values.cols == 0) return;
+    std::unique_lock lock(change_);
+    const Window changed{row + 1, row + 1 + values.rows, col + 1, col + 1 + values.cols};
+    const auto frees = [&](std::int64_t r, std::int64_t c) { return values.at(r - row - 1, c - col - 1) == 0; };
+    if (landmarks_ && !landmarks_->hold(lines_, changed, frees)) {
+      landmarks_.reset();
+    }
+    const bool local = changed.grown().area() <= kLocal;
+    const std::vector<std::uint32_t> before = local ? parts_of(lines_, changed.grown()) : std::vector<std::uint32_t>();
+    recount(changed, -1);
+    for (std::int64_t r = 0; r < values.rows; ++r) {
+      for (std::int64_t c = 0; c < values.cols; ++c) {
+        const bool blocked = values.at(r, c) != 0;
+        lines_.set(row + r + 1, col + c + 1, blocked);
+        turned_.set(col + c + 1, row + r + 1, blocked);
+      }
+    }
+    recount(changed, 1);
+    if (!local || !runs_.patch(lines_, changed, before)) runs_.label(lines_);
+    if (masks_) masks_->fill(lines_, changed.row - 1, changed.row_end + 1);
+    table_.reset();
+    choose_method();
+  }
+
+ private:
+  static constexpr std::size_t kLocal = 1 << 16;  // cells up to which the labels are mended around a change
+
+  // What is searched between: cells of the grid with its border, the lower one first.
+  struct Span {
+    GridCell from, to;
+    bool turned;
+  };
+
+  // None where no way joins two cells inside the map.
+  std::optional<Span> span_of(GridCell start, GridCell goal) const {
+    GridCell from{start.row + 1, start.col + 1}, to{goal.row + 1, goal.col + 1};
+    if (lines_.blocked(from.row, from.col) || lines_.blocked(to.row, to.col)) return {};
+    if (runs_.at(from.row, from.col) != runs_.at(to.row, to.col)) return {};
+    const bool turned = to.row != from.row ? to.row < from.row : to.col < from.col;
+    return turned ? Span{to, from, true} : Span{from, to, false};
+  }
+
+  // From the start to the goal, and without the border.
+  template <typename Place>
+  static void as_asked(std::vector<Place> &places, bool turned) {
+    if (turned) std::reverse(places.begin(), places.end());
+    for (Place &place : places) leave_border(place);
+  }
+  static void leave_border(GridCell &cell) { --cell.row, --cell.col; }
+  static void leave_border(HalfCell &at) { at.x -= 2, at.y -= 2; }
+
+  // Takes the squares of 2 x 2 cells with changed ones out of the count, or adds them.
+  void recount(const Window &changed, std::int64_t sign) {
+    std::int64_t free = 0, euler = 0, corners = 0;
+    lines_.count(changed.row - 1, changed.row_end, static_cast<std::size_t>(changed.col - 1) / 64,
+                 static_cast<std::size_t>(changed.col_end - 1) / 64 + 1, free, euler, corners);
+    free_ += sign * free, euler_ += sign * euler, corners_ += sign * corners;
+  }
+
+  // Whether the landmarks know of ways to a free cell: those to one of them are in their part of the map.
+  bool guided(GridCell goal) const {
+    if (!landmarks_) return false;
+    const std::uint32_t part = runs_.at(goal.row, goal.col);
+    return std::any_of(landmarks_->cells().begin(), landmarks_->cells().end(), [&](GridCell cell) {
+      return !lines_.blocked(cell.row, cell.col) && runs_.at(cell.row, cell.col) == part;
+    });
+  }
+
+  template <typename Estimate>
+  GridWay jump_way(const Estimate &estimate, GridCell from, GridCell to, const Patience &patience,
+                   JumpMemory &memory) const {
+    return table_ ? jump_search(lines_, *table_, estimate, from, to, patience, memory)
+                  : jump_search(lines_, BitJumps(lines_, turned_), estimate, from, to, patience, memory);
+  }
+
+  double clutter_now() const {
+    const std::int64_t obstacles = runs_.components() - euler_ / 4;
+    const double product = static_cast<double>(obstacles) * static_cast<double>(corners_);
+    return free_ > 0 ? std::sqrt(product) / static_cast<double>(free_) : 0.0;
+  }
+
+  void choose_method() {
+    method_ = asked_;
+    if (asked_ == Method::kAuto) method_ = clutter_now() > kCluttered ? Method::kBucket : Method::kJump;
+    if (connectivity_ == 4) method_ = Method::kBucket;
+    if (method_ != Method::kBucket) {
+      masks_.reset();
+      bucket_pool_.clear();
+    } else if (!masks_) {
+      masks_ = std::make_unique<StepMasks>(lines_);
+    }
+    if (method_ == Method::kJumpTable) table_ = std::make_unique<JumpTable>(lines_, turned_);
+  }
+
+  const int connectivity_;
+  const Method asked_;
+  Method method_ = Method::kJump;
+  BitGrid lines_, turned_;  // rows, and columns
+  FreeRuns runs_;
+  // Cells, four times the Euler number of the free space, and corners of obstacles.
+  std::int64_t free_ = 0, euler_ = 0, corners_ = 0;
+  std::unique_ptr<StepMasks> masks_;
+  std::unique_ptr<JumpTable> table_;
+  std::unique_ptr<Landmarks> landmarks_;
+  mutable std::shared_mutex change_;
+  mutable MemoryPool<JumpMemory> jump_pool_;
+  mutable MemoryPool<BucketMemory> bucket_pool_;
+  mutable MemoryPool<AnyAngleMemory> any_angle_pool_;
+  mutable MemoryPool<ThetaStarMemory> theta_pool_;
+};
+
+}  // namespace trundle

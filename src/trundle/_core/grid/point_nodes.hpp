@@ -1,0 +1,119 @@
+// Points that searches in any direction have reached, and the ways they lead to.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "shared/grid_steps.hpp"
+#include "grid/point_table.hpp"
+
+namespace trundle {
+
+// A place in half cells: the corners of cells have even numbers, their centres odd ones.
+struct HalfCell {
+  std::int32_t x, y;
+  bool operator==(const HalfCell &other) const { return x == other.x && y == other.y; }
+  std::uint64_t key() const {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32 | static_cast<std::uint32_t>(x);
+  }
+};
+
+// The points that a way turns at, with its ends.
+struct PointWay {
+  SearchStatus status = SearchStatus::kUnreachable;
+  std::vector<HalfCell> points;
+
+  // In cells; the same in both directions.
+  double length() const {
+    double forth = 0.0, back = 0.0;
+    const auto part = [&](std::size_t i) {
+      const double x = points[i].x - points[i - 1].x, y = points[i].y - points[i - 1].y;
+      return std::sqrt(x * x + y * y) / 2.0;
+    };
+    for (std::size_t i = 1; i < points.size(); ++i) forth += part(i);
+    for (std::size_t i = points.size(); i-- > 1;) back += part(i);
+    return std::min(forth, back);
+  }
+};
+
+// A point that waits in an `OpenList`; the smallest total is its top.
+struct OpenPoint {
+  double total;
+  std::uint32_t node;
+  bool operator<(const OpenPoint &other) const { return total > other.total; }
+};
+
+class PointNodes {
+ public:
+  static constexpr std::uint32_t kOutdone = ~std::uint32_t{0};
+
+  struct Node {
+    HalfCell at;
+    std::uint32_t parent;  // the start is its own
+    std::uint32_t place;
+    double reached;  // length from the start, in half cells
+  };
+
+  const Node &operator[](std::uint32_t node) const { return nodes_[node]; }
+
+  // A new node for a place, unless it was reached by as short a way before.
+  std::uint32_t reach(HalfCell at, double reached, std::uint32_t parent) {
+    const auto [place, fresh] = least_.insert(at);
+    Least &known = least_[place];
+    if (!fresh && known.reached <= reached) return kOutdone;
+    known.reached = reached;
+    nodes_.push_back({at, parent, place, reached});
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+  }
+
+  // Whether a place was reached by a way of at most this length.
+  bool reached_within(HalfCell at, double length) const {
+    const Least *known = least_.find(at);
+    return known != nullptr && known->reached <= length;
+  }
+
+  // Whether its place was reached by a shorter way since.
+  bool outdone(std::uint32_t node) const { return nodes_[node].reached > least_[nodes_[node].place].reached; }
+
+  // The way to a node and from there to a goal, without the points where it goes straight on.
+  void trace(std::uint32_t node, HalfCell goal, PointWay &way) const {
+    const auto add = [&](HalfCell at) {
+      auto &points = way.points;
+      if (!points.empty() && points.back() == at) return;
+      if (points.size() > 1) {
+        const HalfCell a = points[points.size() - 2], b = points.back();
+        const std::int64_t turn = (std::int64_t{b.x} - a.x) * (std::int64_t{at.y} - b.y) -
+                                  (std::int64_t{b.y} - a.y) * (std::int64_t{at.x} - b.x);
+        if (turn == 0) points.pop_back();
+      }
+      points.push_back(at);
+    };
+    add(goal);
+    for (;; node = nodes_[node].parent) {
+      add(nodes_[node].at);
+      if (nodes_[node].parent == node) break;
+    }
+    std::reverse(way.points.begin(), way.points.end());
+  }
+
+  void clear() {
+    nodes_.clear();
+    least_.clear();
+  }
+
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + least_.bytes(); }
+
+ private:
+  struct Least {
+    HalfCell at;
+    double reached;
+  };
+
+  std::vector<Node> nodes_;
+  PlaceTable<Least> least_;
+};
+
+}  // namespace trundle

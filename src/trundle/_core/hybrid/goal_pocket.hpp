@@ -1,0 +1,148 @@
+// Whether a robot can come from somewhere else to the goal at all, or whether the goal lies in a pocket that is closed to its
+// footprint and its motions.
+//
+// A hybrid A* search from the start would try every pose outside of the pocket before it fails. This one drives
+// backwards in time from the goal, away from it as fast as it can, and ends as soon as it is out, or when there is
+// nowhere left to go: after a few dozen poses most of the time. From where it came out, its motions lead to the goal.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hybrid/search_memory.hpp"
+#include "hybrid/motions.hpp"
+#include "hybrid/query.hpp"
+
+namespace trundle {
+
+enum class Pocket { kUnknown, kOpen, kClosed };
+
+class PocketSearch {
+ public:
+  PocketSearch(const HybridSettings &settings, const HybridQuery &query, const float *weights, const Patience &patience,
+               HybridMemory &memory, const StateGrid &states)
+      : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory), states_(states) {}
+
+  // What is known after `most` more poses. Closed is only said after a second search in cells half as large and motions as
+  // short as can be, and where that is soon over a third in cells half as large again. They may look at more, since few
+  // goals are left that are not closed in. Where patience ends `status`
+  // says so.
+  Pocket look(std::uint64_t most, SearchStatus &status) {
+    if (found_ != Pocket::kUnknown) return found_;
+    if (halves_ == 0) begin(states_.close ? states_.halves : 1);
+    while (go_on(halves_ == 1 ? most : most + kFinePoses, status) == Pocket::kClosed && is_finer_better()) {
+      begin(2 * halves_);
+    }
+    return found_;
+  }
+
+  // Out is from now on twice as far away.
+  void go_farther() { far_ *= 2.0, found_ = Pocket::kUnknown; }
+
+  // Where it came out.
+  const PlanarPose &exit() const { return exit_; }
+
+  // From there to the goal.
+  std::vector<Stretch> way_in() const {
+    std::vector<Stretch> parts;
+    const auto &steps = memory_.pocket.steps;
+    for (HybridMemory::PocketMemory::Step step = steps[exit_index_]; step.parent != kNoPose; step = steps[step.parent]) {
+      parts.push_back(motions_[step.motion].stretch);
+    }
+    return parts;
+  }
+
+ private:
+  static constexpr std::uint64_t kFinePoses = 2'000;
+  static constexpr std::size_t kTight = 1'000;  // poses
+  static constexpr std::uint32_t kNoPose = ~std::uint32_t{0};
+
+  bool is_finer_better() const {
+    return !states_.close && (halves_ == 1 || (halves_ == 2 && memory_.pocket.poses.size() < kTight));
+  }
+
+  void begin(int halves) {
+    halves_ = halves, found_ = Pocket::kUnknown;
+    cell_ = query_.resolution * settings_.factor(query_.resolution) / halves;
+    motions_ = hybrid_motions(settings_.model, cell_, states_, halves > 1);
+    // Out is where the robot has had room to turn and to manoeuvre.
+    if (far_ == 0.0) far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
+    memory_.pocket.poses.clear();
+    memory_.pocket.steps.clear();
+    memory_.pocket.queue.clear();
+    memory_.pocket.closed.begin();
+    for (int i = 0; i < (query_.any_yaw ? Shots::kYaws : 1); ++i) {
+      const PlanarPose &goal = query_.goal;
+      const PlanarPose pose{goal.x, goal.y, goal.yaw + i * (2.0 * kPi / Shots::kYaws)};
+      if (!memory_.checker.touches(pose.x, pose.y, pose.yaw)) push(pose, {kNoPose, 0});
+    }
+  }
+
+  Pocket go_on(std::uint64_t most, SearchStatus &status) {
+    auto &queue = memory_.pocket.queue;
+    for (; most > 0 && !queue.empty(); --most) {
+      if (most % 64 == 0 && (status = patience_.left()) != SearchStatus::kFound) return found_;
+      const std::uint32_t node = queue.pop().node;
+      const PlanarPose from = memory_.pocket.poses[node];
+      for (std::size_t m = 0; m < motions_.size(); ++m) {
+        const HybridMotion &motion = motions_[m];
+        const Stretch back{-motion.stretch.length, -motion.stretch.turn};
+        const PlanarPose to = back.from(from);
+        if (memory_.checker.cost_at(to.x, to.y) >= PoseChecker::kInscribed || memory_.pocket.closed.contains(key(to))) {
+          continue;
+        }
+        double sum = 0.0;
+        if (!memory_.checker.fits(from, back, weights_, 0.0, kInfinite, sum)) continue;
+        push(to, {node, static_cast<std::uint8_t>(m)});
+        if (found_ == Pocket::kOpen || !is_out(to)) continue;
+        found_ = Pocket::kOpen;
+        exit_ = to, exit_index_ = memory_.pocket.poses.size() - 1;
+      }
+      if (found_ == Pocket::kOpen) return found_;
+    }
+    if (queue.empty()) found_ = Pocket::kClosed;
+    return found_;
+  }
+
+  void push(const PlanarPose &pose, HybridMemory::PocketMemory::Step step) {
+    HybridMemory::PocketMemory &pocket = memory_.pocket;
+    pocket.closed.insert(key(pose));
+    pocket.poses.push_back(pose);
+    pocket.steps.push_back(step);
+    pocket.queue.push({-distance(pose, query_.goal), static_cast<std::uint32_t>(pocket.poses.size() - 1)});
+  }
+
+  // Far from the goal, or beside the start.
+  bool is_out(const PlanarPose &pose) const {
+    return distance(pose, query_.goal) >= far_ || distance(pose, query_.start) < 3.0 * cell_;
+  }
+
+  static double distance(const PlanarPose &a, const PlanarPose &b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+  std::uint64_t key(const PlanarPose &pose) const {
+    const auto cols = static_cast<std::uint64_t>(static_cast<double>(query_.cols) * query_.resolution / cell_) + 1;
+    const auto row = static_cast<std::uint64_t>(pose.y / cell_), col = static_cast<std::uint64_t>(pose.x / cell_);
+    const std::int64_t count = states_.headings;
+    const std::int64_t heading = std::lround((pose.yaw - query_.goal.yaw) / states_.heading_step()) % count;
+    return (row * cols + col) * static_cast<std::uint64_t>(count) + static_cast<std::uint64_t>((heading + count) % count);
+  }
+
+  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+  const HybridSettings &settings_;
+  const HybridQuery &query_;
+  const float *weights_;
+  const Patience &patience_;
+  HybridMemory &memory_;
+  const StateGrid states_;
+  std::vector<HybridMotion> motions_;
+  int halves_ = 0;
+  double cell_ = 0.0, far_ = 0.0;
+  Pocket found_ = Pocket::kUnknown;
+  PlanarPose exit_{};
+  std::size_t exit_index_ = 0;
+};
+
+}  // namespace trundle

@@ -1,0 +1,67 @@
+// What a hybrid A* search is asked, with which settings, and what it answers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "shared/grid_steps.hpp"
+#include "hybrid/shots.hpp"
+#include "costmap/pose_checker.hpp"
+
+namespace trundle {
+
+// What states are apart from each other: cells `halves` times smaller than the settings say, and headings around a circle.
+// In `close` ones motions are as short as can be, and half as tight arcs are among them.
+struct StateGrid {
+  int halves, headings;
+  bool close;
+  double heading_step() const { return 2.0 * kPi / headings; }
+};
+
+inline constexpr StateGrid kStates{1, 72, false}, kHalfStates{2, 72, false}, kCloseStates{4, 216, true},
+    kClosestStates{16, 216, true};
+inline constexpr int kMostHeadings = 216;
+
+struct HybridSettings {
+  MotionModel model;
+  double cost_weight;       // how much dearer than a free cell one of cost 252 is, less 1
+  double heuristic_weight;  // at least 1
+  double cell_size;         // of states and of the field [m]; at least a cell of the map
+
+  // Cells of the map along a cell of states.
+  int factor(double resolution) const {
+    return std::max(1, static_cast<int>(std::lround(std::min(cell_size / resolution, 1e6))));
+  }
+};
+
+struct HybridQuery {
+  const std::uint8_t *costs;
+  std::int64_t rows, cols;
+  double resolution;
+  const double *outline;
+  std::size_t corners;
+  PlanarPose start, goal;  // inside the grid; [m, m, rad] from its corner
+  bool any_yaw;
+  double step;             // how far a point of the outline may move between two checked poses [m]
+  std::uint64_t max_expansions;
+  const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
+  bool thorough;           // whether to look closely before saying that there is no way
+  bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
+};
+
+struct HybridWay {
+  SearchStatus status = SearchStatus::kUnreachable;
+  bool spent = false;       // whether it stopped at the most expansions
+  bool closed_off = false;  // whether not even the inscribed circle gets there
+  bool pocket = false;      // whether no motions lead to the goal from anywhere but nearby
+  bool stuck = false;       // whether the motions hardly lead away from the start
+  double cost = 0.0;
+  std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
+  std::vector<Stretch> parts;
+  bool partial = false;  // whether the parts only lead near to the goal
+};
+
+}  // namespace trundle

@@ -1,0 +1,220 @@
+// Pieces of a path, and what they cost.
+//
+// The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, on a border the dearer
+// cell's, as `line_costs` has it. Arcs are measured along chords as close to them as those of the path given back. To
+// choose among curves, samples half a cell apart are enough.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "hybrid/shots.hpp"
+#include "cost/line_cost.hpp"
+
+namespace trundle::smoothing {
+
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+// A pose by the direction it looks in, so that going on from it needs the sines of turns alone.
+struct Heading {
+  double x, y, cos, sin;
+
+  static Heading of(const PlanarPose &pose) { return {pose.x, pose.y, std::cos(pose.yaw), std::sin(pose.yaw)}; }
+
+  Heading turned_round() const { return {x, y, -cos, -sin}; }
+
+  Heading go(const Stretch &s) const {
+    if (s.turn == 0.0) return {x + cos * s.length, y + sin * s.length, cos, sin};
+    const double turn_cos = std::cos(s.turn), turn_sin = std::sin(s.turn);
+    double along = s.length, across = 0.5 * s.length * s.turn;
+    if (std::fabs(s.turn) > 1e-6) along = s.length * turn_sin / s.turn, across = s.length * (1.0 - turn_cos) / s.turn;
+    return on({along, across, turn_cos, turn_sin});
+  }
+
+  // Of a heading as seen from this one.
+  Heading on(const Heading &step) const {
+    return {x + cos * step.x - sin * step.y, y + sin * step.x + cos * step.y, cos * step.cos - sin * step.sin,
+            sin * step.cos + cos * step.sin};
+  }
+};
+
+struct Settings {
+  MotionModel model;      // of it the radius and the prices
+  double cost_weight;     // how much dearer than a free cell one of cost 252 is, less 1
+  double curve_weight;    // of the square of the curvature, integrated along the path [m]
+  double cost_tolerance;  // share by which the line integral of the cost may rise
+};
+
+// A line, an arc or a turn in place. Of one that the path had before, the robot drives the chord while its yaw turns.
+struct Piece {
+  PlanarPose from, to;
+  Stretch stretch;
+  std::int32_t leg = -1;  // of the path as it came, on which it lies; -1 where it is new
+
+  bool is_kept() const { return leg >= 0; }
+  bool is_turn() const { return stretch.length == 0.0; }
+  int direction() const { return (stretch.length > 0.0) - (stretch.length < 0.0); }
+
+  PlanarPose at(double share) const {
+    if (share >= 1.0) return to;
+    const double turn = stretch.turn * share;
+    if (!is_kept()) return Stretch{stretch.length * share, turn}.from(from);
+    return {from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), from.yaw + turn};
+  }
+
+  Piece part(double first, double last) const {
+    const double share = last - first;
+    return {at(first), at(last), {stretch.length * share, stretch.turn * share}, leg};
+  }
+};
+
+// What pieces cost. `line` is the integral of the cells' weight along the way; `whole` what is made small.
+struct Price {
+  double line = 0.0, whole = 0.0;
+};
+
+class Prices {
+ public:
+  // `spacing` is that of poses along the tightest arcs.
+  Prices(const Settings &settings, const footprint::Costs &costs, const PoseChecker &checker, double resolution,
+         double spacing)
+      : settings_(settings), costs_(costs), checker_(checker), resolution_(resolution), spacing_(spacing) {
+    for (int cost = 0; cost < 256; ++cost) kept_[cost] = 1.0 + settings.cost_weight * std::min(cost, 252) / 252.0;
+    set_ceiling(PoseChecker::kInscribed - 1);
+  }
+
+  Prices(const Prices &) = delete;
+  Prices &operator=(const Prices &) = delete;
+
+  // What is new may lie in no cell that costs more.
+  void set_ceiling(int highest) {
+    const int most = std::min(highest, PoseChecker::kInscribed - 1);
+    for (int cost = 0; cost < 256; ++cost) {
+      fresh_[cost] = cost <= most ? kept_[cost] : 0.0;
+      sampled_[cost] = cost <= most ? kept_[cost] : kInfinite;
+    }
+  }
+
+  const Settings &settings() const { return settings_; }
+
+  // The highest cost of a cell under a piece that the path had before, which is looked at every quarter of a cell.
+  int highest(const Piece &piece) const {
+    int most = checker_.cost_at(piece.to.x, piece.to.y);
+    const double parts = std::ceil(4.0 * std::fabs(piece.stretch.length) / resolution_);
+    for (double i = 0.0; i < parts; ++i) {
+      const PlanarPose pose = piece.at(i / parts);
+      most = std::max<int>(most, checker_.cost_at(pose.x, pose.y));
+    }
+    return most;
+  }
+
+  // How many times dearer a metre driven is.
+  double dearer(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
+
+  // Of a piece that the path has.
+  Price of(const Piece &piece) const {
+    const double turn = std::fabs(piece.stretch.turn), length = std::fabs(piece.stretch.length);
+    if (piece.is_turn()) return {0.0, plain(piece).whole + (piece.is_kept() ? kOutOfBounds : 0.0)};
+    const double sum = plain(piece).line;
+    const bool out_of_bounds =
+        piece.is_kept() && 2.0 * settings_.model.radius * std::sin(0.5 * std::min(turn, kPi)) > 1.001 * length;
+    return {sum, dearer(piece.stretch.length) * sum + bending(piece.stretch) + (out_of_bounds ? kOutOfBounds : 0.0)};
+  }
+
+  // About the line integral along a new stretch, to the end of which `at` goes; infinite where a sample is blocked, or where
+  // it is above `limit`.
+  double about(Heading &at, const Stretch &stretch, double limit) const {
+    const double parts = std::clamp(std::ceil(2.0 * std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
+    const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
+    const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
+    const auto weight = [&](double x, double y) {
+      // What is below 0 comes out as a large number, but for the last cell before 0, where nothing is laid.
+      const auto col = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x));
+      const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
+      return col < cols && row < rows ? sampled_[costs_.data[row * cols + col]] : kInfinite;
+    };
+    const Stretch part{stretch.length / parts, stretch.turn / parts};
+    Heading middle = at.go({0.5 * part.length, 0.5 * part.turn});
+    middle.x *= scale, middle.y *= scale;
+    double sum = 0.0;
+    if (stretch.turn == 0.0) {
+      const double dx = at.cos * part.length * scale, dy = at.sin * part.length * scale;
+      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x + i * dx, middle.y + i * dy);
+      at = at.go(stretch);
+    } else {
+      // The chord of each part turns by the same angle from one to the next.
+      Heading chord = Heading{0.0, 0.0, 1.0, 0.0}.go(part);
+      chord.x *= scale, chord.y *= scale;
+      for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x, middle.y), middle = middle.on(chord);
+      at = at.go(stretch);
+    }
+    return sum <= most ? share * sum : kInfinite;
+  }
+
+  // The line integral along a new stretch, to the end of which `at` goes; infinite where it is blocked, or above `limit`.
+  double line(Heading &at, const Stretch &stretch, double limit) const { return along(fresh_, at, stretch, limit); }
+
+  // The least that a new stretch can cost.
+  double least(const Stretch &stretch) const { return dearer(stretch.length) * std::fabs(stretch.length) + bending(stretch); }
+
+  // In the planners' unit: without the price of bending.
+  Price plain(const Piece &piece) const {
+    if (piece.is_turn()) {
+      const double weight = kept_[checker_.cost_at(piece.from.x, piece.from.y)];
+      return {0.0, settings_.model.turn_cost * std::fabs(piece.stretch.turn) * weight};
+    }
+    double sum = 0.0;
+    if (piece.is_kept()) {
+      sum = line(kept_, piece.from.x, piece.from.y, piece.to.x, piece.to.y, kInfinite);
+    } else {
+      Heading at = Heading::of(piece.from);
+      sum = along(kept_, at, piece.stretch, kInfinite);
+    }
+    // What leaves the map is as dear as can be all along.
+    if (sum == kInfinite) sum = std::fabs(piece.stretch.length) * kept_[252];
+    return {sum, dearer(piece.stretch.length) * sum};
+  }
+
+ private:
+  // Price of a piece of the path that bends more than it may, so that it stays only where nothing else is possible [m].
+  static constexpr double kOutOfBounds = 10.0;
+
+  double bending(const Stretch &s) const {
+    return s.length == 0.0 ? 0.0 : settings_.curve_weight * s.turn * s.turn / std::fabs(s.length);
+  }
+
+  double line(const double *weights, double x, double y, double to_x, double to_y, double limit) const {
+    const lines::WeightedGrid grid{costs_.data, weights, costs_.rows, costs_.cols};
+    const double scale = 1.0 / resolution_;
+    return resolution_ *
+           lines::line_cost(grid, {x * scale, y * scale}, {to_x * scale, to_y * scale}, limit * scale, 1.0);
+  }
+
+  // `at` goes to the end.
+  double along(const double *weights, Heading &at, const Stretch &stretch, double limit) const {
+    double parts = 1.0;
+    if (stretch.turn != 0.0) {
+      // Chords of wider arcs may be longer for the same distance from the arc.
+      const double width = std::sqrt(std::fabs(stretch.length / stretch.turn) / settings_.model.radius);
+      parts = std::clamp(std::ceil(std::fabs(stretch.length) / (spacing_ * width) - 1e-9), 1.0, 1e9);
+    }
+    const Heading step = Heading{0.0, 0.0, 1.0, 0.0}.go({stretch.length / parts, stretch.turn / parts});
+    double sum = 0.0;
+    for (double i = 0.0; i < parts && sum <= limit; ++i) {
+      const Heading next = at.on(step);
+      sum += line(weights, at.x, at.y, next.x, next.y, limit - sum);
+      at = next;
+    }
+    return sum <= limit ? sum : kInfinite;
+  }
+
+  const Settings settings_;
+  const footprint::Costs costs_;
+  const PoseChecker &checker_;
+  const double resolution_, spacing_;
+  double kept_[256], fresh_[256], sampled_[256];
+};
+
+}  // namespace trundle::smoothing
