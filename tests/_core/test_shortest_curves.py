@@ -67,17 +67,19 @@ def test_thousands_of_curves_end_at_their_goals(reverse):
     st.sampled_from([0.4, 1.0, 2.5]),
 )
 @example((0.0, 4.0, 0.5), [(1.7941785315068062e-12, 0.0)], 0.4)
+@example((0.0, 2.0, 2.0), [(1.6448448070728896e-05, -1.0), (0.125, -1.0), (3.1499165279632416e-11, 0.0)], 0.4)
 @settings(deadline=None, max_examples=150)
 def test_no_drive_is_shorter_than_the_shortest_curve_to_where_it_ends(start, drive_pieces, radius):
     for reverse in (True, False):
         driven = [(piece if reverse else abs(piece), steer / radius) for piece, steer in drive_pieces]
         goal = drive(start, driven)
         driven_length = sum(abs(piece) for piece, _ in driven)
-        if not reverse and driven_length < 1e-7:
-            # Rounding of the goal is as large as what is driven: it may lie beside the start, a whole circle away.
-            continue
-        # Where a drive ends on the edge between two words, rounding may put it a whole circle beyond it: look beside.
-        beside = [np.add(goal, shift) for shift in itertools.product((-1e-7, 0.0, 1e-7), repeat=3)]
+        # Where a drive ends on the edge between two words, rounding may put it a whole circle beyond it: look beside,
+        # and where it ends if no piece is shorter than what rounding hides.
+        longer = drive(start, [(piece + math.copysign(1e-7, piece), steer) for piece, steer in driven])
+        beside = [
+            np.add(end, shift) for end in (goal, longer) for shift in itertools.product((-1e-7, 0.0, 1e-7), repeat=3)
+        ]
         found = min(length(start, end, radius, reverse=reverse) for end in beside)
         assert found <= driven_length + 1e-5
 
