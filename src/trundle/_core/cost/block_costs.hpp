@@ -8,8 +8,8 @@
 
 #include <cstring>
 
-#include "cost/wavefront.hpp"
 #include "cost/line_cost.hpp"
+#include "cost/wavefront.hpp"
 
 namespace trundle {
 

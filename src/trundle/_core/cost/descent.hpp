@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "cost/wavefront.hpp"
 #include "cost/line_cost.hpp"
+#include "cost/wavefront.hpp"
 
 namespace trundle {
 

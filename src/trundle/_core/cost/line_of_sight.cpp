@@ -1,4 +1,5 @@
 // Straight lines over a grid whose cells have a weight each: what they cost, and the cheapest way to cut a path short.
+#include "cost/kernels.hpp"
 #include "cost/line_cost.hpp"
 
 #include <algorithm>
@@ -57,8 +58,8 @@ std::vector<std::int64_t> shorten(const WeightedGrid &grid, const std::vector<Po
 
 }  // namespace
 
-static nb::ndarray<nb::numpy, double> line_costs(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> starts,
-                                                 In<double, 2> ends) {
+nb::ndarray<nb::numpy, double> line_costs(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> starts,
+                                          In<double, 2> ends) {
   const WeightedGrid grid = make_grid(costs, weights);
   const std::vector<Point> from = read_points(starts), to = read_points(ends);
   if (from.size() != to.size()) throw nb::value_error("as many ends as starts are needed");
@@ -70,7 +71,7 @@ static nb::ndarray<nb::numpy, double> line_costs(In<std::uint8_t, 2> costs, In<d
   return to_numpy(std::move(totals), {from.size()});
 }
 
-static nb::tuple shortcut(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> points) {
+nb::tuple shortcut(In<std::uint8_t, 2> costs, In<double, 1> weights, In<double, 2> points) {
   const WeightedGrid grid = make_grid(costs, weights);
   const std::vector<Point> polyline = read_points(points);
   if (polyline.empty()) throw nb::value_error("a path needs a point");
@@ -85,11 +86,3 @@ static nb::tuple shortcut(In<std::uint8_t, 2> costs, In<double, 1> weights, In<d
 }
 
 }  // namespace trundle
-
-void bind_line_of_sight(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("line_costs", &trundle::line_costs, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
-        nb::arg("starts").noconvert(), nb::arg("ends").noconvert());
-  m.def("shortcut", &trundle::shortcut, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
-        nb::arg("points").noconvert());
-}

@@ -1,8 +1,8 @@
 // A convex footprint at many poses against the blocked cells of a costmap: does it touch, and how far away are they.
 //
 // Everything is in grid units: cell (row, col) is the square [col, col + 1] × [row, row + 1].
-#include "shared/arrays.hpp"
 #include "costmap/footprint_sweep.hpp"
+#include "costmap/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -98,9 +98,9 @@ bool is_convex(const In<double, 2> &outline) {
 
 }  // namespace
 
-static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells, double resolution, double origin_x,
-                                                       double origin_y, double origin_yaw, In<double, 2> outline,
-                                                       In<double, 2> poses) {
+nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells, double resolution, double origin_x,
+                                                double origin_y, double origin_yaw, In<double, 2> outline,
+                                                In<double, 2> poses) {
   check_arguments(outline, poses, resolution);
   const std::size_t count = poses.shape(0);
   auto hits = std::make_unique<bool[]>(count);
@@ -122,9 +122,9 @@ static nb::ndarray<nb::numpy, bool> footprint_collides(In<std::uint8_t, 2> cells
   return nb::ndarray<nb::numpy, bool>(data, {count}, owner);
 }
 
-static nb::ndarray<nb::numpy, double> footprint_sweep(In<std::uint8_t, 2> cells, double resolution, double origin_x,
-                                                      double origin_y, double origin_yaw, In<double, 2> outline,
-                                                      In<double, 2> first, In<double, 2> last) {
+nb::ndarray<nb::numpy, double> footprint_sweep(In<std::uint8_t, 2> cells, double resolution, double origin_x,
+                                               double origin_y, double origin_yaw, In<double, 2> outline,
+                                               In<double, 2> first, In<double, 2> last) {
   check_arguments(outline, first, resolution);
   check_arguments(outline, last, resolution);
   if (first.shape(0) != last.shape(0)) throw nb::value_error("each motion needs a first and a last pose");
@@ -143,9 +143,9 @@ static nb::ndarray<nb::numpy, double> footprint_sweep(In<std::uint8_t, 2> cells,
   return to_numpy(std::move(shares), {count});
 }
 
-static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> cells, double resolution,
-                                                          double origin_x, double origin_y, double origin_yaw,
-                                                          In<double, 2> outline, In<double, 2> poses, double cap) {
+nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> cells, double resolution, double origin_x,
+                                                   double origin_y, double origin_yaw, In<double, 2> outline,
+                                                   In<double, 2> poses, double cap) {
   check_arguments(outline, poses, resolution);
   const std::size_t count = poses.shape(0);
   std::vector<double> distances(count);
@@ -167,16 +167,3 @@ static nb::ndarray<nb::numpy, double> footprint_clearance(In<std::uint8_t, 2> ce
 }
 
 }  // namespace trundle
-
-void bind_footprint(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("footprint_collides", &trundle::footprint_collides, nb::arg("costs").noconvert(), nb::arg("resolution"),
-        nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
-        nb::arg("poses").noconvert());
-  m.def("footprint_sweep", &trundle::footprint_sweep, nb::arg("costs").noconvert(), nb::arg("resolution"),
-        nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
-        nb::arg("first").noconvert(), nb::arg("last").noconvert());
-  m.def("footprint_clearance", &trundle::footprint_clearance, nb::arg("costs").noconvert(), nb::arg("resolution"),
-        nb::arg("origin_x"), nb::arg("origin_y"), nb::arg("origin_yaw"), nb::arg("outline").noconvert(),
-        nb::arg("poses").noconvert(), nb::arg("cap"));
-}

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "curves/curves.hpp"
 #include "costmap/lazy_bits.hpp"
+#include "curves/curves.hpp"
 
 namespace trundle {
 

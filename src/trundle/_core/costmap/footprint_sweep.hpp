@@ -12,8 +12,8 @@
 #include <limits>
 #include <vector>
 
-#include "shared/hull.hpp"
 #include "costmap/oriented_footprint.hpp"
+#include "shared/hull.hpp"
 
 namespace trundle::footprint {
 

@@ -3,7 +3,7 @@
 // The distance to the nearest blocked cell separates (Felzenszwalb & Huttenlocher 2012, section 2): first down and up
 // every column, then the smallest dx² + vertical² along every row. As the radius is capped, the row step is a plain
 // minimum over 2·radius + 1 shifted rows, which vectorises, and rows of cells far from everything are skipped.
-#include "shared/arrays.hpp"
+#include "costmap/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -186,7 +186,7 @@ __attribute__((target("avx2"))) void inflate_avx2(const Job &job) { inflate_any<
 
 }  // namespace
 
-static nb::ndarray<nb::numpy, std::uint8_t> inflate(In<std::int8_t, 2> occupancy, In<std::uint8_t, 1> table) {
+nb::ndarray<nb::numpy, std::uint8_t> inflate(In<std::int8_t, 2> occupancy, In<std::uint8_t, 1> table) {
   const auto entries = static_cast<std::int64_t>(table.size());
   if (entries < 1) throw std::invalid_argument("the cost table needs an entry for distance 0");
   auto radius = static_cast<std::int64_t>(std::sqrt(static_cast<double>(entries - 1)));
@@ -223,8 +223,3 @@ static nb::ndarray<nb::numpy, std::uint8_t> inflate(In<std::int8_t, 2> occupancy
 }
 
 }  // namespace trundle
-
-void bind_inflation(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("inflate", &trundle::inflate, nb::arg("occupancy").noconvert(), nb::arg("table").noconvert());
-}

@@ -18,8 +18,8 @@
 #include "grid/jump_search.hpp"
 #include "grid/jump_table.hpp"
 #include "grid/landmarks.hpp"
-#include "shared/memory_pool.hpp"
 #include "grid/theta_star.hpp"
+#include "shared/memory_pool.hpp"
 
 namespace trundle {
 

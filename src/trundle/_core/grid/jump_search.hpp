@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "grid/bit_grid.hpp"
+#include "grid/point_table.hpp"
 #include "shared/grid_steps.hpp"
 #include "shared/open_list.hpp"
-#include "grid/point_table.hpp"
 
 namespace trundle {
 

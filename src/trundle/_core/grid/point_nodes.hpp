@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/grid_steps.hpp"
 #include "grid/point_table.hpp"
+#include "shared/grid_steps.hpp"
 
 namespace trundle {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "shared/arrays.hpp"
 #include "grid/binary_grid.hpp"
+#include "shared/arrays.hpp"
 
 namespace trundle {
 

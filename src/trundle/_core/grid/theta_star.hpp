@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "grid/bit_grid.hpp"
-#include "shared/grid_steps.hpp"
-#include "shared/open_list.hpp"
 #include "grid/point_nodes.hpp"
 #include "grid/row_scans.hpp"
+#include "shared/grid_steps.hpp"
+#include "shared/open_list.hpp"
 
 namespace trundle {
 

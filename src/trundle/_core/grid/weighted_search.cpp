@@ -5,10 +5,7 @@
 // The queue is Dial's (1969), its buckets as wide as the cheapest step and read last in, first out. Within a bucket the
 // order is not exact; a cell that is reached more cheaply later is opened again, and the search ends once the goal's
 // bucket is empty, so the result is the optimum all the same.
-#include "shared/arrays.hpp"
-#include "shared/call_limits.hpp"
-
-#include <nanobind/stl/pair.h>
+#include "grid/kernels.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -227,10 +224,8 @@ Status solve(const Grid &grid, Cell start, Cell goal, const Patience &patience, 
 
 }  // namespace
 
-// Cells and cost of the way: no cells and 0 where there is none, no cells and NaN where it was stopped.
-static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> weights, std::pair<int, int> start,
-                             std::pair<int, int> goal, int connectivity, std::optional<double> seconds,
-                             const Flag &cancel) {
+nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> weights, std::pair<int, int> start,
+                      std::pair<int, int> goal, int connectivity, std::optional<double> seconds, const Flag &cancel) {
   const auto rows = static_cast<std::int64_t>(costs.shape(0)), cols = static_cast<std::int64_t>(costs.shape(1));
   if (weights.size() != 256) throw nb::value_error("the weights need one entry for each of the 256 costs");
   if (connectivity != 4 && connectivity != 8) throw nb::value_error("connectivity is 4 or 8");
@@ -256,10 +251,3 @@ static nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> wei
 }
 
 }  // namespace trundle
-
-void bind_grid_search(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("grid_search", &trundle::grid_search, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
-        nb::arg("start"), nb::arg("goal"), nb::arg("connectivity") = 8,
-        nb::arg("seconds") = nb::none(), nb::arg("cancel") = nb::none());
-}

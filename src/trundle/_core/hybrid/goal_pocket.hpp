@@ -11,9 +11,9 @@
 #include <limits>
 #include <vector>
 
-#include "hybrid/search_memory.hpp"
 #include "hybrid/motions.hpp"
 #include "hybrid/query.hpp"
+#include "hybrid/search_memory.hpp"
 
 namespace trundle {
 

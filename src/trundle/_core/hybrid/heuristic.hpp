@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "hybrid/search_memory.hpp"
 #include "hybrid/query.hpp"
+#include "hybrid/search_memory.hpp"
 
 namespace trundle {
 

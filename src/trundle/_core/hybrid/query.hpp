@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/grid_steps.hpp"
-#include "hybrid/shots.hpp"
 #include "costmap/pose_checker.hpp"
+#include "hybrid/shots.hpp"
+#include "shared/grid_steps.hpp"
 
 namespace trundle {
 

@@ -13,11 +13,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "hybrid/heuristic.hpp"
-#include "hybrid/search_memory.hpp"
-#include "hybrid/motions.hpp"
 #include "hybrid/goal_pocket.hpp"
+#include "hybrid/heuristic.hpp"
+#include "hybrid/motions.hpp"
 #include "hybrid/query.hpp"
+#include "hybrid/search_memory.hpp"
 #include "hybrid/shots.hpp"
 
 namespace trundle {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "costmap/pose_checker.hpp"
 #include "hybrid/lazy_cost_to_go.hpp"
 #include "shared/open_list.hpp"
-#include "costmap/pose_checker.hpp"
 
 namespace trundle {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "curves/curves.hpp"
 #include "costmap/pose_checker.hpp"
+#include "curves/curves.hpp"
 #include "curves/reeds_shepp.hpp"
 
 namespace trundle {

@@ -1,6 +1,6 @@
 // The row filters of PNG undone (PNG specification, section 9): each byte is a difference from its left, upper or
 // upper-left neighbour.
-#include "shared/arrays.hpp"
+#include "images/kernels.hpp"
 
 #include <cstdlib>
 #include <stdexcept>
@@ -35,7 +35,7 @@ static void unfilter_row(std::uint8_t kind, const std::uint8_t *in, const std::u
   }
 }
 
-static nb::ndarray<nb::numpy, std::uint8_t> png_unfilter(In<std::uint8_t, 2> lines, std::size_t step) {
+nb::ndarray<nb::numpy, std::uint8_t> png_unfilter(In<std::uint8_t, 2> lines, std::size_t step) {
   const std::size_t rows = lines.shape(0), width = lines.shape(1);
   if (width < 1 || step < 1) throw std::invalid_argument("png_unfilter needs rows with a filter byte and a step of at least 1");
   const std::size_t size = width - 1;
@@ -54,7 +54,3 @@ static nb::ndarray<nb::numpy, std::uint8_t> png_unfilter(In<std::uint8_t, 2> lin
 }
 
 }  // namespace trundle
-
-void bind_png_filter(nanobind::module_ &m) {
-  m.def("png_unfilter", &trundle::png_unfilter, nanobind::arg("lines"), nanobind::arg("step"));
-}

@@ -1,12 +1,12 @@
 // Triangles drawn into a depth buffer: what is seen of a scene, without a graphics driver.
+#include "images/kernels.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
-
-#include "shared/arrays.hpp"
 
 namespace trundle {
 namespace {
@@ -134,6 +134,8 @@ class ZBuffer {
   std::vector<double> near_;
 };
 
+}  // namespace
+
 nb::tuple draw_triangles(In<double, 3> triangles, std::int64_t width, std::int64_t height, double scale, double near,
                          bool perspective) {
   if (triangles.shape(1) != 3 || triangles.shape(2) != 3) throw std::invalid_argument("triangles need shape (N, 3, 3)");
@@ -159,11 +161,4 @@ nb::tuple draw_triangles(In<double, 3> triangles, std::int64_t width, std::int64
   return nb::make_tuple(to_numpy(std::move(faces), {rows, cols}), to_numpy(std::move(depths), {rows, cols}));
 }
 
-}  // namespace
 }  // namespace trundle
-
-void bind_zbuffer(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("draw_triangles", &trundle::draw_triangles, nb::arg("triangles"), nb::arg("width"), nb::arg("height"),
-        nb::arg("scale"), nb::arg("near"), nb::arg("perspective"));
-}

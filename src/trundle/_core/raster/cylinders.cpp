@@ -3,8 +3,9 @@
 // Its outline is the hull of the parts of the two rims between the heights and of the sections at the heights. Both are
 // arcs of the angle φ around the axis, with φ = 0 at the top of a rim, sampled so finely that the chords stay within a
 // slack of them. Few points do unless the outline passes a cell's edge nearer than that; then more are taken.
-#include "shared/hull.hpp"
+#include "raster/kernels.hpp"
 #include "raster/raster.hpp"
+#include "shared/hull.hpp"
 
 namespace trundle {
 
@@ -72,8 +73,8 @@ void slice(const Cylinder &cylinder, double low, double high, double slack, std:
 
 }  // namespace
 
-static void raster_cylinders(Cells cells, In<double, 2> cylinders, double low, double high, double resolution, double depth,
-                             bool centre) {
+void raster_cylinders(Cells cells, In<double, 2> cylinders, double low, double high, double resolution, double depth,
+                      bool centre) {
   if (cylinders.shape(1) != 8) throw std::invalid_argument("cylinders need shape (N, 8): middle, axis, radius, length");
   Raster raster(cells, resolution, depth, centre);
   nb::gil_scoped_release released;
@@ -96,9 +97,3 @@ static void raster_cylinders(Cells cells, In<double, 2> cylinders, double low, d
 }
 
 }  // namespace trundle
-
-void bind_raster_cylinder(nanobind::module_ &m) {
-  using nanobind::arg;
-  m.def("raster_cylinders", &trundle::raster_cylinders, arg("cells"), arg("cylinders"), arg("low"), arg("high"),
-        arg("resolution"), arg("depth"), arg("centre"));
-}

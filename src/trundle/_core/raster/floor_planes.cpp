@@ -2,8 +2,8 @@
 //
 // Between four samples the floor is bilinear. Over a rectangle such a surface, its difference from a plane and its steepest
 // slope have their extremes in the corners, so each cell is asked at its corners and where lines of samples cross it.
-#include "shared/arrays.hpp"
 #include "raster/floor_plane.hpp"
+#include "raster/kernels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -114,10 +114,8 @@ Plane fit_plane(const Field &field, const Span &x, const Span &y) {
 
 }  // namespace
 
-// The floor of each cell of a grid, shape (rows, cols, 6), NaN where it is not known; `heights` are samples `spacing` cells
-// apart, the first of them at (x, y) cells from the grid's corner.
-static nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double spacing, double x, double y,
-                                                   double resolution, std::int64_t rows, std::int64_t cols) {
+nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double spacing, double x, double y,
+                                            double resolution, std::int64_t rows, std::int64_t cols) {
   if (heights.shape(0) < 2 || heights.shape(1) < 2) throw std::invalid_argument("heights need at least 2 x 2 samples");
   if (!(spacing > 0.0 && std::isfinite(x) && std::isfinite(y) && rows > 0 && cols > 0))
     throw std::invalid_argument("a floor needs a spacing above 0, a finite place and some cells");
@@ -146,9 +144,3 @@ static nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double
 }
 
 }  // namespace trundle
-
-void bind_floor_planes(nanobind::module_ &m) {
-  using nanobind::arg;
-  m.def("floor_planes", &trundle::floor_planes, arg("heights"), arg("spacing"), arg("x"), arg("y"), arg("resolution"),
-        arg("rows"), arg("cols"));
-}

@@ -3,6 +3,7 @@
 // A mesh is closed when each edge is used as often in one direction as in the other. Then the section at a height is
 // made of closed loops, and a point is inside where these wind around it more often counter-clockwise than clockwise.
 // A cell that the surface in the band does not reach into is inside or outside as a whole, so its centre decides.
+#include "raster/kernels.hpp"
 #include "raster/mesh.hpp"
 
 namespace trundle {
@@ -127,10 +128,8 @@ void fill_section(Raster &raster, const std::vector<Segment> &section) {
 
 }  // namespace
 
-// Returns whether the mesh is closed, whether any of it lies in the band over the grid, and the faces of a closed mesh
-// that lie between two cells somewhere, for `raster_thin_faces`.
-static nb::tuple raster_mesh(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
-                             double resolution, double depth, bool centre, bool fill) {
+nb::tuple raster_mesh(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
+                      double resolution, double depth, bool centre, bool fill) {
   check_mesh(vertices, faces, transform);
   Raster raster(cells, resolution, depth, centre);
   std::vector<std::int32_t> between;
@@ -170,10 +169,8 @@ static nb::tuple raster_mesh(Cells cells, Vertices vertices, Faces faces, In<dou
   return nb::make_tuple(closed, there, to_numpy(std::move(between), {count}));
 }
 
-// Faces of a closed mesh that lie between two cells with no solid behind them: walls without thickness. Both cells become
-// 99 where the one behind is not occupied (100).
-static void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
-                              double resolution, double depth) {
+void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
+                       double resolution, double depth) {
   check_mesh(vertices, faces, transform);
   Raster raster(cells, resolution, depth, false);
   nb::gil_scoped_release released;
@@ -216,11 +213,3 @@ static void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<do
 }
 
 }  // namespace trundle
-
-void bind_raster_mesh(nanobind::module_ &m) {
-  using nanobind::arg;
-  m.def("raster_mesh", &trundle::raster_mesh, arg("cells"), arg("vertices"), arg("faces"), arg("transform"), arg("low"),
-        arg("high"), arg("resolution"), arg("depth"), arg("centre"), arg("fill"));
-  m.def("raster_thin_faces", &trundle::raster_thin_faces, arg("cells"), arg("vertices"), arg("faces"), arg("transform"),
-        arg("low"), arg("high"), arg("resolution"), arg("depth"));
-}

@@ -1,6 +1,7 @@
 // What the rasters of triangle meshes share: whether a mesh is closed, what it encloses, and its faces in place.
 #pragma once
 
+#include "raster/kernels.hpp"
 #include "raster/raster.hpp"
 
 #include <array>
@@ -30,9 +31,6 @@ inline std::uint64_t folded(double value) {
   std::memcpy(&word, &value, sizeof word);
   return word ^ (word >> 32);
 }
-
-using Vertices = In<double, 2>;
-using Faces = In<std::int32_t, 2>;
 
 inline void check_mesh(const Vertices &vertices, const Faces &faces, const In<double, 2> &transform) {
   if (vertices.shape(1) != 3 || faces.shape(1) != 3) throw std::invalid_argument("vertices and faces need shape (N, 3)");

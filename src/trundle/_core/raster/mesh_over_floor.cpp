@@ -4,13 +4,12 @@
 // above the plane, which is linear over a face, so the corners of the face's part in the cell decide: over a plane ramp
 // that is exact, and over a bent floor nothing in the band is missed. All x and y in here are in cells, heights in metres.
 #include "raster/floor_plane.hpp"
+#include "raster/kernels.hpp"
 #include "raster/mesh.hpp"
 
 namespace trundle {
 
 namespace {
-
-using Planes = In<double, 3>;
 
 // A convex part of a face. Four cuts leave at most 7 corners, and 13 where rounding makes it less than convex.
 struct Part {
@@ -227,9 +226,8 @@ bool place_face(const Placed &placed, std::size_t index, std::array<Point3, 3> &
 
 }  // namespace
 
-// As `raster_mesh`, with the band above the floor.
-static nb::tuple raster_mesh_over_floor(Cells cells, Planes planes, Vertices vertices, Faces faces, In<double, 2> transform,
-                                        double low, double high, double resolution, double depth, bool centre) {
+nb::tuple raster_mesh_over_floor(Cells cells, Planes planes, Vertices vertices, Faces faces, In<double, 2> transform,
+                                 double low, double high, double resolution, double depth, bool centre) {
   check_mesh(vertices, faces, transform);
   FloorRaster floor(cells, planes, low, high, resolution, depth, centre);
   std::vector<std::int32_t> between;
@@ -261,9 +259,8 @@ static nb::tuple raster_mesh_over_floor(Cells cells, Planes planes, Vertices ver
   return nb::make_tuple(closed, there, to_numpy(std::move(between), {count}));
 }
 
-// As `raster_thin_faces`, with the band above the floor.
-static void raster_thin_faces_over_floor(Cells cells, Planes planes, Vertices vertices, Faces faces, In<double, 2> transform,
-                                         double low, double high, double resolution, double depth) {
+void raster_thin_faces_over_floor(Cells cells, Planes planes, Vertices vertices, Faces faces, In<double, 2> transform,
+                                  double low, double high, double resolution, double depth) {
   check_mesh(vertices, faces, transform);
   FloorRaster floor(cells, planes, low, high, resolution, depth, false);
   nb::gil_scoped_release released;
@@ -306,11 +303,3 @@ static void raster_thin_faces_over_floor(Cells cells, Planes planes, Vertices ve
 }
 
 }  // namespace trundle
-
-void bind_raster_floor(nanobind::module_ &m) {
-  using nanobind::arg;
-  m.def("raster_mesh_over_floor", &trundle::raster_mesh_over_floor, arg("cells"), arg("planes"), arg("vertices"),
-        arg("faces"), arg("transform"), arg("low"), arg("high"), arg("resolution"), arg("depth"), arg("centre"));
-  m.def("raster_thin_faces_over_floor", &trundle::raster_thin_faces_over_floor, arg("cells"), arg("planes"),
-        arg("vertices"), arg("faces"), arg("transform"), arg("low"), arg("high"), arg("resolution"), arg("depth"));
-}

@@ -16,8 +16,6 @@
 
 namespace trundle {
 
-using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
 constexpr std::int8_t kOccupied = 100;
 constexpr std::int64_t kTile = 8;       // Edge of a tile [cells].
 constexpr std::int64_t kManyLarge = 1000;  // After as many large polygons others are expected to lie over them.

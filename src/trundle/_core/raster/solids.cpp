@@ -1,6 +1,7 @@
 // Rasters of convex solids, each cut to a height band first, so that it counts by what lies in the band, seen from above.
-#include "shared/hull.hpp"
+#include "raster/kernels.hpp"
 #include "raster/raster.hpp"
+#include "shared/hull.hpp"
 
 #include <array>
 
@@ -23,8 +24,8 @@ static void slice_hexahedron(const double *xyz, double low, double high, double 
   }
 }
 
-static void raster_hexahedra(Cells cells, In<double, 3> corners, double low, double high, double resolution, double depth,
-                             bool centre) {
+void raster_hexahedra(Cells cells, In<double, 3> corners, double low, double high, double resolution, double depth,
+                      bool centre) {
   if (corners.shape(1) != 8 || corners.shape(2) != 3) throw std::invalid_argument("corners need shape (N, 8, 3)");
   Raster raster(cells, resolution, depth, centre);
   nb::gil_scoped_release released;
@@ -37,7 +38,7 @@ static void raster_hexahedra(Cells cells, In<double, 3> corners, double low, dou
   }
 }
 
-static void raster_discs(Cells cells, In<double, 2> discs, double resolution, double depth, bool centre) {
+void raster_discs(Cells cells, In<double, 2> discs, double resolution, double depth, bool centre) {
   if (discs.shape(1) != 3) throw std::invalid_argument("discs need shape (N, 3): x, y, radius");
   Raster raster(cells, resolution, depth, centre);
   nb::gil_scoped_release released;
@@ -49,11 +50,3 @@ static void raster_discs(Cells cells, In<double, 2> discs, double resolution, do
 }
 
 }  // namespace trundle
-
-void bind_raster(nanobind::module_ &m) {
-  using nanobind::arg;
-  m.def("raster_hexahedra", &trundle::raster_hexahedra, arg("cells"), arg("corners"), arg("low"), arg("high"),
-        arg("resolution"), arg("depth"), arg("centre"));
-  m.def("raster_discs", &trundle::raster_discs, arg("cells"), arg("discs"), arg("resolution"), arg("depth"),
-        arg("centre"));
-}

@@ -1,10 +1,10 @@
 // Rays through a grid of blocked cells, for planar lidars: Amanatides and Woo, A Fast Voxel Traversal Algorithm (1987).
+#include "rays/kernels.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include "shared/arrays.hpp"
 
 namespace trundle {
 
@@ -63,8 +63,8 @@ double cast_ray(const Grid &grid, double x, double y, double dx, double dy, doub
 
 }  // namespace
 
-static nb::ndarray<nb::numpy, double> cast_grid_rays(In<std::uint8_t, 2> blocked, double x, double y,
-                                                     In<double, 1> angles, double reach) {
+nb::ndarray<nb::numpy, double> cast_grid_rays(In<std::uint8_t, 2> blocked, double x, double y, In<double, 1> angles,
+                                              double reach) {
   if (!std::isfinite(x) || !std::isfinite(y)) throw std::invalid_argument("the rays' origin must be finite");
   if (!(reach >= 0.0) || !std::isfinite(reach)) throw std::invalid_argument("reach must be a finite distance");
   const Grid grid{blocked.data(), static_cast<std::ptrdiff_t>(blocked.shape(0)),
@@ -84,9 +84,3 @@ static nb::ndarray<nb::numpy, double> cast_grid_rays(In<std::uint8_t, 2> blocked
 }
 
 }  // namespace trundle
-
-void bind_grid_rays(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("cast_grid_rays", &trundle::cast_grid_rays, nb::arg("blocked"), nb::arg("x"), nb::arg("y"), nb::arg("angles"),
-        nb::arg("reach"));
-}

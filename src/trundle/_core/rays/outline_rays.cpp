@@ -1,10 +1,10 @@
 // Evenly spaced rays against segments and discs in the plane: each of them is tried only by the rays that can meet it.
+#include "rays/kernels.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include "shared/arrays.hpp"
 
 namespace trundle {
 
@@ -80,10 +80,8 @@ void cast(const In<double, 2> &segments, const In<double, 2> &discs, double x, d
 
 }  // namespace
 
-// Distances from (x, y) along `count` rays at `first + i * step` to the nearest segment (x0, y0, x1, y1) or disc
-// (x, y, radius), infinity where there is none within `reach`. From inside a disc the rays meet its rim.
-static nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,
-                                                        double first, double step, std::int64_t count, double reach) {
+nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<double, 2> discs, double x, double y,
+                                                 double first, double step, std::int64_t count, double reach) {
   if (segments.shape(1) != 4) throw std::invalid_argument("segments need shape (N, 4)");
   if (discs.shape(1) != 3) throw std::invalid_argument("discs need shape (N, 3)");
   if (count < 1 || count > 1'000'000) throw std::invalid_argument("count must be 1 to 1,000,000 rays");
@@ -101,9 +99,3 @@ static nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, 
 }
 
 }  // namespace trundle
-
-void bind_outline_rays(nanobind::module_ &m) {
-  namespace nb = nanobind;
-  m.def("cast_outline_rays", &trundle::cast_outline_rays, nb::arg("segments"), nb::arg("discs"), nb::arg("x"),
-        nb::arg("y"), nb::arg("first"), nb::arg("step"), nb::arg("count"), nb::arg("reach"));
-}

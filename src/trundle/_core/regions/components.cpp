@@ -1,5 +1,5 @@
 // Connected components of a mask, and the gaps in it: what missions are picked from and maps are checked by.
-#include "shared/arrays.hpp"
+#include "regions/kernels.hpp"
 #include "regions/runs.hpp"
 
 #include <algorithm>
@@ -14,8 +14,7 @@ constexpr std::size_t kColumns = 5;  // cells, first row, end row, first column,
 
 }  // namespace
 
-// Components are numbered in the order of their first cells.
-static nb::tuple label_components(In<std::uint8_t, 2> mask, bool diagonal) {
+nb::tuple label_components(In<std::uint8_t, 2> mask, bool diagonal) {
   const auto rows = static_cast<std::int64_t>(mask.shape(0)), cols = static_cast<std::int64_t>(mask.shape(1));
   std::vector<std::int32_t> labels;
   std::vector<std::int64_t> table;
@@ -85,9 +84,7 @@ struct Lines {
 
 }  // namespace
 
-// Marks runs of open cells along rows, columns and both diagonals that are shorter than `limit` cells, with a blocked
-// cell or the edge of the grid at both ends.
-static auto mark_gaps(In<std::uint8_t, 2> blocked, double limit) {
+nb::ndarray<nb::numpy, std::uint8_t> mark_gaps(In<std::uint8_t, 2> blocked, double limit) {
   const auto rows = static_cast<std::int64_t>(blocked.shape(0)), cols = static_cast<std::int64_t>(blocked.shape(1));
   if (!(limit >= 0.0 && limit <= 1e6)) throw std::invalid_argument("limit must be from 0 to 1e6 cells");
   std::vector<std::uint8_t> marks;
@@ -130,8 +127,3 @@ static auto mark_gaps(In<std::uint8_t, 2> blocked, double limit) {
 }
 
 }  // namespace trundle
-
-void bind_components(nanobind::module_ &m) {
-  m.def("label_components", &trundle::label_components, nanobind::arg("mask"), nanobind::arg("diagonal"));
-  m.def("mark_gaps", &trundle::mark_gaps, nanobind::arg("blocked"), nanobind::arg("limit"));
-}

@@ -1,15 +1,13 @@
 // Flood fill, 4-connected, row span by row span: which unknown cells of a map can be reached.
 //
 // Eight cells are looked at together wherever they are alike.
-#include "shared/arrays.hpp"
+#include "regions/kernels.hpp"
 #include "regions/runs.hpp"
 
 #include <cstring>
 #include <stdexcept>
 
 namespace trundle {
-
-using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 static constexpr std::int8_t kUnknown = -1, kFree = 0;
 
@@ -103,8 +101,7 @@ static std::int64_t flood(std::int8_t *cells, std::int64_t rows, std::int64_t co
   return count;
 }
 
-// Unknown cells that are joined to a seed become free; return how many.
-static std::int64_t flood_free(Cells cells, In<std::int64_t, 2> seeds) {
+std::int64_t flood_free(Cells cells, In<std::int64_t, 2> seeds) {
   const auto rows = static_cast<std::int64_t>(cells.shape(0)), cols = static_cast<std::int64_t>(cells.shape(1));
   if (seeds.shape(1) != 2) throw std::invalid_argument("seeds need shape (N, 2): row, col");
   for (std::size_t i = 0; i < seeds.shape(0); ++i)
@@ -131,9 +128,8 @@ static void each_run(const std::int8_t *cells, std::int64_t rows, std::int64_t c
   }
 }
 
-// The largest area of unknown cells becomes free, the first of those that are as large; return how many, 0 where there
-// is none. Row by row: following each area through the map would fetch its cells from memory again and again.
-static std::int64_t flood_largest(Cells cells) {
+// Row by row: following each area through the map would fetch its cells from memory again and again.
+std::int64_t flood_largest(Cells cells) {
   const auto rows = static_cast<std::int64_t>(cells.shape(0)), cols = static_cast<std::int64_t>(cells.shape(1));
   nb::gil_scoped_release released;
   RunForest forest;
@@ -170,8 +166,3 @@ static std::int64_t flood_largest(Cells cells) {
 }
 
 }  // namespace trundle
-
-void bind_flood(nanobind::module_ &m) {
-  m.def("flood_free", &trundle::flood_free, nanobind::arg("cells"), nanobind::arg("seeds"));
-  m.def("flood_largest", &trundle::flood_largest, nanobind::arg("cells"));
-}

@@ -17,6 +17,9 @@ namespace nb = nanobind;
 template <typename T, int Rank>
 using In = nb::ndarray<const T, nb::ndim<Rank>, nb::c_contig, nb::device::cpu>;
 
+// A map's cells (−1 unknown, 0 free, 100 occupied) that a kernel changes in place.
+using Cells = nb::ndarray<std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
 // Hand a vector to NumPy without a copy; the array owns it.
 template <typename T>
 nb::ndarray<nb::numpy, T> to_numpy(std::vector<T> &&values, std::initializer_list<std::size_t> shape) {

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "hybrid/shots.hpp"
 #include "cost/line_cost.hpp"
+#include "hybrid/shots.hpp"
 
 namespace trundle::smoothing {
 

@@ -1,8 +1,8 @@
 // `BinaryGrid` as Python sees it: shortest ways between cells of a map of blocked and free cells.
 #include "grid/binary_grid.hpp"
-
-#include "shared/arrays.hpp"
+#include "grid/kernels.hpp"
 #include "grid/queries.hpp"
+#include "shared/arrays.hpp"
 #include "shared/call_limits.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -260,7 +260,7 @@ static const char *method_name(const BinaryGrid &grid) {
 
 }  // namespace trundle
 
-void bind_binary_grid(nanobind::module_ &m) {
+void bind_grid(nanobind::module_ &m) {
   namespace nb = nanobind;
   using Unlocked = nb::call_guard<nb::gil_scoped_release>;
   nb::class_<trundle::BinaryGrid>(m, "BinaryGrid")
@@ -283,4 +283,7 @@ void bind_binary_grid(nanobind::module_ &m) {
       .def_prop_ro("clutter", &trundle::BinaryGrid::clutter, Unlocked())
       .def_prop_ro("bytes", &trundle::BinaryGrid::bytes, Unlocked());
   m.def("walk_corners", &trundle::walk_corners, nb::arg("corners").noconvert());
+  m.def("grid_search", &trundle::grid_search, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
+        nb::arg("start"), nb::arg("goal"), nb::arg("connectivity") = 8,
+        nb::arg("seconds") = nb::none(), nb::arg("cancel") = nb::none());
 }

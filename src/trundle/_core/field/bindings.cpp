@@ -1,6 +1,6 @@
 // Cost to go from every cell of a grid to the nearest of some goals: the exact shortest paths over the whole map.
-#include "shared/arrays.hpp"
 #include "field/tiled_field.hpp"
+#include "shared/arrays.hpp"
 #include "shared/call_limits.hpp"
 
 namespace trundle {
@@ -60,7 +60,7 @@ static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int co
 
 }  // namespace trundle
 
-void bind_cost_field(nanobind::module_ &m) {
+void bind_field(nanobind::module_ &m) {
   namespace nb = nanobind;
   const auto bind = [&m](auto function) {
     m.def("cost_field", function, nb::arg("costs").noconvert(), nb::arg("goals").noconvert(),

@@ -1,7 +1,7 @@
 // The shortest Dubins and Reeds-Shepp curves between poses, without obstacles.
-#include "shared/arrays.hpp"
 #include "curves/curves.hpp"
 #include "curves/reeds_shepp.hpp"
+#include "shared/arrays.hpp"
 
 #include <cmath>
 #include <utility>
@@ -50,7 +50,7 @@ static nb::ndarray<nb::numpy, double> shortest_curves(In<double, 2> starts, In<d
 
 }  // namespace trundle
 
-void bind_shortest_curves(nanobind::module_ &m) {
+void bind_curves(nanobind::module_ &m) {
   namespace nb = nanobind;
   m.def("shortest_curves", &trundle::shortest_curves, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
         nb::arg("radius"), nb::arg("reverse"));

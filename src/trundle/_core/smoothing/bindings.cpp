@@ -1,10 +1,9 @@
 // Another course for a path: curves that a robot can drive, clear of costs, where its footprint has room.
-#include "smoothing/band.hpp"
-#include "smoothing/chain.hpp"
-
+#include "curves/segments.hpp"
 #include "shared/arrays.hpp"
 #include "shared/memory_pool.hpp"
-#include "curves/segments.hpp"
+#include "smoothing/band.hpp"
+#include "smoothing/chain.hpp"
 
 #include <nanobind/stl/optional.h>
 

@@ -1,7 +1,8 @@
 // The cheapest way over a grid whose cells have a weight each, for one table of weights.
+#include "cost/kernels.hpp"
 #include "cost/least_cost_path.hpp"
-#include "shared/memory_pool.hpp"
 #include "shared/call_limits.hpp"
+#include "shared/memory_pool.hpp"
 
 #include <nanobind/stl/pair.h>
 
@@ -70,11 +71,15 @@ class LeastCost {
 
 }  // namespace trundle
 
-void bind_least_cost(nanobind::module_ &m) {
+void bind_cost(nanobind::module_ &m) {
   namespace nb = nanobind;
   nb::class_<trundle::LeastCost>(m, "LeastCost")
       .def(nb::init<trundle::In<double, 1>>(), nb::arg("weights").noconvert())
       .def("find", &trundle::LeastCost::find, nb::arg("costs").noconvert(), nb::arg("start"), nb::arg("goal"),
            nb::arg("ends").noconvert(), nb::arg("seconds") = nb::none(), nb::arg("cancel") = nb::none())
       .def_prop_ro("bytes", &trundle::LeastCost::bytes);
+  m.def("line_costs", &trundle::line_costs, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
+        nb::arg("starts").noconvert(), nb::arg("ends").noconvert());
+  m.def("shortcut", &trundle::shortcut, nb::arg("costs").noconvert(), nb::arg("weights").noconvert(),
+        nb::arg("points").noconvert());
 }

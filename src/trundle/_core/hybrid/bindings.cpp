@@ -1,10 +1,9 @@
 // `HybridAStar` as Python sees it: ways of an oriented footprint between poses.
-#include "hybrid/search.hpp"
-
-#include "shared/arrays.hpp"
-#include "shared/memory_pool.hpp"
-#include "shared/call_limits.hpp"
 #include "curves/segments.hpp"
+#include "hybrid/search.hpp"
+#include "shared/arrays.hpp"
+#include "shared/call_limits.hpp"
+#include "shared/memory_pool.hpp"
 
 #include <nanobind/stl/optional.h>
 
@@ -156,7 +155,7 @@ class HybridAStar {
 
 }  // namespace trundle
 
-void bind_hybrid_astar(nanobind::module_ &m) {
+void bind_hybrid(nanobind::module_ &m) {
   namespace nb = nanobind;
   nb::class_<trundle::HybridAStar>(m, "HybridAStar")
       .def(nb::init<double, bool, bool, double, double, double, double, double, double>(), nb::kw_only(),

@@ -1,0 +1,10 @@
+// Names and arguments of these kernels in Python; kernels.hpp says what they do.
+#include "rays/kernels.hpp"
+
+void bind_rays(nanobind::module_ &m) {
+  using namespace trundle;
+  using nanobind::arg;
+  m.def("cast_grid_rays", &cast_grid_rays, arg("blocked"), arg("x"), arg("y"), arg("angles"), arg("reach"));
+  m.def("cast_outline_rays", &cast_outline_rays, arg("segments"), arg("discs"), arg("x"), arg("y"), arg("first"),
+        arg("step"), arg("count"), arg("reach"));
+}
