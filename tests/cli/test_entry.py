@@ -149,7 +149,7 @@ def test_a_stream_that_cannot_show_a_letter_is_no_fault() -> None:
 def test_the_engine_starts_without_its_window_and_leaves_the_environment(before: str) -> None:
     program = (
         "import os, sys\n"
-        "from trundle.cli.engine import import_engine\n"
+        "from trundle.sim.mujoco.engine import import_engine\n"
         "import_engine()\n"
         "print('mujoco' in sys.modules, 'glfw' in sys.modules, os.environ.get('MUJOCO_GL', ''))"
     )

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from trundle.cli import options
+from trundle.cli.shared import options
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 

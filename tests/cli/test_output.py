@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from trundle.cli import output
+from trundle.cli.shared import output
 
 
 class Colour(StrEnum):

@@ -5,12 +5,12 @@ from types import TracebackType
 import pytest
 
 from support.command_line import Trundle
-from trundle.cli.window import Watcher
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Step
 from trundle.navigation import NavigationStatus
 from trundle.robots import WheelSpeeds
 from trundle.sim import RobotState
+from trundle.viewer.watcher import Watcher
 
 
 class FakeWindow:
@@ -43,7 +43,7 @@ class FakeWindow:
 
 
 def use(window: FakeWindow, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trundle.cli.window.open_window", lambda world, robot, pose: window)
+    monkeypatch.setattr("trundle.viewer.watcher.open_window", lambda world, robot, pose: window)
 
 
 def test_the_arrow_keys_of_a_window_drive(trundle: Trundle, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from trundle.cli.entry import run_command
-from trundle.cli.options import parse_settings
+from trundle.cli.shared.options import parse_settings
 from trundle.errors import RobotWarning
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot

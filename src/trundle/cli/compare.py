@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output
+from trundle.cli.shared import options, output
 
 _LONGER_S = 0.5
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import missions, options
+from trundle.cli.shared import missions, options
 
 app = App(
     name="demo",

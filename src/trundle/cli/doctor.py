@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output, sources
-from trundle.cli.engine import import_engine
+from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,6 +37,7 @@ def doctor(
 ) -> int:
     """Check what this machine has, and a simulator if one is named. Exit code 1 where a point fails."""
     from trundle.doctor.machine import check_backend, check_machine
+    from trundle.sim.mujoco.engine import import_engine
 
     given = isaac.simulator_options(isaac_options, backend or "none")
     if backend in (None, "mujoco"):
@@ -79,14 +79,15 @@ def robot(
         wheel_radius: Check a controller that is configured with this one [m], and not with the robot's own.
         track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
     """
-    simulator_options = isaac.simulator_options(isaac_options, backend)
-    if backend == "mujoco":
-        import_engine()
     from trundle.doctor.drive_check import check_drive
     from trundle.robots import Robot
     from trundle.sim import simulate
+    from trundle.sim.mujoco.engine import import_engine
     from trundle.worlds import World
 
+    simulator_options = isaac.simulator_options(isaac_options, backend)
+    if backend == "mujoco":
+        import_engine()
     machine = Robot.load(name)
     given = {"wheel_radius": wheel_radius, "track_width": track_width}
     changes = {key: value for key, value in given.items() if value is not None}

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output, sources
-from trundle.cli.engine import import_engine
+from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.cli.drive_log import DriveLog
     from trundle.geometry import Pose2D
+    from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
 
@@ -77,12 +76,14 @@ def drive(
         world: Where to drive: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
         out: Folder for drive.csv, which must not hold a run; left out: a new one under runs.
     """
-    from trundle.cli.drive_log import DriveLog
-    from trundle.cli.teleop import check_terminal, drive_by_keys
-    from trundle.cli.window import drive_in_window, open_window
+    from trundle.record.drive_log import DriveLog
     from trundle.record.folder_claim import FolderClaim, check_free
     from trundle.robots import Robot
     from trundle.sim import simulate
+    from trundle.sim.mujoco.engine import import_engine
+    from trundle.teleop.terminal import check_terminal, drive_by_keys
+    from trundle.teleop.window import drive_in_window
+    from trundle.viewer.watcher import open_window
 
     if sum((teleop, bool(command), like is not None)) != 1:
         raise InputError("give either --command V,W,SECONDS (as often as you like), or --like RUN, or --teleop")

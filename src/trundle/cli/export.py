@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
+from trundle.cli.shared import options, output, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:

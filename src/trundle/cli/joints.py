@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output
-from trundle.cli.engine import import_engine
+from trundle.cli.shared import isaac, options, output
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
 
@@ -43,6 +42,8 @@ def joints(
     given = isaac.simulator_options(isaac_options, backend)
     if backend == isaac.BACKEND:
         return _joints_in_isaac(robot, given, json=json)
+    from trundle.sim.mujoco.engine import import_engine
+
     import_engine()
     from trundle.robots import Robot
     from trundle.sim.mujoco.joints import list_joints

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, plan_compare, sources
+from trundle.cli import plan_compare
+from trundle.cli.shared import options, output, sources
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import time
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, TypedDict
 
-from trundle.cli import output
+from trundle.cli.shared import output
 from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError
 from trundle.geometry import Pose2D, wrap_angle
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, missions, options, sources
+from trundle.cli.shared import isaac, missions, options, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:

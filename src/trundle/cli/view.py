@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output, sources
-from trundle.cli.engine import import_engine
+from trundle.cli.shared import isaac, options, output, sources
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
@@ -59,6 +58,7 @@ def view(
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
     from trundle.robots import Robot
+    from trundle.sim.mujoco.engine import import_engine
 
     given = isaac.simulator_options(isaac_options, backend)
     machine = Robot.load(robot, paths=options.join_paths(paths))

@@ -15,8 +15,8 @@ from typing import Any, Self
 import mujoco
 
 from trundle.errors import SimulationError
-from trundle.geometry import Pose2D, Twist2D
-from trundle.robots import Limits, Robot, WheelSpeeds
+from trundle.geometry import Pose2D
+from trundle.robots import Robot, WheelSpeeds
 from trundle.viewer.cameras import Camera
 from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
 from trundle.worlds import World
@@ -134,40 +134,3 @@ class NativeWindow:
         view.lookat[:] = camera.target
         view.distance = camera.distance
         view.azimuth, view.elevation = math.degrees(azimuth), math.degrees(elevation)
-
-
-class StepDrive:
-    """Turns single key presses into a twist, a fifth of the robot's largest speed a press.
-
-    The window tells when a key goes down and never when it comes up, so that a key cannot mean "while held": up and
-    down change the speed, left and right the turn, and `stop` ends both.
-    """
-
-    STEPS = 5
-
-    def __init__(self, limits: Limits) -> None:
-        self._limits = limits
-        self._forward = 0
-        self._left = 0
-
-    def press(self, key: str) -> None:
-        """Take one key of `NativeWindow.read_keys`; others do nothing."""
-        match key:
-            case "up" | "down":
-                self._forward = self._stepped(self._forward, key == "up")
-            case "left" | "right":
-                self._left = self._stepped(self._left, key == "left")
-            case "stop":
-                self._forward = self._left = 0
-            case _:
-                pass
-
-    def twist(self) -> Twist2D:
-        """Return the command."""
-        return Twist2D(
-            self._forward / self.STEPS * self._limits.linear_speed,
-            self._left / self.STEPS * self._limits.angular_speed,
-        )
-
-    def _stepped(self, value: int, up: bool) -> int:
-        return max(-self.STEPS, min(self.STEPS, value + (1 if up else -1)))

@@ -1,7 +1,7 @@
 import pytest
 
-from trundle.cli.map_report import MOST_LINES, tell_report
 from trundle.maps.check import KINDS, PLACEMENT_KINDS, Finding, MapReport
+from trundle.record.map_report_lines import MOST_LINES, tell_report
 
 
 def finding(kind, severity="warning", fix="mend it", area=None):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 from cyclopts import Group, Parameter
 
-from trundle.cli import sources
+from trundle.cli.shared import sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:

@@ -14,79 +14,13 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
-from trundle.geometry import Twist2D
+from trundle.teleop.keys import KeyDrive, split_keys
 
 if TYPE_CHECKING:
-    from trundle.cli.drive_log import DriveLog
-    from trundle.robots import Limits
+    from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
 
-DEAD_MAN_S = 0.3
-"""How long a key counts. A held key repeats faster than this in every terminal; a released one stops the robot."""
-
-SPEED_SHARE = 0.6
-"""Share of the robot's largest speeds that a key commands."""
-
-_ARROWS = {b"A": "i", b"B": "k", b"C": "l", b"D": "j"}
-_FORWARD = {"i": 1.0, "k": -1.0}
-_LEFT = {"j": 1.0, "l": -1.0}
 _HELP = "i/k or up/down: forward, back   j/l or left/right: turn   space: stop   q: quit"
-
-
-class KeyDrive:
-    """Turns key presses into a twist that dies away when the keys do.
-
-    Forward and turn are kept apart, each with its own dead-man, so that pressing two keys in turn drives an arc.
-    """
-
-    def __init__(self, limits: Limits) -> None:
-        self._v = SPEED_SHARE * limits.linear_speed
-        self._w = SPEED_SHARE * limits.angular_speed
-        self._forward = (0.0, float("-inf"))
-        self._left = (0.0, float("-inf"))
-        self.done = False
-
-    def press(self, key: str, now: float) -> None:
-        """Take one key at a time `now` [s]; unknown keys do nothing."""
-        if key in _FORWARD:
-            self._forward = (_FORWARD[key], now)
-        elif key in _LEFT:
-            self._left = (_LEFT[key], now)
-        elif key == " ":
-            self._forward = self._left = (0.0, now)
-        elif key == "q":
-            self.done = True
-
-    def twist(self, now: float) -> Twist2D:
-        """Return the command at a time `now` [s]."""
-        forward, left = (sign if now - pressed <= DEAD_MAN_S else 0.0 for sign, pressed in (self._forward, self._left))
-        return Twist2D(forward * self._v, left * self._w)
-
-
-def split_keys(data: bytes) -> tuple[list[str], bytes]:
-    """Split what a terminal sent into keys, arrows as i, k, j, l; an unfinished escape sequence is handed back."""
-    keys: list[str] = []
-    at = 0
-    while at < len(data):
-        byte = data[at : at + 1]
-        if byte != b"\x1b":
-            keys.append(byte.decode("ascii", "replace").lower())
-            at += 1
-            continue
-        if data[at + 1 : at + 2] not in (b"[", b"O"):
-            if at + 1 == len(data):
-                return keys, data[at:]
-            at += 1
-            continue
-        end = at + 2
-        while end < len(data) and not 0x40 <= data[end] <= 0x7E:
-            end += 1
-        if end == len(data):
-            return keys, data[at:]
-        if data[end : end + 1] in _ARROWS:
-            keys.append(_ARROWS[data[end : end + 1]])
-        at = end + 1
-    return keys, b""
 
 
 def check_terminal() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trundle.cli.options import join_paths, parse_pose, parse_settings
+from trundle.cli.shared.options import join_paths, parse_pose, parse_settings
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:

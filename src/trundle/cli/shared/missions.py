@@ -6,14 +6,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trundle.cli import isaac, output
-from trundle.cli.engine import import_engine
+from trundle.cli.shared import isaac, output
 
 if TYPE_CHECKING:
-    from trundle.cli.scene_frames import SceneFrames
     from trundle.mission import Episode, Mission, Observer, RunInfo, Scenario
     from trundle.record.run_folder import RunFolder, WriteExtra
     from trundle.record.video import MakeFrames
+    from trundle.viewer.scene_frames import SceneFrames
 
 
 def drive(
@@ -45,6 +44,7 @@ def drive(
     from trundle.record.folder_claim import check_free
     from trundle.record.progress import ProgressBar
     from trundle.record.run_folder import RunFolder, with_images
+    from trundle.sim.mujoco.engine import import_engine
 
     place = (_MAP, _SCENE) if with_place else ()
     check_free(out, overwrite=overwrite, extra=with_images(place))
@@ -60,7 +60,7 @@ def drive(
         with ExitStack() as stack:
             observers: list[Observer] = []
             if view:
-                from trundle.cli.window import Watcher, open_window
+                from trundle.viewer.watcher import Watcher, open_window
 
                 observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
             bar = stack.enter_context(ProgressBar(quiet=quiet))
@@ -95,7 +95,7 @@ def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
         return None
 
     def make(_run: RunInfo, episode: Episode) -> SceneFrames:
-        from trundle.cli.scene_frames import SceneFrames
+        from trundle.viewer.scene_frames import SceneFrames
 
         return SceneFrames(mission, episode)
 

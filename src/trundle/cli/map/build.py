@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli import isaac, options, output, sources
+from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 from pathlib import Path
 
-from trundle.cli.drive_log import DriveLog
 from trundle.geometry import Pose2D, Twist2D
+from trundle.record.drive_log import DriveLog
 from trundle.robots import WheelSpeeds
 from trundle.sim import Contact, RobotState
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output
+from trundle.cli.shared import options, output
 from trundle.errors import InputError
 
 if TYPE_CHECKING:

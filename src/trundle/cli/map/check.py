@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import options, output, sources
-from trundle.cli.map_report import MOST_LINES, tell_report
+from trundle.cli.shared import options, output, sources
 from trundle.errors import InputError
+from trundle.record.map_report_lines import MOST_LINES, tell_report
 
 if TYPE_CHECKING:
     from trundle.maps import OccupancyGrid

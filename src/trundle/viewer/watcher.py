@@ -1,19 +1,16 @@
-"""Verbs in MuJoCo's window: watching a run, driving by its arrow keys."""
+"""A robot shown in a window while it drives."""
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.cli.drive_log import DriveLog
     from trundle.geometry import Pose2D
     from trundle.mission import Episode, RunInfo, Step
     from trundle.robots import Robot
-    from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
     from trundle.worlds import World
 
@@ -29,28 +26,6 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
     if not has_screen():
         raise InputError("--view needs a screen that shows OpenGL, and there is none here; leave it out")
     return NativeWindow(world, robot, pose, chase=True)
-
-
-def drive_in_window(simulator: Simulator, log: DriveLog, window: NativeWindow, *, period_s: float) -> None:
-    """Drive in real time by the arrow keys of a window, until it is closed or Ctrl-C."""
-    from trundle.viewer.native import StepDrive
-
-    drive = StepDrive(simulator.robot.limits)
-    print("arrows: faster, slower, left, right   space: stop   close the window to end", file=sys.stderr)
-    log.begin(0.0, 0.0, 0.0)
-    due = time.monotonic()
-    try:
-        while window.is_open:
-            for key in window.read_keys():
-                drive.press(key)
-            command = drive.twist()
-            state = simulator.step(command, period_s)
-            log.add(state, command)
-            window.show(state.pose, state.wheel_positions)
-            due += period_s
-            time.sleep(max(0.0, due - time.monotonic()))
-    except KeyboardInterrupt:
-        pass  # One of the ways to end; the drive is recorded all the same.
 
 
 class Watcher:
