@@ -41,6 +41,10 @@ class RobotWarning(UserWarning):
     """A robot that can be used, with something about it assumed."""
 
 
+class AngleWarning(UserWarning):
+    """An angle that can be used, and that probably was meant in degrees."""
+
+
 class RobotError(InputError):
     """A robot description that cannot be used."""
 

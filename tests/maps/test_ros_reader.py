@@ -327,3 +327,10 @@ def test_maps_import_neither_an_image_library_nor_pydantic(tmp_path):
     assert not {{"PIL", "pydantic"}} & set(sys.modules), "after loading"
     """
     subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True)
+
+
+def test_a_file_of_another_kind_is_called_what_it_is(tmp_path):
+    (tmp_path / "mission.yaml").write_text("world: warehouse\ngoal: [1, 2]\n")
+    with pytest.raises(MapError) as caught:
+        OccupancyGrid.load(tmp_path / "mission.yaml")
+    assert str(caught.value) == f"{tmp_path / 'mission.yaml'}: this is a scenario, not a map"

@@ -1,10 +1,11 @@
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from trundle.costmap import Costmap
-from trundle.errors import BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
+from trundle.errors import AngleWarning, BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Trajectory, run
@@ -43,14 +44,14 @@ time_limit_s: 90
 @pytest.mark.parametrize(
     ("text", "where"),
     [
-        ("world: warehouse\nspeed: 3\n", ":2:1: speed: Extra inputs"),
+        ("world: warehouse\nspeed: 3\n", ":2:1: speed: unknown key"),
         ("world: warehouse\nstart: [1]\n", ":2:8: start:"),
         ("world: warehouse\nstart: [1, 2, 3, 4]\n", ":2:8: start:"),
         ("world: warehouse\nstart: [1, .nan]\n", ":2:12: start.1:"),
         ("world: warehouse\ngoals: []\n", ":2:8: goals:"),
         ("world: warehouse\nseed: -1\n", ":2:7: seed:"),
         ("world: warehouse\nresolution: 0\n", ":2:13: resolution:"),
-        ("world: {name: warehouse, sede: 1}\n", ":1:26: world.sede: Extra inputs"),
+        ("world: {name: warehouse, sede: 1}\n", ":1:26: world.sede: unknown key. Did you mean 'seed'"),
         ("world: {seed: 1}\n", ":1:8: world.name:"),
         ("planner: 3\nworld: warehouse\n", ":1:10: planner:"),
         ("robot: nova_carter\n", "either world or map"),
@@ -67,6 +68,43 @@ def test_every_mistake_is_reported_with_its_place(tmp_path, text, where):
     assert str(path) in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n", "a map"),
+        ("name: mine\ndrive: {wheel_radius: 0.1}\nfootprint: []\n", "a robot"),
+    ],
+)
+def test_a_file_of_another_kind_is_called_what_it_is(tmp_path, text, kind):
+    path = write(tmp_path, text)
+    with pytest.raises(ScenarioError) as caught:
+        Scenario.load(path)
+    assert str(caught.value) == f"{path}: this is {kind}, not a scenario"
+
+
+def test_an_option_of_no_kind_that_is_known_is_one_mistake(tmp_path):
+    path = write(tmp_path, "world: {name: warehouse, options: {size: {x: 1}}}\n")
+    with pytest.raises(ScenarioError) as caught:
+        Scenario.load(path)
+    assert str(caught.value) == f"{path}:1:42: world.options.size: must be a single value, or a list of them"
+
+
+def test_a_yaw_may_be_in_degrees(tmp_path):
+    path = write(tmp_path, "world: warehouse\nstart: [1, 2, 90deg]\ngoals: [[1, 2], [3, 4, -45deg]]\n")
+    scenario = Scenario.load(path)
+    assert scenario.start == pytest.approx((1.0, 2.0, math.pi / 2.0))
+    assert scenario.goals[1] == pytest.approx((3.0, 4.0, -math.pi / 4.0))
+    assert Scenario.make(world="warehouse", goal=(1, 2, "90 deg")).goal[2] == pytest.approx(math.pi / 2.0)
+
+
+def test_a_yaw_beyond_a_whole_turn_is_warned_of_with_its_place(tmp_path):
+    path = write(tmp_path, "world: warehouse\nstart: [1, 2, 90]\n")
+    with pytest.warns(AngleWarning, match=r"scenario.yaml:2:8: start: 90 is more than a whole turn, .* write 90deg"):
+        assert Scenario.load(path).start == (1.0, 2.0, 90.0)
+    with pytest.warns(AngleWarning, match="^goal: 90 is more than a whole turn"):
+        Scenario.make(world="warehouse", goal=(1, 2, 90))
+
+
 def test_a_missing_file_is_a_scenario_error(tmp_path):
     with pytest.raises(ScenarioError, match="cannot read"):
         Scenario.load(tmp_path / "none.yaml")
@@ -75,7 +113,7 @@ def test_a_missing_file_is_a_scenario_error(tmp_path):
 def test_mistakes_in_keywords_are_scenario_errors():
     with pytest.raises(ScenarioError, match="either world or map"):
         Scenario.make(robot="nova_carter")
-    with pytest.raises(ScenarioError, match="speed: Extra"):
+    with pytest.raises(ScenarioError, match="speed: unknown key"):
         Scenario.make(world="warehouse", speed=3)
 
 

@@ -116,13 +116,13 @@ def test_a_yaml_can_name_a_model_and_add_to_it(tmp_path):
     [
         ("model: mini.step\n", "model must be the path of a .urdf, .xacro, .xml, .mjcf file, got 'mini.step'"),
         ("model: gone.urdf\n", "gone.urdf: there is no such file"),
-        (YAML.replace("models/", "") + "colour: red\n", "colour: Extra inputs"),
+        (YAML.replace("models/", "") + "colour: red\n", "colour: unknown key"),
         (YAML.replace("models/", "") + "paths: here\n", "paths must be a list"),
         (
             YAML.replace("models/", "").replace("drive: {", "drive: {wheel_radius: -1, "),
             "wheel_radius must be a positive",
         ),
-        (YAML.replace("models/", "").replace("[1, 0, 0]", "red"), "body.color: Input should be a valid"),
+        (YAML.replace("models/", "").replace("[1, 0, 0]", "red"), "body.color: must be a list, got 'red'"),
         ("model: mini.urdf\ndrive: 3\n", "drive must be a mapping"),
     ],
 )

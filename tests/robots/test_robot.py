@@ -4,7 +4,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from trundle.errors import RobotError, UnknownNameError
+from trundle.errors import AngleWarning, RobotError, UnknownNameError
 from trundle.robots import Robot, robot_names
 
 CATALOGUE = ["jackal", "nova_carter", "turtlebot3_burger", "turtlebot3_waffle"]
@@ -82,12 +82,33 @@ def test_an_unknown_name_offers_the_nearest():
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("wheel_radius: 0.14", "wheel_radius: -0.14", "mine.yaml:8:17: drive.wheel_radius: Input should be greater"),
+        (
+            "wheel_radius: 0.14",
+            "wheel_radius: -0.14",
+            "mine.yaml:8:17: drive.wheel_radius: -0.14 is out of range",
+        ),
+        ("wheel_radius: 0.14", "wheel_radius: 100", "drive.wheel_radius: 100 is out of range: .* at most 5 m"),
+        (
+            "mass: 54.6",
+            "mass: 5.46e7",
+            "body.mass: 54600000 is out of range: it must be above 0 and at most 1000000 kg",
+        ),
+        ("linear_speed: 0.8", "linear_speed: 800", "limits.linear_speed: 800 .* at most 100 m/s"),
+        ("[[0.14, 0.25], ", "[[140, 250], ", "footprint.0.1: 250 is out of range: it must be .* at most 50 m"),
+        ("yaw: 3.141592653589793", "yaw: north", "lidars.front.yaw: 'north' is not an angle; .* 90deg"),
         ("wheel_radius: 0.14", "wheel_radius: .nan", "mine.yaml:8:17: drive.wheel_radius: .*finite"),
         ("wheel_radius: 0.14", "wheel_radius: big", "mine.yaml:8:17: drive.wheel_radius: .*number"),
-        ("wheel_radius: 0.14", "wheel_radious: 0.14", "mine.yaml:8:3: drive.wheel_radious: Extra inputs"),
+        (
+            "wheel_radius: 0.14",
+            "wheel_radious: 0.14",
+            "8:3: drive.wheel_radious: unknown key. Did you mean 'wheel_radius'",
+        ),
         ("  type: differential", "  type: ackermann", "mine.yaml:7:9: drive.type"),
-        ("angular_speed: 0.7", "angular_speed: 0", "mine.yaml:18:18: limits.angular_speed: Input should be greater"),
+        (
+            "angular_speed: 0.7",
+            "angular_speed: 0",
+            "mine.yaml:18:18: limits.angular_speed: 0 is out of range",
+        ),
         ("[[0.14, 0.25], ", "[", "must lie inside the footprint"),
         ("[-0.607, 0.25], ", "[0.14, -0.25], ", "convex outline"),
         ("[[0.14, 0.25], ", "[[-0.14, 0.25], ", "must lie inside the footprint"),
@@ -96,7 +117,7 @@ def test_an_unknown_name_offers_the_nearest():
         ("trail: 0.04", "trail: 0", "a swivel caster needs a trail"),
         ("z: 0.418, yaw", "z: -1, yaw", "lidars.front.z"),
         ("[0.10, 0.62]", "[0.62, 0.10]", "from low to high"),
-        ("name: nova_carter\n", "", "name: Field required"),
+        ("name: nova_carter\n", "", "name: is missing"),
     ],
 )
 def test_a_bad_value_is_refused_with_its_place(old, new, message, tmp_path):
@@ -116,3 +137,36 @@ def test_every_mistake_of_a_file_is_told(tmp_path):
 def test_a_missing_file_is_a_robot_error(tmp_path):
     with pytest.raises(RobotError, match="cannot read"):
         Robot.load(tmp_path / "none.yaml")
+
+
+def test_a_misspelt_key_is_one_mistake_and_not_two(tmp_path):
+    with pytest.raises(RobotError) as caught:
+        load_changed(tmp_path, "track_width: ", "track_widht: ")
+    assert len(str(caught.value).splitlines()) == 1
+    assert "Did you mean 'track_width'" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n", "a map"),
+        ("world: warehouse\nstart: [0, 0]\ngoal: [1, 1]\n", "a scenario"),
+    ],
+)
+def test_a_file_of_another_kind_is_called_what_it_is(text, kind, tmp_path):
+    (tmp_path / "other.yaml").write_text(text)
+    with pytest.raises(RobotError) as caught:
+        Robot.load(tmp_path / "other.yaml")
+    assert str(caught.value) == f"{tmp_path / 'other.yaml'}: this is {kind}, not a robot"
+
+
+def test_angles_may_be_in_degrees(tmp_path):
+    robot = load_changed(tmp_path, "yaw: 3.141592653589793", "yaw: 180deg, fov: 90deg")
+    assert robot.lidars["front"].yaw == pytest.approx(math.pi)
+    assert robot.lidars["front"].fov == pytest.approx(math.pi / 2.0)
+
+
+def test_an_angle_beyond_a_whole_turn_is_warned_of_with_its_place(tmp_path):
+    with pytest.warns(AngleWarning, match=r"mine.yaml:36:44: lidars.front.yaw: 180 is more than .* 180deg"):
+        robot = load_changed(tmp_path, "yaw: 3.141592653589793", "yaw: 180")
+    assert robot.lidars["front"].yaw == 180.0

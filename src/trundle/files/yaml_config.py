@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+import warnings
 from pathlib import Path
 from typing import TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from trundle.errors import InputError
-from trundle.files.yaml_nodes import compose, compose_text, place
+from trundle.errors import AngleWarning, InputError
+from trundle.files.config_fields import ACCEPT_DEGREES, DEGREES, REFUSE_DEGREES
+from trundle.files.kinds import describe_mismatch, kind_of_keys
+from trundle.files.yaml_nodes import compose, compose_text, keys_of, place
+from trundle.files.yaml_problems import describe_problems
 
-__all__ = ["Config", "Plain", "compose", "compose_text", "load_config", "place", "plain_value", "validate"]
+__all__ = ["Config", "Plain", "build", "compose", "compose_text", "load_config", "place", "plain_value", "validate"]
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -26,22 +29,59 @@ class Config(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
 
 
-def load_config(path: str | os.PathLike[str], model: type[ModelT]) -> ModelT:
-    """Read a YAML file into a pydantic model.
+def load_config(path: str | os.PathLike[str], model: type[ModelT], *, kind: str | None = None) -> ModelT:
+    """Read a YAML file into a pydantic model; `kind` is what the file should be, as in `trundle.files.kinds`.
 
     Raises:
-        InputError: As `compose`, and for every value that the model refuses, one line each.
+        InputError: As `compose` and `validate`.
     """
-    return validate(compose(path), model, str(Path(path)))
+    return validate(compose(path), model, str(Path(path)), kind=kind)
 
 
-def validate(node: yaml.Node, model: type[ModelT], name: str) -> ModelT:
-    """Check a YAML node against a pydantic model; `name` stands for the file in messages."""
+def validate(node: yaml.Node, model: type[ModelT], name: str, *, kind: str | None = None) -> ModelT:
+    """Check a YAML node against a pydantic model; `name` stands for the file in messages.
+
+    Raises:
+        InputError: For every value that the model refuses, one line each; or that the file is of another kind.
+
+    Warns:
+        AngleWarning: Of an angle larger than a whole turn, which probably is in degrees.
+    """
     try:
-        return model.model_validate(plain_value(node, name))
+        return build(plain_value(node, name), model, name=name, node=node)
+    except InputError as error:
+        found = kind_of_keys(keys_of(node))
+        if kind is None or found in (None, kind):
+            raise
+        raise InputError(describe_mismatch(name, found, kind)) from error
+
+
+def build(given: object, model: type[ModelT], *, name: str = "", node: yaml.Node | None = None) -> ModelT:
+    """Make a model of plain values.
+
+    Args:
+        given: The values.
+        model: What they are read into.
+        name: Of the file that they come from, for messages.
+        node: That file's content, for lines and columns; what is not in it has none.
+
+    Raises:
+        InputError: As `validate`.
+
+    Warns:
+        AngleWarning: As `validate`.
+    """
+    try:
+        return model.model_validate(given, context=REFUSE_DEGREES)
     except ValidationError as error:
-        lines = [_describe(problem["loc"], problem["msg"], node, name) for problem in error.errors()]
-        raise InputError("\n".join(lines)) from error
+        problems = error.errors(include_url=False)
+        wrong = [problem for problem in problems if problem["type"] != DEGREES]
+        lines = describe_problems(wrong or problems, model, given, name=name, node=node)
+        if wrong:
+            raise InputError("\n".join(lines)) from error
+    for line in lines:
+        warnings.warn(line, AngleWarning, stacklevel=2)
+    return model.model_validate(given, context=ACCEPT_DEGREES)
 
 
 def plain_value(node: yaml.Node, name: str) -> Plain:
@@ -66,18 +106,3 @@ def plain_value(node: yaml.Node, name: str) -> Plain:
             return value
         return number if math.isfinite(number) else value
     return value if isinstance(value, bool | int | float | str) or value is None else str(node.value)
-
-
-def _describe(location: Sequence[int | str], message: str, root: yaml.Node, name: str) -> str:
-    node = root
-    for part in location:
-        if isinstance(node, yaml.MappingNode):
-            entries = {key.value: (key, value) for key, value in node.value}
-            if str(part) not in entries:
-                break
-            key, value = entries[str(part)]
-            node = value if part is not location[-1] or not message.startswith("Extra inputs") else key
-        elif isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
-            node = node.value[part]
-    dotted = ".".join(str(part) for part in location)
-    return f"{place(node, name)}: {dotted + ': ' if dotted else ''}{message}"

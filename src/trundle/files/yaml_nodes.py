@@ -83,6 +83,13 @@ def place(node: yaml.Node, name: str) -> str:
     return _place(name, node.start_mark)
 
 
+def keys_of(node: yaml.Node) -> list[str]:
+    """Keys of a mapping; none of anything else."""
+    if not isinstance(node, yaml.MappingNode):
+        return []
+    return [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+
+
 def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
     """Read a text file.
 

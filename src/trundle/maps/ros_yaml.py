@@ -11,7 +11,8 @@ from pathlib import Path
 import yaml
 
 from trundle.errors import InputError, MapError
-from trundle.files.yaml_nodes import compose, place
+from trundle.files.kinds import MAP, describe_mismatch, kind_of_keys
+from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.geometry import Pose2D
 from trundle.maps.grid import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
@@ -81,12 +82,15 @@ def read_fields(path: str | os.PathLike[str]) -> Fields:
     """Read the YAML file of a ROS map as its keys, whose values are not looked at yet.
 
     Raises:
-        MapError: If it cannot be read, or is no mapping.
+        MapError: If it cannot be read, is no mapping, or is plainly another kind of file.
     """
     try:
         root = compose(path, max_bytes=MAX_YAML_BYTES, allow_duplicate_keys=True)
     except InputError as error:
         raise MapError(str(error)) from error
+    kind = kind_of_keys(keys_of(root))
+    if kind not in (None, MAP):
+        raise MapError(describe_mismatch(str(Path(path)), kind, MAP))
     return Fields(root, str(Path(path)))
 
 

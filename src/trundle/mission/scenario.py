@@ -10,12 +10,14 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 import yaml
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.costmap import UnknownPolicy
 from trundle.errors import InputError, ScenarioError
+from trundle.files.config_fields import PoseNumbers
+from trundle.files.kinds import SCENARIO
 from trundle.files.writing import output_path, write_text
-from trundle.files.yaml_config import Config, load_config
+from trundle.files.yaml_config import Config, build, load_config
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.choices import Choice, MapOptions, Positive, WorldChoice, name_alone, shorten
@@ -31,7 +33,6 @@ from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
-Numbers = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
 
 _FAR_OUT = 30.0
 """A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
@@ -84,9 +85,9 @@ class Scenario(Config):
     keepout: str | None = None
     speed_mask: str | None = None
     robot: str = "nova_carter"
-    start: Numbers | None = None
-    goal: Numbers | None = None
-    goals: Annotated[tuple[Numbers, ...], Field(min_length=1)] | None = None
+    start: PoseNumbers | None = None
+    goal: PoseNumbers | None = None
+    goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
     planner: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="auto")
     controller: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="regulated_pure_pursuit")
     smoother: Annotated[Choice | None, BeforeValidator(name_alone)] = None
@@ -121,11 +122,9 @@ class Scenario(Config):
             ScenarioError: If a setting cannot be used; one line for each.
         """
         try:
-            return cls(**settings)
-        except ValidationError as error:
-            problems = [(".".join(map(str, problem["loc"])), problem["msg"]) for problem in error.errors()]
-            lines = [f"{where}: {message}" if where else message for where, message in problems]
-            raise ScenarioError("\n".join(lines)) from error
+            return build(settings, cls)
+        except InputError as error:
+            raise ScenarioError(str(error)) from error
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -135,7 +134,7 @@ class Scenario(Config):
             ScenarioError: If it cannot be used; every mistake is listed as file:line:column.
         """
         try:
-            scenario = load_config(path, cls)
+            scenario = load_config(path, cls, kind=SCENARIO)
         except InputError as error:
             raise ScenarioError(str(error)) from error
         folder = Path(path).parent

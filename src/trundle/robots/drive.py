@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-
-Positive = Annotated[float, Field(gt=0.0)]
+from trundle.robots.sizes import Coordinate, TrackWidth, WheelMass, WheelRadius, WheelSpeed, WheelWidth
 
 
 class WheelSpeeds(NamedTuple):
@@ -28,7 +27,7 @@ class Axle(Config):
         right_joint: Name of the right wheel's joint.
     """
 
-    x: float
+    x: Coordinate
     left_joint: str
     right_joint: str
 
@@ -59,14 +58,14 @@ class DifferentialDrive(Config):
     """
 
     type: Literal["differential"] = "differential"
-    wheel_radius: Positive
-    track_width: Positive
+    wheel_radius: WheelRadius
+    track_width: TrackWidth
     left_joint: str
     right_joint: str
-    wheel_width: Positive = 0.05
-    wheel_mass: Positive = 1.0
+    wheel_width: WheelWidth = 0.05
+    wheel_mass: WheelMass = 1.0
     axles: tuple[Axle, ...] = ()
-    max_wheel_speed: Positive | None = None
+    max_wheel_speed: WheelSpeed | None = None
 
     @model_validator(mode="after")
     def _check_axles(self) -> Self:

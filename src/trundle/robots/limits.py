@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from pydantic import Field
-
 from trundle.files.yaml_config import Config
 from trundle.geometry import Twist2D
-
-Positive = Annotated[float, Field(gt=0.0)]
+from trundle.robots.sizes import Acceleration, ReverseSpeed, Speed, TurningAcceleration, TurningSpeed
 
 
 class Limits(Config):
@@ -23,11 +18,11 @@ class Limits(Config):
         angular_acceleration: Either way [rad/s²].
     """
 
-    linear_speed: Positive
-    reverse_speed: Annotated[float, Field(ge=0.0)] | None = None
-    angular_speed: Positive
-    linear_acceleration: Positive
-    angular_acceleration: Positive
+    linear_speed: Speed
+    reverse_speed: ReverseSpeed | None = None
+    angular_speed: TurningSpeed
+    linear_acceleration: Acceleration
+    angular_acceleration: TurningAcceleration
 
     def clamp(self, twist: Twist2D) -> Twist2D:
         """Cut a twist to the largest speeds, each on its own."""

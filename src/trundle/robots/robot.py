@@ -10,20 +10,37 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, field_validator, model_validator
+import yaml
+from pydantic import Field, field_validator, model_validator
 
 from trundle.errors import InputError, RobotError, UnknownNameError
+from trundle.files.config_fields import Angle
+from trundle.files.kinds import ROBOT
 from trundle.files.uris import Folders, split_folders
-from trundle.files.yaml_config import Config, Plain, compose, plain_value, validate
+from trundle.files.yaml_config import Config, Plain, build, compose, plain_value, validate
 from trundle.geometry import FloatArray, Twist2D
 from trundle.guard import ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
+from trundle.robots.sizes import (
+    BodyMass,
+    Brightness,
+    Clearance,
+    Coordinate,
+    FieldOfView,
+    Height,
+    Inertia,
+    LargestRange,
+    LeastRange,
+    RangeNoise,
+    ScanRate,
+    Trail,
+    WheelMass,
+    WheelRadius,
+    WheelWidth,
+)
 from trundle.values import check_kind
-
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
 """Of files that `Robot.from_model` reads."""
@@ -44,12 +61,12 @@ class Body(Config):
         color: Red, green, blue, each 0..1.
     """
 
-    mass: Positive
-    height: Positive
-    clearance: NotNegative = 0.03
-    center_of_mass: tuple[float, float, float] | None = None
-    inertia: tuple[Positive, Positive, Positive] | None = None
-    color: tuple[float, float, float] = (0.25, 0.27, 0.30)
+    mass: BodyMass
+    height: Height
+    clearance: Clearance = 0.03
+    center_of_mass: tuple[Coordinate, Coordinate, Coordinate] | None = None
+    inertia: tuple[Inertia, Inertia, Inertia] | None = None
+    color: tuple[Brightness, Brightness, Brightness] = (0.25, 0.27, 0.30)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -72,12 +89,12 @@ class Caster(Config):
         wheel_joint: Name of the wheel joint, or none for a ball.
     """
 
-    x: float
-    y: float
-    radius: Positive
-    trail: NotNegative = 0.0
-    width: Positive = 0.025
-    mass: Positive = 0.1
+    x: Coordinate
+    y: Coordinate
+    radius: WheelRadius
+    trail: Trail = 0.0
+    width: WheelWidth = 0.025
+    mass: WheelMass = 0.1
     swivel_joint: str | None = None
     wheel_joint: str | None = None
 
@@ -108,16 +125,16 @@ class Lidar(Config):
         noise: Standard deviation of a range [m].
     """
 
-    x: float
-    y: float
-    z: Positive
-    yaw: float = 0.0
+    x: Coordinate
+    y: Coordinate
+    z: Height
+    yaw: Angle = 0.0
     beams: Annotated[int, Field(ge=1, le=100_000)] = 720
-    fov: Annotated[float, Field(gt=0.0, le=2.0 * math.pi + 1e-9)] = 2.0 * math.pi
-    range_min: NotNegative = 0.05
-    range_max: Positive = 12.0
-    rate: Positive = 20.0
-    noise: NotNegative = 0.0
+    fov: FieldOfView = 2.0 * math.pi
+    range_min: LeastRange = 0.05
+    range_max: LargestRange = 12.0
+    rate: ScanRate = 20.0
+    noise: RangeNoise = 0.0
 
 
 class Robot(Config):
@@ -140,11 +157,11 @@ class Robot(Config):
     name: str
     drive: DifferentialDrive
     limits: Limits
-    footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)]
+    footprint: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=3, max_length=64)]
     body: Body
     casters: tuple[Caster, ...] = ()
     lidars: dict[str, Lidar] = Field(default_factory=dict)
-    map_height_band: tuple[float, float] | None = None
+    map_height_band: tuple[Coordinate, Coordinate] | None = None
 
     @classmethod
     def load(
@@ -334,7 +351,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> 
         node = compose(path)
         settings = plain_value(node, str(path))
         if not isinstance(settings, dict) or "model" not in settings:
-            return validate(node, Robot, str(path))
+            return validate(node, Robot, str(path), kind=ROBOT)
     except InputError as error:
         raise RobotError(str(error)) from error
     model, folders = settings.pop("model"), settings.pop("paths", [])
@@ -343,7 +360,7 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> 
     if not isinstance(folders, list):
         raise RobotError(f"{path}: paths must be a list of folders, got {folders!r}")
     found = tuple(path.parent / str(folder) for folder in folders)
-    return _make(_read_model(path.parent / model, settings, (*found, *paths), limits), str(path))
+    return _make(_read_model(path.parent / model, settings, (*found, *paths), limits), str(path), node)
 
 
 def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], limits: ReadLimits) -> dict[str, Plain]:
@@ -358,12 +375,11 @@ def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], 
     )
 
 
-def _make(settings: dict[str, Plain], where: str) -> Robot:
+def _make(settings: dict[str, Plain], where: str, node: yaml.Node | None = None) -> Robot:
     try:
-        return Robot.model_validate(settings)
-    except ValidationError as error:
-        problems = [f"{'.'.join(map(str, problem['loc']))}: {problem['msg']}" for problem in error.errors()]
-        raise RobotError("\n".join(f"{where}: {problem}" for problem in problems)) from error
+        return build(settings, Robot, name=where, node=node)
+    except InputError as error:
+        raise RobotError(str(error)) from error
 
 
 def _load_plugin(name: str, limits: ReadLimits) -> Robot:

@@ -1,0 +1,53 @@
+"""Types of fields that several settings share. A unit is in the JSON Schema, and in messages about the range."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from trundle.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
+
+ANGLES = "angles"
+"""Key of the validation context that says what becomes of an angle that probably is in degrees."""
+
+_REFUSE, _ACCEPT = "refuse", "accept"
+REFUSE_DEGREES, ACCEPT_DEGREES = {ANGLES: _REFUSE}, {ANGLES: _ACCEPT}
+"""Contexts: raise a problem of type `DEGREES`, so that its place is known; or take it without a word."""
+
+DEGREES = "angle_in_degrees"
+"""Type of the problem that an angle is larger than a whole turn."""
+
+
+def read_angle(value: object, info: ValidationInfo) -> object:
+    """Read `90deg`; warn of an angle larger than a whole turn, or as the context says."""
+    if isinstance(value, str):
+        try:
+            value = parse_angle(value)
+        except ValueError:
+            raise PydanticCustomError("angle", "{text} is not an angle; write " + FORM, {"text": repr(value)}) from None
+    if isinstance(value, float | int) and is_in_degrees(value):
+        wish = (info.context or {}).get(ANGLES)
+        if wish == _REFUSE:
+            raise PydanticCustomError(DEGREES, "{message}", {"message": describe_degrees(value)})
+        if wish != _ACCEPT:
+            warn_of_degrees(value, "angle")
+    return value
+
+
+def _read_pose(value: object, info: ValidationInfo) -> object:
+    """Read the yaw of (x, y, yaw) as an angle."""
+    if isinstance(value, list | tuple) and len(value) == 3:
+        return (*value[:2], read_angle(value[2], info))
+    return value
+
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+Angle = Annotated[float, BeforeValidator(read_angle), Field(json_schema_extra={"unit": "rad"})]
+"""[rad]; text may be degrees, `90deg`."""
+
+PoseNumbers = Annotated[tuple[float, ...], BeforeValidator(_read_pose), Field(min_length=2, max_length=3)]
+"""(x, y) or (x, y, yaw) [m, m, rad]; the yaw may be text in degrees, `90deg`."""

@@ -1,0 +1,74 @@
+"""What kind of thing a file is, by its suffix or keys: for the message where it is given in place of another kind."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from trundle.errors import InputError
+from trundle.files.yaml_nodes import compose, keys_of
+
+MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE = (
+    "a map",
+    "a robot",
+    "a scenario",
+    "a world",
+    "a picture",
+    "the folder of a run",
+    "the folder of a drive",
+)
+
+_SUFFIXES = {
+    PICTURE: (".png", ".pgm", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff"),
+    MAP: (".map",),
+    WORLD: (".sdf", ".world", ".glb", ".gltf", ".obj", ".stl", ".ply", ".dae", ".usd", ".usda", ".usdc", ".usdz"),
+    "a video": (".mp4",),
+    "a recording": (".mcap", ".db3", ".bag"),
+    "a table": (".csv", ".parquet"),
+    "a file of arrays": (".npz", ".npy"),
+    "a page": (".html", ".pdf", ".md"),
+    "a program": (".py", ".sh"),
+}
+_BY_SUFFIX = {suffix: kind for kind, suffixes in _SUFFIXES.items() for suffix in suffixes}
+
+_FILES = {"episode.json": RUN, "drive.csv": DRIVE}
+"""What is in the folder of a run or a drive."""
+
+_ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model"})
+_SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})
+
+
+def find_kind(path: str | os.PathLike[str]) -> str | None:
+    """The kind of a file or folder that is there; None where it cannot be told."""
+    file = Path(path)
+    try:
+        if file.is_dir():
+            return next((kind for name, kind in _FILES.items() if (file / name).is_file()), "a folder")
+        if not file.is_file():
+            return None
+    except (OSError, ValueError):
+        return None
+    suffix = file.suffix.lower()
+    if suffix in (".yaml", ".yml"):
+        try:
+            return kind_of_keys(keys_of(compose(file, allow_duplicate_keys=True)))
+        except InputError:
+            return None
+    return _BY_SUFFIX.get(suffix)
+
+
+def kind_of_keys(keys: Iterable[str]) -> str | None:
+    """The kind of a YAML file that has these keys; None where it cannot be told."""
+    found = set(keys)
+    if "image" in found and found & {"resolution", "origin", "negate"}:
+        return MAP
+    as_robot, as_scenario = len(found & _ROBOT_KEYS), len(found & _SCENARIO_KEYS)
+    if as_robot == as_scenario:
+        return None
+    return ROBOT if as_robot > as_scenario else SCENARIO
+
+
+def describe_mismatch(name: str, found: str | None, wanted: str) -> str:
+    """The message that a file is of another kind than the one wanted."""
+    return f"{name}: this is {found}, not {wanted}"
