@@ -199,7 +199,7 @@ def _scenario(_: Child, file: Path) -> None:
 
 def _npz(_: Child, file: Path) -> None:
     from trundle.maps import HeightField
-    from trundle.mission.episode import Trajectory
+    from trundle.mission import Trajectory
 
     try:
         Trajectory.load(file)

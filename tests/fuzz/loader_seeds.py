@@ -206,7 +206,7 @@ def scenarios(folder: Path) -> list[Path]:
 def npz(folder: Path) -> list[Path]:
     """A trajectory and a height field."""
     from trundle.maps import HeightField
-    from trundle.mission.episode import Trajectory
+    from trundle.mission import Trajectory
 
     Trajectory(**{name: np.arange(50) for name in Trajectory.columns()}).save(folder / "trajectory.npz")
     HeightField(np.random.default_rng(0).random((20, 20)), 0.1).save(folder / "floor.npz")

@@ -13,8 +13,7 @@ from trundle.files.writing import write_text
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.maps.check import check_map
 from trundle.maps.movingai import load_scenarios
-from trundle.mission import Scenario
-from trundle.mission.episode import Trajectory
+from trundle.mission import Scenario, Trajectory
 from trundle.record.motion import Motion
 from trundle.robots import Robot
 from trundle.sim.mujoco.joints import list_joints

@@ -1,10 +1,11 @@
 """Missions: a scenario is run once, from start to goal, and gives an episode."""
 
-from trundle.mission.episode import Episode, Goal, Metrics, Outcome, Trajectory
+from trundle.mission.episode import Episode, Goal, Metrics, Outcome
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer, RunInfo, Step
 from trundle.mission.sampling import sample_mission
 from trundle.mission.scenario import Mission, Scenario, Setting
+from trundle.mission.trajectory import Trajectory
 
 __all__ = [
     "Episode",

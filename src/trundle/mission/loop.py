@@ -11,10 +11,11 @@ import numpy as np
 
 from trundle.errors import PlanningError, ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
-from trundle.mission.episode import Episode, Outcome, Trajectory
+from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import plan_legs, read_goals
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import Audience, Observer, RunInfo, Step
+from trundle.mission.trajectory import Trajectory
 from trundle.mission.truth import measure_truth
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.speed_limiter import fastest_s

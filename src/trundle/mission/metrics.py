@@ -8,7 +8,8 @@ import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, path_length, wrap_angles
-from trundle.mission.episode import Metrics, Trajectory
+from trundle.mission.episode import Metrics
+from trundle.mission.trajectory import Trajectory
 from trundle.mission.truth import CLEARANCE_CAP, Truth
 from trundle.path import Path
 

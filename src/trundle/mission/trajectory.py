@@ -1,0 +1,104 @@
+"""`Trajectory`: where a robot was and what was commanded, one row per control period."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError
+from trundle.files.npz import read_arrays
+from trundle.files.writing import write_bytes
+from trundle.geometry import FloatArray
+from trundle.values import as_array
+
+_WHOLE = ("goal", "path")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """A run, one row per control period, in arrays of shape (N,) that are read-only.
+
+    The first row is the start, at rest. The command of a row is what was commanded during the period that ends there.
+
+    Attributes:
+        time: Simulated time [s].
+        x, y, yaw: True pose of base_link, map frame [m, m, rad].
+        v, w: True twist in base_link [m/s, rad/s].
+        commanded_v, commanded_w: The command, before the robot's limits [m/s, rad/s].
+        odometry_x, odometry_y, odometry_yaw: Pose that the wheels tell, in a frame that starts at the start.
+        goal: Index of the goal that it was driving to; int64.
+        path: Index in `Episode.paths` of the path that it was following, −1 for none; int64.
+
+    Raises:
+        InputError: If the arrays are not one-dimensional, of one length above 0, and finite.
+    """
+
+    time: FloatArray
+    x: FloatArray
+    y: FloatArray
+    yaw: FloatArray
+    v: FloatArray
+    w: FloatArray
+    commanded_v: FloatArray
+    commanded_w: FloatArray
+    odometry_x: FloatArray
+    odometry_y: FloatArray
+    odometry_yaw: FloatArray
+    goal: npt.NDArray[np.int64]
+    path: npt.NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name in self.columns():
+            kind = np.int64 if name in _WHOLE else np.float64
+            array = as_array(getattr(self, name), kind, f"{name} of a trajectory")
+            if array.ndim != 1 or len(array) == 0 or not np.isfinite(array).all():
+                raise InputError(f"a trajectory needs finite numbers of shape (N,) with N ≥ 1; {name} is not that")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if len({len(getattr(self, name)) for name in self.columns()}) != 1:
+            raise InputError("a trajectory needs all its arrays to be of one length")
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Names of the arrays."""
+        return tuple(column.name for column in fields(cls))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def poses(self) -> FloatArray:
+        """(x, y, yaw), shape (N, 3)."""
+        return np.column_stack([self.x, self.y, self.yaw])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write an .npz of these arrays.
+
+        Raises:
+            OutputError: If it cannot be written; nothing is left behind.
+        """
+        content = io.BytesIO()
+        np.savez_compressed(content, **{name: getattr(self, name) for name in self.columns()})
+        write_bytes(path, content.getvalue(), durable=True)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Trajectory:
+        """Read what `save` wrote.
+
+        Raises:
+            InputError: If the file cannot be read, or is not a trajectory.
+        """
+        arrays, _ = read_arrays(path, cls.columns(), error=InputError)
+        missing = [name for name in cls.columns() if name not in arrays]
+        if missing:
+            raise InputError(f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}")
+        try:
+            return cls(**arrays)
+        except InputError as error:
+            raise InputError(f"{os.fspath(path)}: {error}") from error
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{os.fspath(path)}: its arrays are no numbers: {error}") from error
