@@ -4,7 +4,6 @@ Writes overlay.png: the planned path and the driven one, coloured by speed, over
 """
 
 import trundle
-from trundle.mission import sample_mission
 from trundle.record.overlay import draw_run
 
 world = trundle.World.generate("warehouse", seed=7)
@@ -14,7 +13,7 @@ grid = trundle.OccupancyGrid.from_world(world, resolution=0.05, z_range=robot.z_
 # The navigator is planner, controller and recovery behind one call. It knows no simulator: in a loop of your own you
 # would send the robot `navigator.update(pose)` in every control period.
 navigator = trundle.Navigator(grid, robot)
-start, goal = sample_mission(navigator.costmap, seed=3)
+start, goal = trundle.sample_mission(navigator.costmap, seed=3)
 print("from", start, "to", goal)
 
 with trundle.simulate(world, robot, backend="mujoco") as sim:

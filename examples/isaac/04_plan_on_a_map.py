@@ -9,11 +9,10 @@ The map is the occupancy map extension's, or trundle's own: where the asset pack
 import sys
 
 import trundle
-from trundle.mission import sample_mission
 from trundle.record.overlay import draw_plan
 
 navigator = trundle.Navigator(trundle.OccupancyGrid.load(sys.argv[1]), "nova_carter")
-start, goal = sample_mission(navigator.costmap, seed=3)
+start, goal = trundle.sample_mission(navigator.costmap, seed=3)
 navigator.set_goal(goal)
 path = navigator.plan(start)
 print(f"{path.length:.2f} m from {start} to {goal}")

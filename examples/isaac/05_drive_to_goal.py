@@ -6,7 +6,6 @@
 import sys
 
 import trundle
-from trundle.mission import sample_mission
 from trundle.record.run_folder import RunFolder
 
 grid = trundle.OccupancyGrid.load(sys.argv[1])
@@ -14,7 +13,7 @@ environment = sys.argv[2] if len(sys.argv) > 2 else "warehouse_with_forklifts"
 
 # The same navigator, loop and recorder as in MuJoCo: only the backend is another.
 navigator = trundle.Navigator(grid, "nova_carter")
-start, goal = sample_mission(navigator.costmap, seed=3)
+start, goal = trundle.sample_mission(navigator.costmap, seed=3)
 world = trundle.World.from_map(grid)
 with trundle.simulate(world, "nova_carter", backend="isaac", environment=environment) as sim, RunFolder() as folder:
     episode = trundle.run(sim, navigator, start=start, goal=goal, observers=[folder])

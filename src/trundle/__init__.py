@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from trundle.errors import InputError, PlanningError, TrundleError
     from trundle.geometry import Pose2D, Twist2D
     from trundle.maps import HeightField, OccupancyGrid
-    from trundle.mission import Episode, Outcome, Scenario, run
+    from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
     from trundle.navigation import Navigator
     from trundle.path import Path
     from trundle.robots import Robot
@@ -40,6 +40,7 @@ _HOMES = {
     "Twist2D": "trundle.geometry",
     "World": "trundle.worlds",
     "run": "trundle.mission",
+    "sample_mission": "trundle.mission",
     "simulate": "trundle.sim",
 }
 
@@ -62,6 +63,7 @@ __all__ = [
     "World",
     "__version__",
     "run",
+    "sample_mission",
     "simulate",
 ]
 

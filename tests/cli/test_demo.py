@@ -17,6 +17,7 @@ def test_the_demo_arrives_and_leaves_map_picture_and_record(trundle: Trundle) ->
         "map.png",
         "map.yaml",
         "overlay.png",
+        "paths.npz",
         "scenario.yaml",
         "scene.png",
         "trajectory.npz",

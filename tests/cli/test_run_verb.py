@@ -40,6 +40,7 @@ def test_a_run_arrives_and_leaves_its_folder(trundle: Trundle, room_map: Path) -
     assert {path.name for path in folder.iterdir()} == {
         "episode.json",
         "trajectory.npz",
+        "paths.npz",
         "scenario.yaml",
         "overlay.png",
     }
@@ -321,4 +322,4 @@ def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Si
     assert process.returncode == 1, err
     assert json.loads(out)["outcome"] == "aborted"
     assert "Traceback" not in err
-    assert names == {"episode.json", "trajectory.npz", "scenario.yaml", "overlay.png"}
+    assert names == {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png"}

@@ -48,7 +48,7 @@ def test_another_way_of_packing_is_refused(archive):
 
 
 def test_more_than_is_read_is_refused(archive, monkeypatch):
-    monkeypatch.setattr("trundle.npzfile.MAX_BYTES", 1000)
+    monkeypatch.setattr("trundle.files.npz.MAX_BYTES", 1000)
     with pytest.raises(MapError, match=r"unpacks to \d+ bytes"):
         HeightField.load(archive)
 

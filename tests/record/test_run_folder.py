@@ -11,10 +11,11 @@ from PIL import Image
 
 from trundle.errors import OutputError, OutsideMapError
 from trundle.mission import Scenario, Trajectory, run
+from trundle.mission.path_file import load_paths
 from trundle.record.run_folder import RunFolder
 from trundle.record.video import encode
 
-FILES = {"episode.json", "trajectory.npz", "scenario.yaml", "overlay.png", "video.mp4"}
+FILES = {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png", "video.mp4"}
 NAMES_THAT_STAY = {
     "outcome",
     "time_s",
@@ -127,12 +128,12 @@ def test_the_outcome_is_written_before_pictures_and_again_at_the_end(tmp_path, s
     ):
         mission.run(observers=[folder])
     at_extra, (at_video, early) = seen
-    first = {"trajectory.npz", "scenario.yaml", "episode.json"}
+    first = {"trajectory.npz", "paths.npz", "scenario.yaml", "episode.json"}
     assert first <= at_extra & at_video
     assert (early["outcome"], early["complete"]) == ("arrived", False)
     late = json.loads((tmp_path / "r" / "episode.json").read_text())
     assert late["complete"] is True
-    assert set(late["files"]) == {"trajectory.npz", "scenario.yaml", "overlay.png", "extra.txt"}
+    assert set(late["files"]) == {"trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png", "extra.txt"}
     assert {key: late[key] for key in ("outcome", "distance_m", "name")} == {
         key: early[key] for key in ("outcome", "distance_m", "name")
     }
@@ -184,7 +185,7 @@ def test_record_trajectory_and_scenario_are_on_the_disk(tmp_path, scenario, monk
     monkeypatch.setattr(os, "fsync", note)
     with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, video=False) as folder:
         mission.run(observers=[folder])
-    for name in ("episode.json", "trajectory.npz", "scenario.yaml", "."):
+    for name in ("episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "."):
         assert (tmp_path / name).stat().st_ino in synced, name
 
 
@@ -240,9 +241,11 @@ def check_whole(folder):
             continue  # a temporary name
         if path.name == "episode.json":
             complete = json.loads(path.read_text())["complete"]
-            assert names(folder) >= (FILES if complete else {"trajectory.npz", "scenario.yaml"})
+            assert names(folder) >= (FILES if complete else {"trajectory.npz", "paths.npz", "scenario.yaml"})
         elif path.name == "trajectory.npz":
             Trajectory.load(path)
+        elif path.name == "paths.npz":
+            load_paths(path)
         elif path.name == "scenario.yaml":
             Scenario.load(path)
         elif path.name == "overlay.png":

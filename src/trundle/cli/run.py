@@ -65,7 +65,8 @@ def run(
 ) -> int:
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
-    Writes a folder with episode.json, trajectory.npz, scenario.yaml (which repeats the run), overlay.png and video.mp4.
+    Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), overlay.png and
+    video.mp4.
     Exit code 1 says that the robot did not get there.
 
     Args:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import pathlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import TypeAlias, cast
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D
+from trundle.mission.path_file import load_paths
+from trundle.mission.record_file import RECORD, check_record, read_record
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
+from trundle.values import as_path
 
 Goal: TypeAlias = tuple[float, float] | tuple[float, float, float]
 """(x, y) [m], to be reached with any yaw, or (x, y, yaw) [m, m, rad]; map frame."""
@@ -99,7 +105,8 @@ class Episode:
         controller: Name of the controller.
         seed: Of the simulator.
         time_limit_s: When it would have been stopped [s].
-        observer_errors: What observers raised; they were dropped, and the run went on.
+        observer_errors: What observers raised; they were dropped, and the run went on. They are not recorded.
+        folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
     """
 
     outcome: Outcome
@@ -117,6 +124,42 @@ class Episode:
     seed: int
     time_limit_s: float
     observer_errors: tuple[BaseException, ...] = ()
+    folder: pathlib.Path | None = None
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Episode:
+        """Read the episode that `trundle run` or a `RunFolder` wrote.
+
+        Raises:
+            InputError: If the folder does not hold a run that has ended, or one of its files is missing or damaged;
+                the message names the file.
+        """
+        place = pathlib.Path(as_path(folder, "the folder of a run"))
+        values = read_record(place)
+        file = place / RECORD
+        facts = check_record(values, _Facts, file)
+        metrics = check_record(values, Metrics, file)
+        trajectory = Trajectory.load(place / "trajectory.npz")
+        paths = load_paths(place / "paths.npz")
+        if int(trajectory.path.max()) >= len(paths):
+            raise InputError(f"{place}: trajectory.npz follows more paths than paths.npz has; they are of two runs")
+        return cls(
+            outcome=facts.outcome,
+            message=facts.message,
+            metrics=metrics,
+            trajectory=trajectory,
+            paths=paths,
+            start=Pose2D.of(facts.start),
+            goals=facts.goals,
+            goals_reached=facts.goals_reached,
+            name=facts.name,
+            robot=facts.robot,
+            planner=facts.planner,
+            controller=facts.controller,
+            seed=facts.seed,
+            time_limit_s=facts.time_limit_s,
+            folder=place,
+        )
 
     @property
     def arrived(self) -> bool:
@@ -139,6 +182,23 @@ class Episode:
             "seed": self.seed,
             "time_limit_s": self.time_limit_s,
         }
+
+
+@dataclass(frozen=True, slots=True)
+class _Facts:
+    """What a record holds besides the metrics; see `Episode`."""
+
+    outcome: Outcome
+    message: str
+    start: tuple[float, float, float]
+    goals: tuple[Goal, ...]
+    goals_reached: int
+    name: str
+    robot: str
+    planner: str
+    controller: str
+    seed: int
+    time_limit_s: float
 
 
 def _plain(value: object) -> object:

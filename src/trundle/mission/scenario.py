@@ -29,6 +29,7 @@ from trundle.navigation import Navigator
 from trundle.navigation.inputs import LEAST_FREQUENCY, MOST_FREQUENCY
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
+from trundle.values import as_path
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
 
@@ -130,10 +131,15 @@ class Scenario(Config):
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read a scenario from YAML. Relative paths in it are relative to its folder.
 
+        Args:
+            path: The file, or the folder of a run, which has its exact scenario.
+
         Raises:
             ScenarioError: If it cannot be used; every mistake is listed as file:line:column.
         """
         try:
+            if Path(as_path(path, "a scenario's file")).is_dir():
+                path = Path(path) / "scenario.yaml"
             scenario = load_config(path, cls, kind=SCENARIO)
         except InputError as error:
             raise ScenarioError(str(error)) from error

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
+from trundle.errors import InputError, MissingExtraError
 from trundle.files.npz import read_arrays
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray
 from trundle.values import as_array
+
+if TYPE_CHECKING:
+    import pandas  # pyright: ignore[reportMissingImports] - an extra
 
 _WHOLE = ("goal", "path")
 
@@ -70,10 +75,25 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.time)
 
+    def __repr__(self) -> str:
+        return f"Trajectory({len(self)} rows, {self.time[0]:g} to {self.time[-1]:g} s)"
+
     @property
     def poses(self) -> FloatArray:
         """(x, y, yaw), shape (N, 3)."""
         return np.column_stack([self.x, self.y, self.yaw])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a table with a column for each array and a row for each control period.
+
+        Raises:
+            MissingExtraError: If pandas is not installed.
+        """
+        try:
+            import pandas  # pyright: ignore[reportMissingImports] - an extra
+        except ImportError as error:
+            raise MissingExtraError("a table of a trajectory", "pandas", 'pip install "trundle[pandas]"') from error
+        return pandas.DataFrame({name: getattr(self, name) for name in self.columns()})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an .npz of these arrays.
@@ -81,9 +101,7 @@ class Trajectory:
         Raises:
             OutputError: If it cannot be written; nothing is left behind.
         """
-        content = io.BytesIO()
-        np.savez_compressed(content, **{name: getattr(self, name) for name in self.columns()})
-        write_bytes(path, content.getvalue(), durable=True)
+        write_arrays(path, {name: getattr(self, name) for name in self.columns()})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
@@ -102,3 +120,14 @@ class Trajectory:
             raise InputError(f"{os.fspath(path)}: {error}") from error
         except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"{os.fspath(path)}: its arrays are no numbers: {error}") from error
+
+
+def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Write arrays by name as an .npz, whole and durably.
+
+    Raises:
+        OutputError: If it cannot be written; nothing is left behind.
+    """
+    content = io.BytesIO()
+    np.savez_compressed(content, **dict[str, Any](arrays))
+    write_bytes(path, content.getvalue(), durable=True)

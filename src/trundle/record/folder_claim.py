@@ -21,6 +21,7 @@ RUN_FILES = (
     "episode.json",
     "drive.csv",
     "trajectory.npz",
+    "paths.npz",
     "scenario.yaml",
     "overlay.png",
     "video.mp4",

@@ -20,6 +20,7 @@ from trundle import __version__
 from trundle.errors import OutputError, TrundleError
 from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
+from trundle.mission.path_file import save_paths
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.overlay import draw_run
 from trundle.record.video import MakeFrames, Report, write_video
@@ -36,8 +37,8 @@ WriteExtra = Callable[[Path, Episode], object]
 class RunFolder:
     """An observer that writes a run's folder at its end.
 
-    `trajectory.npz`, `scenario.yaml` and `episode.json` come first, so that what follows cannot lose the outcome; then
-    pictures and video. `episode.json` is written again at the end, with `complete: true`.
+    `trajectory.npz`, `paths.npz`, `scenario.yaml` and `episode.json` come first, so that a failure later cannot lose
+    the outcome; then pictures and video. `episode.json` is written again at the end, with `complete: true`.
 
     Use it in a `with` block: a folder in which nothing was written is removed again, if it was made here.
 
@@ -116,6 +117,7 @@ class RunFolder:
             raise OutputError("the run folder was not told of the start of the run")
         with self._claim.replacing():
             self._save("trajectory.npz", episode.trajectory.save)
+            self._save("paths.npz", lambda path: save_paths(path, episode.paths))
             if self._scenario is not None:
                 self._save("scenario.yaml", self._scenario.save)
             self._save_record(episode, complete=False)
