@@ -2,10 +2,12 @@
 # make test   set up, then run the tests
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
+# make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
 # make build  rebuild the C++ kernels (an editable install does not do so on import)
 PYTHON ?= python3
 FUZZ_SECONDS ?= 10
 VENV ?= .venv
+BUILDER ?= mkdocs
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
 
@@ -26,7 +28,7 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 
 SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test fuzz check build setup dev clean
+.PHONY: demo test fuzz check docs build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -63,8 +65,20 @@ $(VENV)/.trundle-dev: $(VENV)/.trundle
 	@$(INSTALL) $$($(BIN)/python scripts/requirements.py dev)
 	@touch $@
 
+# NO_MKDOCS_2_WARNING: Material's advice to move to Zensical, which builds this site already.
+docs: $(VENV)/.trundle-docs
+	$(BIN)/python scripts/docs_site.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/$(BUILDER) build --strict
+	@echo "The site is site/index.html; its search needs a server: $(BIN)/python -m http.server -d site"
+
+# Without the kernels: the reference is read from the sources.
+$(VENV)/.trundle-docs: Makefile scripts/requirements.py pyproject.toml | $(VENV)/.tools
+	@$(CREATE)
+	@$(INSTALL) $$($(BIN)/python scripts/requirements.py docs)
+	@touch $@
+
 build: setup
 	@$(INSTALL) $(BUILD) -e .
 
 clean:
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) build dist site

@@ -1,4 +1,4 @@
-"""Print the requirements to build (`build`) or to develop (`dev`), from pyproject.toml, for an installer."""
+"""Print the requirements of a purpose from pyproject.toml: `build`, `dev` (tests) or `docs` (the site)."""
 
 import sys
 import tomllib
@@ -11,7 +11,7 @@ def requirements(purpose: str) -> list[str]:
     lists = {
         # What a build environment of its own would bring; with them in ours, a rebuild compiles only what changed.
         "build": [*project["build-system"]["requires"], "cmake>=3.18", "ninja>=1.10"],
-        "dev": project["dependency-groups"]["dev"],
+        **project["dependency-groups"],
     }
     return [requirement.replace(" ", "") for requirement in lists[purpose]]
 
