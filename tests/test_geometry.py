@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trundle.errors import InputError
+from trundle.errors import AngleWarning, InputError
 from trundle.geometry import (
     Pose2D,
     Pose3D,
@@ -19,7 +19,18 @@ from trundle.geometry import (
 
 coordinates = st.floats(-1e4, 1e4)
 angles = st.floats(-50.0, 50.0)
-poses = st.builds(Pose2D, coordinates, coordinates, angles)
+poses = st.builds(Pose2D, coordinates, coordinates, st.floats(-math.tau, math.tau))
+
+
+def test_a_yaw_beyond_a_whole_turn_is_warned_of_where_the_pose_is_made():
+    with pytest.warns(AngleWarning, match="yaw 90 is more than a whole turn, and angles are in radians") as caught:
+        pose = Pose2D(1.0, 2.0, 90)
+    assert caught[0].filename == __file__
+    assert pose.yaw == wrap_angle(90.0)
+
+
+def test_turning_for_long_is_no_yaw_in_degrees():
+    assert Twist2D(0.0, 1.0).integrate(Pose2D(0.0, 0.0), 90.0).yaw == wrap_angle(90.0)
 
 
 @given(angles)

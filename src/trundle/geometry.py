@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from trundle.angles import warn_of_degrees
 from trundle.errors import InputError
 from trundle.values import as_array, as_number
 
@@ -33,6 +34,9 @@ class Pose2D:
 
     Raises:
         InputError: If a number is NaN or infinite.
+
+    Warns:
+        AngleWarning: If the yaw is larger than a whole turn, so that it probably is in degrees.
     """
 
     x: float
@@ -45,6 +49,7 @@ class Pose2D:
             x, y, yaw = as_number(x, "x of a pose"), as_number(y, "y of a pose"), as_number(yaw, "yaw of a pose")
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
             raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
+        warn_of_degrees(yaw, "yaw", stacklevel=3)
         object.__setattr__(self, "x", x)
         object.__setattr__(self, "y", y)
         object.__setattr__(self, "yaw", wrap_angle(yaw))
@@ -120,7 +125,7 @@ class Twist2D:
     def integrate(self, pose: Pose2D, dt: float) -> Pose2D:
         """Return the pose after driving this twist for `dt` [s] from `pose`, along the exact arc."""
         x, y, yaw = integrate_twist(pose.x, pose.y, pose.yaw, self.v, self.w, dt)
-        return Pose2D(x, y, yaw)
+        return Pose2D(x, y, wrap_angle(yaw))
 
 
 def integrate_twist(x: float, y: float, yaw: float, v: float, w: float, dt: float) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D, path_length
+from trundle.geometry import FloatArray, Pose2D, path_length, wrap_angle
 from trundle.values import as_array
 
 PathStatus = Literal["found", "partial"]
@@ -81,9 +81,15 @@ class Path:
     @property
     def start(self) -> Pose2D:
         """The first pose."""
-        return Pose2D(*self.poses[0].tolist())
+        return _pose(self.poses[0].tolist())
 
     @property
     def goal(self) -> Pose2D:
         """The last pose."""
-        return Pose2D(*self.poses[-1].tolist())
+        return _pose(self.poses[-1].tolist())
+
+
+def _pose(numbers: list[float]) -> Pose2D:
+    """A pose of a path, whose yaws may add up over its turns."""
+    x, y, yaw = numbers
+    return Pose2D(x, y, wrap_angle(yaw))

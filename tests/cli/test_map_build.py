@@ -80,6 +80,7 @@ def test_a_maps_height_and_unknown_cells_are_as_its_options_say(trundle: Trundle
         (("warehouse", "--z-min", "nan"), "z_range"),
         (("warehouse", "--floor-z", "nan"), "floor_z"),
         (("warehouse", "--floor", "none.npz"), "cannot read none.npz"),
+        (("warehouse", "--max-slope", "steep"), "--max-slope 'steep' is not an angle; write radians"),
         (("warehouse", "--max-slope", "0.2"), "give floor, a HeightField"),
         (("warehouse", "--bounds", "0,0,1"), "--bounds '0,0,1': give X0,Y0,X1,Y1"),
         (("warehouse", "--bounds", "0,0,nan,1"), "--bounds"),
@@ -163,7 +164,7 @@ def test_a_floor_with_a_ramp(trundle: Trundle, tmp_path: Path) -> None:
     field = HeightField.from_function(lambda x, y: np.clip(0.2 * (x + 1), 0, 0.3), ((-3, -3), (3, 3)))
     field.save(tmp_path / "floor.npz")
     ends = ("--bounds", "-2,-2,2,3", "--floor", "floor.npz")
-    done = trundle("map", "build", "yard.sdf", *ends, "--max-slope", "0.2", "-o", "map.yaml")
+    done = trundle("map", "build", "yard.sdf", *ends, "--max-slope", "11.5deg", "-o", "map.yaml")
     assert done.code == 0, done.err
     assert "0.1 to 0.62 m above the floor of floor.npz" in done.out
     gentle = OccupancyGrid.load(tmp_path / "map.yaml")

@@ -1,10 +1,11 @@
+import math
 from pathlib import Path
 
 import pytest
 
 from trundle.cli.shared import options
-from trundle.errors import InputError
-from trundle.geometry import Pose2D
+from trundle.errors import AngleWarning, InputError
+from trundle.geometry import Pose2D, wrap_angle
 
 
 def test_poses() -> None:
@@ -15,6 +16,19 @@ def test_poses() -> None:
 def test_a_goal_without_a_yaw_stays_without() -> None:
     assert options.parse_goal("--goal", "-1,2") == (-1.0, 2.0)
     assert options.parse_goal("--goal", "-1,2,-3") == (-1.0, 2.0, -3.0)
+
+
+def test_a_yaw_may_be_in_degrees() -> None:
+    assert options.parse_pose("--start", "1,2,-90deg") == Pose2D(1.0, 2.0, -math.pi / 2.0)
+    assert options.parse_goal("--goal", "1,2,90deg") == (1.0, 2.0, math.pi / 2.0)
+    with pytest.raises(InputError, match=r"YAW 'north' is not an angle; write .* 90deg"):
+        options.parse_pose("--start", "1,2,north")
+
+
+def test_a_yaw_beyond_a_whole_turn_is_warned_of_once() -> None:
+    with pytest.warns(AngleWarning, match=r"^--goal 1,2,90: YAW 90 is more than a whole turn.* write 90deg") as caught:
+        assert Pose2D.of(options.parse_goal("--goal", "1,2,90")).yaw == wrap_angle(90.0)
+    assert len(caught) == 1
 
 
 @pytest.mark.parametrize("text", ["", "1", "1,2,3,4", "a,b", "1;2", "nan,0", "inf,0", "1,,2", "--json"])

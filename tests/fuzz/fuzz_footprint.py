@@ -54,7 +54,7 @@ def check_path(generator: random.Random) -> None:
     shape = generator.choice((30, 60, 80)), generator.choice((33, 60))
     data = np.where(rng.random(shape) < generator.choice((0.0, 0.002, 0.02)), 100, 0).astype(np.int8)
     data[rng.random(shape) < generator.choice((0.0, 0.001))] = -1
-    origin = Pose2D(*rng.uniform(-5, 5, 2).tolist(), generator.choice((0.0, generator.uniform(-7, 7))))
+    origin = Pose2D(*rng.uniform(-5, 5, 2).tolist(), generator.choice((0.0, generator.uniform(-6, 6))))
     outline = make_outline(generator, (0.01, 0.3, 1.0, 4.0))
     options = generator.choice((0.0, 0.5, None)), generator.choice((0.0, 1.0, 3.0, 30.0))
     costmap = Costmap.from_grid(OccupancyGrid(data, generator.choice((0.05, 0.1)), origin), outline, *options)

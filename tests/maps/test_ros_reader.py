@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import os
 import struct
 import subprocess
@@ -53,6 +54,13 @@ def test_the_yaw_is_honoured(tmp_path):
     x, y = grid.cell_to_world(0, 1)
     assert (float(x), float(y)) == pytest.approx((1 - 0.025, 2 + 0.075))
     assert tuple(map(int, grid.world_to_cell(x, y))) == (0, 1)
+
+
+def test_a_yaw_in_degrees_is_read_and_warned_of(tmp_path):
+    with pytest.warns(MapWarning, match=r"map.yaml:3:16: origin's yaw is 90deg, which ROS does not read; write 1.5708"):
+        assert OccupancyGrid.load(write_map(tmp_path, origin="[1, 2, 90deg]")).origin.yaw == math.pi / 2.0
+    with pytest.warns(MapWarning, match=r"map.yaml:3:18: origin's yaw is 90 rad, more than a whole turn: .* 1.5708"):
+        OccupancyGrid.load(write_map(tmp_path, origin="[1.0, 2, 90]"))
 
 
 @pytest.mark.parametrize(

@@ -169,4 +169,4 @@ def test_angles_may_be_in_degrees(tmp_path):
 def test_an_angle_beyond_a_whole_turn_is_warned_of_with_its_place(tmp_path):
     with pytest.warns(AngleWarning, match=r"mine.yaml:36:44: lidars.front.yaw: 180 is more than .* 180deg"):
         robot = load_changed(tmp_path, "yaw: 3.141592653589793", "yaw: 180")
-    assert robot.lidars["front"].yaw == 180.0
+    assert robot.lidars["front"].yaw == math.remainder(180.0, math.tau)

@@ -39,3 +39,37 @@ def test_a_period_is_a_number_of_steps(dt, steps):
 def test_any_other_period_is_refused(dt):
     with pytest.raises(InputError, match=r"not a multiple of the physics step of 0\.005 s"):
         count_steps(dt, 0.005)
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (Twist2D(5.0, 0.0), "(5 m/s, 0 rad/s) is above the limits of nova_carter and is clipped to (0.8 m/s, 0 rad/s)"),
+        (Twist2D(0.0, -2.0), "(0 m/s, -2 rad/s) is above the limits of nova_carter and is clipped to (0 m/s, -0.7 rad"),
+    ],
+)
+def test_a_clipped_command_is_reported_once(command, message, caplog):
+    ramp = CommandRamp(Robot.load("nova_carter"), 0.005)
+    for _ in range(3):
+        ramp.advance(command, 10)
+    ramp.reset()
+    ramp.advance(command, 10)
+    assert [message in record.getMessage() for record in caplog.records] == [True]
+
+
+def test_a_clipped_wheel_is_reported_once(caplog):
+    robot = Robot.load("nova_carter")
+    robot = robot.model_copy(update={"drive": robot.drive.model_copy(update={"max_wheel_speed": 3.0})})
+    ramp = CommandRamp(robot, 0.005)
+    ramp.advance(Twist2D(0.4, 0.0), 200)
+    assert caplog.records == []
+    ramp.advance(Twist2D(0.8, 0.0), 200)
+    assert ["clipped to 3 rad/s, the drive's max_wheel_speed" in record.getMessage() for record in caplog.records] == [
+        True
+    ]
+
+
+def test_a_command_at_the_limits_is_not_reported(caplog):
+    ramp = CommandRamp(Robot.load("nova_carter"), 0.005)
+    ramp.advance(Twist2D(0.8 + 1e-12, -0.7), 100)
+    assert caplog.records == []

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from trundle.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
+from trundle.geometry import wrap_angle
 
 ANGLES = "angles"
 """Key of the validation context that says what becomes of an angle that probably is in degrees."""
@@ -33,6 +34,7 @@ def read_angle(value: object, info: ValidationInfo) -> object:
             raise PydanticCustomError(DEGREES, "{message}", {"message": describe_degrees(value)})
         if wish != _ACCEPT:
             warn_of_degrees(value, "angle")
+        return wrap_angle(value)
     return value
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
 
-from trundle.errors import InputError, MapError
+from trundle.angles import is_in_degrees, parse_angle
+from trundle.errors import InputError, MapError, MapWarning
 from trundle.files.kinds import MAP, describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, wrap_angle
 from trundle.maps.grid import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 
@@ -54,6 +57,9 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
 
     Raises:
         MapError: If it cannot be read, or says something that a map cannot mean.
+
+    Warns:
+        MapWarning: If the yaw of its origin is in degrees.
     """
     fields = read_fields(path)
     image, image_place = fields.text("image")
@@ -68,11 +74,15 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
             f"{fields.place('free_thresh')}: free_thresh {rule.free_thresh} is above occupied_thresh "
             f"{rule.occupied_thresh}: the two are probably exchanged. Usual are 0.196 and 0.65"
         )
+    origin = parse_origin(fields)
+    degrees = describe_degrees(fields)
+    if degrees is not None:
+        warnings.warn("; ".join(degrees), MapWarning, stacklevel=4)
     return RosMapDescription(
         image=image,
         image_place=image_place,
         resolution=fields.number("resolution", low=MIN_RESOLUTION, high=MAX_RESOLUTION),
-        origin=parse_origin(fields),
+        origin=origin,
         rule=rule,
         free_thresh_place=fields.place("free_thresh"),
     )
@@ -179,10 +189,10 @@ def parse_origin(fields: Fields) -> Pose2D:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
         got = f"{len(node.value)} values" if isinstance(node, yaml.SequenceNode) else _kind(node)
         raise MapError(f"{place(node, fields.name)}: origin must be [x, y, yaw] in metres and radians, got {got}")
-    x, y, yaw = (
-        parse_number(item, f"origin's {what}", fields.name)
-        for item, what in zip(node.value, ("x", "y", "yaw"), strict=True)
+    x, y = (
+        parse_number(item, f"origin's {what}", fields.name) for item, what in zip(node.value, ("x", "y"), strict=False)
     )
+    yaw = _parse_yaw(node.value[2], fields.name)
     for item, what, value, most in zip(
         node.value, ("x", "y", "yaw"), (x, y, yaw), (MAX_ORIGIN, MAX_ORIGIN, MAX_YAW), strict=True
     ):
@@ -191,7 +201,28 @@ def parse_origin(fields: Fields) -> Pose2D:
                 f"{place(item, fields.name)}: origin's {what} is {value:g}, it must be between {-most:g} and {most:g}; "
                 "correct it"
             )
-    return Pose2D(x, y, yaw)
+    return Pose2D(x, y, wrap_angle(yaw))
+
+
+def _parse_yaw(node: yaml.Node, name: str) -> float:
+    """The origin's yaw [rad]; `90deg` is read, too, though ROS does not."""
+    if isinstance(node, yaml.ScalarNode) and _NUMBER.fullmatch(node.value) is None:
+        with contextlib.suppress(ValueError):
+            return parse_angle(node.value)
+    return parse_number(node, "origin's yaw", name)
+
+
+def describe_degrees(fields: Fields) -> tuple[str, str] | None:
+    """Where the origin's yaw is in degrees, as nobody else reads it: what is wrong, and what to write; else None."""
+    node = fields.node("origin").value[2]
+    yaw = _parse_yaw(node, fields.name)
+    where, right = place(node, fields.name), f"{math.radians(yaw):.6g}"
+    if is_in_degrees(yaw):
+        message = f"{where}: origin's yaw is {yaw:g} rad, more than a whole turn: it is in radians, and degrees are "
+        return f"{message}probably meant", f"write {right}"
+    if _NUMBER.fullmatch(node.value) is None:
+        return f"{where}: origin's yaw is {node.value}, which ROS does not read", f"write {yaw:.6g}"
+    return None
 
 
 def parse_mode(fields: Fields) -> Mode:

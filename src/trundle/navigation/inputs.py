@@ -8,9 +8,11 @@ import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
+import numpy as np
+
 from trundle.costmap import Costmap, UnknownPolicy
 from trundle.errors import InputError, RobotWarning
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
@@ -86,6 +88,18 @@ def read_options(options: object, what: str) -> dict[str, Any]:
         if all(isinstance(name, str) for name in given):
             return given
     raise InputError(f"{what} are options by name, {{'name': value}}; got {options!r}")
+
+
+def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
+    """Take where a robot is. A yaw of its odometry may have added up to more than a whole turn.
+
+    Raises:
+        InputError: If it is no pose.
+    """
+    if not isinstance(pose, Pose2D | str) and isinstance(pose, Sequence | np.ndarray) and len(pose) == 3:
+        x, y, yaw = pose
+        return Pose2D(x, y, wrap_angle(yaw) if is_finite_number(yaw) else yaw)
+    return Pose2D.of(pose)
 
 
 def read_goal(

@@ -16,7 +16,7 @@ from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal, read_options
+from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal, read_options, read_pose
 from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
@@ -262,7 +262,7 @@ class Navigator:
         Raises:
             InputError: If the pose, the twist or the time is none, or not finite.
         """
-        here = Pose2D.of(pose)
+        here = read_pose(pose)
         moving = self._command if twist is None else credible_twist(twist, self.robot)
         now = self._time + self.dt if time is None else as_number(time, "time")
         if not math.isfinite(now):

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 from typing import NamedTuple
 
 from trundle.errors import InputError
 from trundle.geometry import Twist2D
 from trundle.robots import Robot
 from trundle.values import as_number
+
+_log = logging.getLogger(__name__)
+
+_ROUNDING = 1e-6
+"""Commands that are so little above the limits [m/s, rad/s] are not reported."""
 
 
 class Motion(NamedTuple):
@@ -26,6 +32,8 @@ LONGEST_PERIOD_S = 3600.0
 class CommandRamp:
     """Brings commands within a robot's limits: the numbers of `Limits.approach`, then the clipping of each wheel.
 
+    The first command that is clipped is logged as a warning.
+
     Args:
         robot: Whose limits.
         timestep: Length of a physics step [s].
@@ -34,6 +42,8 @@ class CommandRamp:
     def __init__(self, robot: Robot, timestep: float) -> None:
         self._limits = robot.limits
         self._drive = robot.drive
+        self._name = robot.name
+        self._reported = False
         self._linear_step = robot.limits.linear_acceleration * timestep
         self._angular_step = robot.limits.angular_acceleration * timestep
         self.reset()
@@ -55,6 +65,8 @@ class CommandRamp:
         if not isinstance(command, Twist2D):
             raise InputError(f"a command is a Twist2D, got {command!r}")
         target = self._limits.clamp(command)
+        if not self._reported and abs(target.v - command.v) + abs(target.w - command.w) > _ROUNDING:
+            self._report(f"({command.v:g} m/s, {command.w:g} rad/s)", f"({target.v:g} m/s, {target.w:g} rad/s)")
         radius, track, most = self._drive.wheel_radius, self._drive.track_width, self._drive.max_wheel_speed
         motions: list[Motion] = []
         for step in range(steps):
@@ -66,11 +78,24 @@ class CommandRamp:
             across = w * track / 2.0
             left, right = (v - across) / radius, (v + across) / radius
             if most is not None and (abs(left) > most or abs(right) > most):
+                if not self._reported:
+                    fastest = f"({left:.3g}, {right:.3g}) rad/s of the wheels"
+                    self._report(fastest, f"{most:g} rad/s, the drive's max_wheel_speed")
                 left, right = min(most, max(-most, left)), min(most, max(-most, right))
                 v, w = radius * (left + right) / 2.0, radius * (right - left) / track
             self._motion = Motion(v, w, left, right)
             motions.append(self._motion)
         return motions
+
+    def _report(self, asked: str, given: str) -> None:
+        """Say once that commands are clipped."""
+        self._reported = True
+        _log.warning(
+            "a command of %s is above the limits of %s and is clipped to %s; further ones are clipped silently",
+            asked,
+            self._name,
+            given,
+        )
 
 
 def count_steps(dt: float, timestep: float) -> int:

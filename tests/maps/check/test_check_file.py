@@ -86,6 +86,10 @@ def test_a_yaw_in_degrees_is_warned_of(good):
     finding = next(finding for finding in check_map(good).findings if finding.kind == "yaml")
     assert finding.severity == "warning"
     assert finding.fix == "write 1.5708"
+    good.write_text(text.replace(", 0.0]", ", 90deg]"))
+    finding = next(finding for finding in check_map(good).findings if finding.kind == "yaml")
+    assert "90deg, which ROS does not read" in finding.message
+    assert finding.fix == "write 1.5708"
 
 
 def test_a_key_of_another_tool_is_a_remark(good):

@@ -41,7 +41,7 @@ def build(
     assets_root: str | None = None,
     floor_z: options.FloorZ = None,
     floor: Path | None = None,
-    max_slope: float | None = None,
+    max_slope: options.Angle | None = None,
     bounds: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X0,Y0,X1,Y1")] = None,
     margin: float = 0.0,
     free: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative="", metavar="X,Y|largest")] = None,
@@ -72,7 +72,7 @@ def build(
         z_max: Upper end of the band of heights that counts, above the floor [m]; left out: the robot's.
         assets_root: Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.
         floor: A height field, of a floor with ramps.
-        max_slope: The steepest part of a height field that is no obstacle [rad]; left out: 0.1745, 10 degrees.
+        max_slope: The steepest part of a height field that is no obstacle [rad, or 10deg]; left out: 10deg.
         bounds: What the map covers [m]; the upper corner is moved out to whole cells; left out: the world.
         margin: Added around the bounds [m].
         free: A point that is free and reachable, such as the robot's start [m], or largest, for the largest free area;

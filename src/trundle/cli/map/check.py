@@ -60,7 +60,7 @@ def check(
         map_file: The YAML of a ROS map.
         world: The world that the map shows, by name or file.
         robot: A robot, by name or YAML, that shall fit through the doors.
-        start: Where the robot starts [m, m, rad], map frame.
+        start: Where the robot starts [m, m, rad or 90deg], map frame.
         goal: Where it shall go; repeat it for several.
         fix: Where to write the map with everything put right that is certain: a YAML, or a folder for map.yaml.
         out: A picture of the map with its findings, or a folder for check.png.

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
+from trundle.angles import FORM as ANGLE_FORM
+from trundle.angles import parse_angle, warn_of_degrees
 from trundle.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -18,6 +21,20 @@ if TYPE_CHECKING:
 
 def _pose(name: str, help: str, negative: str | None = None) -> Parameter:
     return Parameter(name=name, allow_leading_hyphen=True, negative=negative, metavar="X,Y[,YAW]", help=help)
+
+
+def _read_angle(_kind: object, tokens: Sequence[Token]) -> float:
+    text = tokens[0].value
+    try:
+        angle = parse_angle(text)
+    except ValueError:
+        raise InputError(f"{tokens[0].keyword} {text!r} is not an angle; write {ANGLE_FORM}") from None
+    warn_of_degrees(angle, str(tokens[0].keyword))
+    return angle
+
+
+Angle = Annotated[float, Parameter(converter=_read_angle, allow_leading_hyphen=True, metavar="ANGLE")]
+"""An option's angle [rad], or in degrees: `10deg`."""
 
 
 def _pairs(name: str, help: str) -> Parameter:
@@ -77,13 +94,16 @@ SpeedMaskFile = Annotated[
 ]
 Start = Annotated[
     str | None,
-    _pose("--start", "Where the robot starts [m, m, rad], map frame; left out: picked from the free space by seed."),
+    _pose(
+        "--start",
+        "Where it starts [m, m, rad or 90deg], map frame; left out: picked from the free space by seed.",
+    ),
 ]
 Pose = Annotated[
     str | None,
     _pose(
         "--start",
-        "Where the robot stands [m, m, rad], map frame; left out: a free place of the world, or the origin.",
+        "Where the robot stands [m, m, rad or 90deg], map frame; left out: a free place of the world, or the origin.",
     ),
 ]
 Goals = Annotated[
@@ -144,16 +164,28 @@ def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: 
 
 
 def parse_pose(option: str, text: str) -> Pose2D:
-    """Read `X,Y` or `X,Y,YAW` [m, m, rad]."""
+    """Read `X,Y` or `X,Y,YAW` [m, m, rad]; the yaw may be in degrees, `90deg`."""
     from trundle.geometry import Pose2D
 
-    return Pose2D(*parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3))
+    return Pose2D(*parse_goal(option, text))
 
 
 def parse_goal(option: str, text: str) -> Target:
     """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
-    numbers = parse_numbers(option, text, "X,Y or X,Y,YAW", at_least=2, at_most=3)
-    return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])
+    from trundle.geometry import wrap_angle
+
+    *position, yaw = text.split(",")
+    form = "X,Y or X,Y,YAW"
+    if len(position) != 2:
+        x, y = parse_numbers(option, text, form, at_least=2, at_most=2)
+        return (x, y)
+    try:
+        angle = parse_angle(yaw)
+    except ValueError:
+        raise InputError(f"{option} {text!r}: YAW {yaw!r} is not an angle; write {ANGLE_FORM}") from None
+    x, y = parse_numbers(option, ",".join(position), form, at_least=2, at_most=2)
+    warn_of_degrees(angle, f"{option} {text}: YAW")
+    return (x, y, wrap_angle(angle))
 
 
 def parse_pairs(option: str, texts: list[str] | None, example: str) -> dict[str, bool | int | float | str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from trundle.maps.ros_yaml import (
     MIN_RESOLUTION,
     Fields,
     RosMapDescription,
+    describe_degrees,
     parse_mode,
     parse_negate,
     parse_origin,
@@ -111,21 +111,8 @@ def _advise(message: str) -> str:
 
 
 def _check_degrees(fields: Fields) -> list[Finding]:
-    node = fields.node("origin")
-    yaw = float(node.value[2].value)
-    if abs(yaw) <= 2.0 * math.pi:
-        return []
-    where = place(node.value[2], fields.name)
-    return [
-        Finding(
-            "yaml",
-            "warning",
-            f"{where}: origin's yaw is {yaw:g} rad, more than a whole turn: it is in radians, and degrees are probably "
-            "meant",
-            None,
-            f"write {math.radians(yaw):.6g}",
-        )
-    ]
+    found = describe_degrees(fields)
+    return [] if found is None else [Finding("yaml", "warning", found[0], None, found[1])]
 
 
 def _check_keys(fields: Fields) -> list[Finding]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self, cast
 import numpy as np
 
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
-from trundle.geometry import Pose2D, Twist2D, integrate_twist
+from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.isaac.adapter import Adapter, BodyState, base_motion, planar_pose
 from trundle.sim.isaac.application import Application, running_application
@@ -365,6 +365,6 @@ class IsaacSimulator:
             twist=twist,
             wheel_positions=WheelSpeeds(*self._turned),
             wheel_speeds=speeds,
-            odometry=Pose2D(*self._odometry),
+            odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
             contacts=tuple(touched.values()),
         )

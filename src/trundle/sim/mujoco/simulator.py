@@ -11,7 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.files.model_spec import log_warnings
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
@@ -216,7 +216,7 @@ class MujocoSimulator:
             twist=Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w),
             wheel_positions=WheelSpeeds(positions[left] - left_start, positions[right] - right_start),
             wheel_speeds=WheelSpeeds(speeds[left_speed], speeds[right_speed]),
-            odometry=Pose2D(*self._odometry),
+            odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
             contacts=contacts,
             scans=scans,
         )
