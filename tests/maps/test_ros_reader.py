@@ -323,15 +323,15 @@ def test_no_warning_without_such_cells_or_where_they_mean_something_else(tmp_pat
     OccupancyGrid.load(write_map(tmp_path, free_thresh="0.25", mode="raw"))
 
 
-def test_maps_import_neither_an_image_library_nor_pydantic(tmp_path):
+def test_pgm_maps_import_neither_an_image_library_nor_pydantic(tmp_path):
     path = write_map(tmp_path)
-    Image.fromarray(np.array([[254, 205], [0, 255]], dtype=np.uint8)).save(tmp_path / "map.pgm", format="PNG")
+    Image.fromarray(np.array([[254, 205], [0, 255]], dtype=np.uint8)).save(tmp_path / "map.pgm", format="PPM")
     code = f"""
     import sys
     import trundle.maps
     assert not {{"PIL", "pydantic", "yaml"}} & set(sys.modules), "at import"
     grid = trundle.maps.OccupancyGrid.load({str(path)!r})
-    grid.save({str(tmp_path / "copy.yaml")!r})
+    grid.save({str(tmp_path / "copy.yaml")!r}, image_format="pgm")
     assert not {{"PIL", "pydantic"}} & set(sys.modules), "after loading"
     """
     subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True)

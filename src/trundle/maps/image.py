@@ -6,7 +6,7 @@ from pathlib import Path
 
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
-from trundle.maps import bmp, pnm
+from trundle.maps import bmp, png_chunks, pnm
 from trundle.maps.grid import MAX_CELLS
 from trundle.maps.pixels import Pixels
 
@@ -57,13 +57,11 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
         packed = 2 * (header.width + 1) * header.height
         limit = header.offset + max(packed if header.is_packed else 0, header.raster_bytes) + _TRAILING_BYTES
     else:
-        from trundle.maps import png
-
         if not head:
             raise MapError(f"{name}: the image file is empty")
-        if not head.startswith(png.SIGNATURE):
+        if not head.startswith(png_chunks.SIGNATURE):
             raise MapError(f"{name}: not a PNG, PNM (PGM) or BMP image; convert it to PNG")
-        header = png.parse_header(head, name)
+        header = png_chunks.parse_header(head, name)
         limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
     cells = header.width * header.height
     if cells > max_cells or header.decoded_bytes > _MAX_DECODED_BYTES:
