@@ -8,8 +8,6 @@ import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
-import numpy as np
-
 from trundle.costmap import Costmap, UnknownPolicy
 from trundle.errors import InputError, RobotWarning
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
@@ -96,10 +94,12 @@ def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
     Raises:
         InputError: If it is no pose.
     """
-    if not isinstance(pose, Pose2D | str) and isinstance(pose, Sequence | np.ndarray) and len(pose) == 3:
-        x, y, yaw = pose
-        return Pose2D(x, y, wrap_angle(yaw) if is_finite_number(yaw) else yaw)
-    return Pose2D.of(pose)
+    if isinstance(pose, Pose2D):
+        return pose
+    numbers = as_sequence(pose)
+    if len(numbers) == 3 and is_finite_number(numbers[2]):
+        numbers = (numbers[0], numbers[1], wrap_angle(numbers[2]))
+    return Pose2D.of(numbers)
 
 
 def read_goal(
