@@ -206,39 +206,10 @@ def race_large(folder: Path, city: str) -> None:
         (f"longest of the file, in one tile ({search.shortest_path(start, goal).length:.0f} cells)", describe(within)),
         ("all 2000", f"{describe(each)}, nine tenths {np.percentile(each, 90):.0f} us"),
     ]
-    rows += race_landmarks(blocked, starts, goals, lengths)
     span = offset, offset + 20
     updates = [microseconds(lambda t=turn: search.update(span, span, t % 2 == 0)) for turn in range(41)]
     rows.append(("update of 20 x 20 cells", describe(updates)))
     print_table(("what", "figure"), rows)
-
-
-def race_landmarks(
-    blocked: np.ndarray, starts: np.ndarray, goals: np.ndarray, lengths: np.ndarray
-) -> list[tuple[str, str]]:
-    """The longest query, the twenty longest and all of them by how many landmarks there are."""
-
-    def ask(search: GridSearch, query: int) -> float:
-        return microseconds(lambda: search.shortest_path(starts[query], goals[query]))
-
-    rows: list[tuple[str, str]] = []
-    longest = np.argsort(-lengths)[:20].tolist()
-    for count in (0, 4, 8, 12):
-        begin = time.process_time()
-        search = GridSearch(blocked, landmarks=count)
-        build, size = time.process_time() - begin, search.nbytes
-        turns = [ask(search, longest[0]) for _ in range(100)]
-        each = [ask(search, query) for query in range(len(starts))]
-        top = [min(ask(search, query) for _ in range(5)) for query in longest]
-        found = search.plan_many(starts, goals).length
-        if not np.array_equal(np.where(np.isfinite(found), found, 0.0), lengths):
-            raise SystemExit(f"{count} landmarks give other lengths")
-        memory = f"{1e-6 * size:.1f} MB, {1e-6 * search.nbytes:.1f} after the searches"
-        tops = f"20 longest median {statistics.median(top):.0f}, largest {max(top):.0f} us"
-        all_of_them = f"all median {statistics.median(each):.0f}, nine tenths {np.percentile(each, 90):.0f} us"
-        times = f"longest {describe(turns)}; {tops}; {all_of_them}"
-        rows.append((f"{count} landmarks", f"built in {build:.2f} s of the processor, {memory}; {times}"))
-    return rows
 
 
 def describe(times: list[float]) -> str:

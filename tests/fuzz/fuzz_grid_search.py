@@ -151,8 +151,6 @@ def one_round(generator: random.Random) -> None:
     blocked = make_map(generator)
     connectivity = generator.choice((4, 8, 8, 8))
     searches = [GridSearch(blocked, connectivity, method=m) for m in (METHODS if connectivity == 8 else ("auto",))]
-    if connectivity == 8 and generator.random() < 0.5:
-        searches.append(GridSearch(blocked, method=generator.choice(METHODS[:3]), landmarks=generator.randrange(1, 17)))
     shape = searches[0].shape
     current = np.array(blocked != 0)
     for _ in range(generator.randrange(1, 5)):

@@ -78,15 +78,6 @@ def updated() -> Any:
     return grid.find_way(START, GOAL, None, None)
 
 
-def guided() -> Any:
-    grid = _core.BinaryGrid(BLOCKED, 8, "jps")
-    for row, col in grid.begin_landmarks(4).tolist():
-        _, lengths = _core.cost_field(COSTS, np.array([(row, col)]), 8, 1, None, None)
-        assert lengths is not None
-        grid.add_landmark((row, col), lengths)
-    return grid.landmarks, grid.find_way(START, GOAL, None, None)
-
-
 def planes() -> Any:
     return _core.floor_planes(*HEIGHTS)
 
@@ -100,9 +91,6 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "BinaryGrid.find_point_ways": lambda: GRID.find_point_ways(*ENDS, True, 2, 10.0, None),
     "BinaryGrid.settle_ends": lambda: GRID.settle_ends(*ENDS, 1.0, 1.0, True),
     "BinaryGrid.update": updated,
-    "BinaryGrid.begin_landmarks": lambda: _core.BinaryGrid(BLOCKED, 8, "jps").begin_landmarks(8),
-    "BinaryGrid.add_landmark": guided,
-    "BinaryGrid.landmarks": lambda: GRID.landmarks,
     "BinaryGrid.method": lambda: GRID.method,
     "BinaryGrid.clutter": lambda: GRID.clutter,
     "BinaryGrid.bytes": lambda: GRID.bytes >= 0,

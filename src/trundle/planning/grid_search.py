@@ -24,8 +24,8 @@ from trundle.planning.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.landmarks import check_landmarks, measure_landmarks
 from trundle.planning.point_path import POINT_METHODS, PointMethod
+from trundle.planning.removed import refuse_removed
 
 METHODS = ("auto", "jps", "jps_plus", "astar")
 
@@ -56,19 +56,13 @@ class GridSearch:
             a view with strides.
         connectivity: 8, or 4 for ways without diagonal steps.
         method: One of the above.
-        landmarks: From how many cells, at most 16, to measure the ways to all others beforehand, in the largest part of
-            the map. They say better than the straight distance how far it is, so that jumps look at less on long ways;
-            lengths stay exact. Each takes a `cost_field`, and 4 bytes for every block of 16 x 16 cells; measuring takes
-            5 bytes a cell meanwhile. A* does not use them. An `update` that frees a cell which was blocked then drops
-            them.
 
     Raises:
         InputError: If an argument is none of these.
     """
 
-    def __init__(
-        self, blocked: npt.ArrayLike, connectivity: int = 8, *, method: str = "auto", landmarks: int = 0
-    ) -> None:
+    @refuse_removed(landmarks="leave it out: paths have the same lengths without")
+    def __init__(self, blocked: npt.ArrayLike, connectivity: int = 8, *, method: str = "auto") -> None:
         values = as_bytes(blocked, "blocked")
         if values.ndim != 2 or values.size == 0:
             raise InputError(f"blocked needs shape (rows, cols) with at least one cell, got {values.shape}")
@@ -78,7 +72,6 @@ class GridSearch:
             raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
         if connectivity == 4 and method in ("jps", "jps_plus"):
             raise InputError(f"method {method!r} is for connectivity 8; 4-connected ways are found by 'astar'")
-        count = check_landmarks(landmarks, connectivity, method)
         try:
             self._grid = _core.BinaryGrid(values, int(connectivity), method)
         except ValueError as error:
@@ -86,8 +79,6 @@ class GridSearch:
         self._shape = values.shape[0], values.shape[1]
         self._ends = GridEnds(self._grid, self._shape)
         self._connectivity = int(connectivity)
-        if count > 0 and self.method != "astar":
-            measure_landmarks(self._grid, values, count)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -111,11 +102,6 @@ class GridSearch:
         Blocked cells that touch are one obstacle. A maze has corners, but hardly an obstacle that stands free.
         """
         return self._grid.clutter
-
-    @property
-    def landmarks(self) -> int:
-        """How many landmarks guide the search."""
-        return self._grid.landmarks
 
     @property
     def nbytes(self) -> int:

@@ -17,7 +17,6 @@
 #include "grid/free_runs.hpp"
 #include "grid/jump_search.hpp"
 #include "grid/jump_table.hpp"
-#include "grid/landmarks.hpp"
 #include "grid/theta_star.hpp"
 #include "shared/memory_pool.hpp"
 
@@ -71,7 +70,6 @@ class BinaryGrid {
     std::shared_lock lock(change_);
     std::size_t sum = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
     if (table_) sum += table_->bytes();
-    if (landmarks_) sum += landmarks_->bytes();
     return sum + jump_pool_.bytes() + bucket_pool_.bytes() + any_angle_pool_.bytes() + theta_pool_.bytes();
   }
 
@@ -108,8 +106,8 @@ class BinaryGrid {
       bucket_pool_.give_back(std::move(memory));
     } else {
       auto memory = jump_pool_.borrow();
-      way = guided(to) ? jump_way(LandmarkEstimate(*landmarks_, from, to), from, to, patience, *memory)
-                       : jump_way(OctileEstimate{to}, from, to, patience, *memory);
+      way = table_ ? jump_search(lines_, *table_, from, to, patience, *memory)
+                   : jump_search(lines_, BitJumps(lines_, turned_), from, to, patience, *memory);
       jump_pool_.give_back(std::move(memory));
     }
     as_asked(way.corners, turned);
@@ -136,39 +134,11 @@ class BinaryGrid {
     return way;
   }
 
-  // How many landmarks guide jumps now.
-  std::size_t landmarks() const {
-    std::shared_lock lock(change_);
-    return landmarks_ ? landmarks_->cells().size() : 0;
-  }
-
-  // Makes room for landmarks, and says where to measure from: nowhere where all is blocked.
-  std::vector<GridCell> begin_landmarks(std::size_t count) {
-    std::unique_lock lock(change_);
-    std::vector<GridCell> cells = landmark_cells(lines_, runs_, count);
-    landmarks_ = cells.empty() ? nullptr : std::make_unique<Landmarks>(lines_, cells.size());
-    for (GridCell &cell : cells) leave_border(cell);
-    return cells;
-  }
-
-  // Takes in one of these cells and the lengths of the ways from it, in cells, shape (rows, cols).
-  void add_landmark(GridCell cell, const float *lengths) {
-    std::unique_lock lock(change_);
-    if (!landmarks_ || landmarks_->full()) return;
-    const GridCell here{cell.row + 1, cell.col + 1};
-    if (lines_.blocked(here.row, here.col) || (!landmarks_->cells().empty() && !guided(here))) return;
-    landmarks_->add(here, lengths, rows(), cols());
-  }
-
   // New values for a rectangle that lies inside.
   void update(std::int64_t row, std::int64_t col, const ByteView &values) {
     if (values.rows == 0 || values.cols == 0) return;
     std::unique_lock lock(change_);
     const Window changed{row + 1, row + 1 + values.rows, col + 1, col + 1 + values.cols};
-    const auto frees = [&](std::int64_t r, std::int64_t c) { return values.at(r - row - 1, c - col - 1) == 0; };
-    if (landmarks_ && !landmarks_->hold(lines_, changed, frees)) {
-      landmarks_.reset();
-    }
     const bool local = changed.grown().area() <= kLocal;
     const std::vector<std::uint32_t> before = local ? parts_of(lines_, changed.grown()) : std::vector<std::uint32_t>();
     recount(changed, -1);
@@ -221,22 +191,6 @@ class BinaryGrid {
     free_ += sign * free, euler_ += sign * euler, corners_ += sign * corners;
   }
 
-  // Whether the landmarks know of ways to a free cell: those to one of them are in their part of the map.
-  bool guided(GridCell goal) const {
-    if (!landmarks_) return false;
-    const std::uint32_t part = runs_.at(goal.row, goal.col);
-    return std::any_of(landmarks_->cells().begin(), landmarks_->cells().end(), [&](GridCell cell) {
-      return !lines_.blocked(cell.row, cell.col) && runs_.at(cell.row, cell.col) == part;
-    });
-  }
-
-  template <typename Estimate>
-  GridWay jump_way(const Estimate &estimate, GridCell from, GridCell to, const Patience &patience,
-                   JumpMemory &memory) const {
-    return table_ ? jump_search(lines_, *table_, estimate, from, to, patience, memory)
-                  : jump_search(lines_, BitJumps(lines_, turned_), estimate, from, to, patience, memory);
-  }
-
   double clutter_now() const {
     const std::int64_t obstacles = runs_.components() - euler_ / 4;
     const double product = static_cast<double>(obstacles) * static_cast<double>(corners_);
@@ -265,7 +219,6 @@ class BinaryGrid {
   std::int64_t free_ = 0, euler_ = 0, corners_ = 0;
   std::unique_ptr<StepMasks> masks_;
   std::unique_ptr<JumpTable> table_;
-  std::unique_ptr<Landmarks> landmarks_;
   mutable std::shared_mutex change_;
   mutable MemoryPool<JumpMemory> jump_pool_;
   mutable MemoryPool<BucketMemory> bucket_pool_;

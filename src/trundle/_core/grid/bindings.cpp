@@ -235,24 +235,6 @@ static void update(BinaryGrid &grid, std::int64_t row, std::int64_t col, Bytes v
   grid.update(row, col, view);
 }
 
-// Where to measure landmarks from: (row, col), shape (N, 2).
-static auto begin_landmarks(BinaryGrid &grid, std::size_t count) {
-  if (count < 1 || count > 64) throw nb::value_error("the number of landmarks is from 1 to 64");
-  std::vector<std::int32_t> cells;
-  for (const GridCell cell : grid.begin_landmarks(count)) cells.insert(cells.end(), {cell.row, cell.col});
-  const std::size_t found = cells.size() / 2;
-  return to_numpy(std::move(cells), {found, 2});
-}
-
-static void add_landmark(BinaryGrid &grid, std::pair<std::int32_t, std::int32_t> cell, In<float, 2> lengths) {
-  const GridCell at{cell.first, cell.second};
-  if (!grid.inside(at.row, at.col)) throw nb::value_error("the landmark lies outside the map");
-  const auto rows = static_cast<std::int64_t>(lengths.shape(0)), cols = static_cast<std::int64_t>(lengths.shape(1));
-  if (rows != grid.rows() || cols != grid.cols()) throw nb::value_error("the lengths need the shape of the map");
-  nb::gil_scoped_release released;
-  grid.add_landmark(at, lengths.data());
-}
-
 static const char *method_name(const BinaryGrid &grid) {
   const Method method = grid.method();
   return method == Method::kBucket ? "astar" : method == Method::kJumpTable ? "jps_plus" : "jps";
@@ -276,9 +258,6 @@ void bind_grid(nanobind::module_ &m) {
       .def("settle_ends", &trundle::settle_ends, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("start_reach"), nb::arg("goal_reach"), nb::arg("partial"))
       .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())
-      .def("begin_landmarks", &trundle::begin_landmarks, nb::arg("count"))
-      .def("add_landmark", &trundle::add_landmark, nb::arg("cell"), nb::arg("lengths").noconvert())
-      .def_prop_ro("landmarks", &trundle::BinaryGrid::landmarks, Unlocked())
       .def_prop_ro("method", &trundle::method_name, Unlocked())
       .def_prop_ro("clutter", &trundle::BinaryGrid::clutter, Unlocked())
       .def_prop_ro("bytes", &trundle::BinaryGrid::bytes, Unlocked());

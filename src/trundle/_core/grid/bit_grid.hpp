@@ -132,11 +132,6 @@ class BitGrid {
     }
   }
 
-  // Becomes the other grid, which is of the same size.
-  void copy(const BitGrid &other) {
-    std::copy(other.bits_, other.bits_ + static_cast<std::size_t>(rows_ + 7) / 8 * words_ * kLine, bits_);
-  }
-
   // Becomes the other grid with rows and columns exchanged.
   void transpose(const BitGrid &other) {
     std::uint64_t block[64];

@@ -182,27 +182,6 @@ class FreeRuns {
     return best;
   }
 
-  // Call `found(row, begin, end)` for every run of the component with the most cells.
-  template <typename Found>
-  void for_each_of_largest(const BitGrid &grid, Found &&found) const {
-    std::vector<std::uint64_t> sizes(begins_.size(), 0);  // labels are below the number of runs
-    const auto go = [&](auto &&each) {
-      std::size_t run = 0;
-      for (std::int64_t row = 0; row < grid.rows(); ++row) {
-        for (; run < rows_[static_cast<std::size_t>(row) + 1]; ++run) {
-          each(static_cast<std::int32_t>(row), begins_[run], grid.run_end(row, begins_[run]), labels_[run]);
-        }
-      }
-    };
-    go([&](std::int32_t, std::int32_t begin, std::int32_t end, std::uint32_t label) {
-      sizes[label] += static_cast<std::uint64_t>(end - begin);
-    });
-    const auto largest = static_cast<std::uint32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-    go([&](std::int32_t row, std::int32_t begin, std::int32_t end, std::uint32_t label) {
-      if (label == largest) found(row, begin, end);
-    });
-  }
-
   std::int64_t components() const { return components_; }
 
   std::size_t bytes() const {

@@ -57,20 +57,19 @@ class BitJumps {
   // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in directions,
   // given as bits. A diagonal jump that has led so far away that the way to the goal costs more than `least` from here
   // is put off: where it got to is given as if it were a jump point, and most are never asked for again.
-  template <typename Estimate, typename Reach>
-  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t least, const Estimate &estimate,
-            Reach &&reach) const {
+  template <typename Reach>
+  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t least, Reach &&reach) const {
     const BitGrid::Rows rows = rows_.around(from.row), cols = cols_.around(from.col);
     for (unsigned left = directions; left != 0; left &= left - 1) {
       switch (__builtin_ctz(left)) {
         case 0: straight<0>(rows, from, goal, 0, reach); break;
-        case 1: diagonal<1>(rows, cols, from, goal, least, estimate, reach); break;
+        case 1: diagonal<1>(rows, cols, from, goal, least, reach); break;
         case 2: straight<2>(cols, from, goal, 0, reach); break;
-        case 3: diagonal<3>(rows, cols, from, goal, least, estimate, reach); break;
+        case 3: diagonal<3>(rows, cols, from, goal, least, reach); break;
         case 4: straight<4>(rows, from, goal, 0, reach); break;
-        case 5: diagonal<5>(rows, cols, from, goal, least, estimate, reach); break;
+        case 5: diagonal<5>(rows, cols, from, goal, least, reach); break;
         case 6: straight<6>(cols, from, goal, 0, reach); break;
-        default: diagonal<7>(rows, cols, from, goal, least, estimate, reach);
+        default: diagonal<7>(rows, cols, from, goal, least, reach);
       }
     }
   }
@@ -98,9 +97,9 @@ class BitJumps {
     return true;
   }
 
-  template <int Direction, typename Estimate, typename Reach>
+  template <int Direction, typename Reach>
   void diagonal(BitGrid::Rows rows, BitGrid::Rows cols, GridCell from, GridCell goal, std::uint64_t least,
-                const Estimate &estimate, Reach &reach) const {
+                Reach &reach) const {
     constexpr int kAlong = kStepCol[Direction] > 0 ? 0 : 4, kUp = kStepRow[Direction] > 0 ? 2 : 6;
     GridCell cell = from;
     bool free = !rows.blocked(cell.col + kStepCol[Direction]) && !cols.blocked(cell.row + kStepRow[Direction]);
@@ -109,7 +108,7 @@ class BitJumps {
       rows = rows_.onward<kStepRow[Direction]>(rows, cell.row);
       if (rows.blocked(cell.col)) return;
       cols = cols_.onward<kStepCol[Direction]>(cols, cell.col);
-      if (steps % kAtOnce == 0 && steps * kDiagonalCost + estimate(cell) > least) {
+      if (steps % kAtOnce == 0 && steps * kDiagonalCost + octile_cost(cell, goal) > least) {
         reach(cell, 0, steps, Direction);
         return;
       }
@@ -140,15 +139,14 @@ inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arriva
   return onward;
 }
 
-// Start and goal are free and joined. The way is the octile optimum. `estimate` is at most what a way to the goal costs;
-// it need not be consistent, as cells that are reached more cheaply later are gone on from again.
-template <typename Jumps, typename Estimate>
-GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &estimate, GridCell start, GridCell goal,
-                    const Patience &patience, JumpMemory &memory) {
+// Start and goal are free and connected. The path is the octile optimum.
+template <typename Jumps>
+GridWay jump_search(const BitGrid &rows, const Jumps &jumps, GridCell start, GridCell goal, const Patience &patience,
+                    JumpMemory &memory) {
   constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
   memory.clear();
   memory.nodes[memory.nodes.insert(start).first].arrival = kFromNowhere;
-  memory.open.push({estimate(start), 0, 0});
+  memory.open.push({octile_cost(start, goal), 0, 0});
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t best = start == goal ? 0 : kNone;  // cost of the cheapest way to the goal so far
   GridWay way;
@@ -163,7 +161,7 @@ GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &est
     if (node.reached != entry.reached) continue;  // reached more cheaply since
     const auto reach = [&](GridCell cell, std::uint64_t straight, std::uint64_t diagonal, int arrival) {
       const std::uint64_t reached = node.reached + straight * kStraightCost + diagonal * kDiagonalCost;
-      const std::uint64_t total = reached + estimate(cell);
+      const std::uint64_t total = reached + octile_cost(cell, goal);
       if (total >= best) return;
       const auto [index, fresh] = memory.nodes.insert(cell);
       JumpMemory::Node &known = memory.nodes[index];
@@ -173,8 +171,7 @@ GridWay jump_search(const BitGrid &rows, const Jumps &jumps, const Estimate &est
       jumps.prefetch(cell);
       if (cell == goal) best = total;
     };
-    jumps.jump(onward_directions(rows, node.at, node.arrival), node.at, goal, entry.total - entry.reached, estimate,
-               reach);
+    jumps.jump(onward_directions(rows, node.at, node.arrival), node.at, goal, entry.total - entry.reached, reach);
   }
   way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
   if (way.status != SearchStatus::kFound) return way;

@@ -36,8 +36,8 @@ class JumpTable {
 
   // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in directions,
   // given as bits.
-  template <typename Estimate, typename Reach>
-  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t, const Estimate &, Reach &&reach) const {
+  template <typename Reach>
+  void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t, Reach &&reach) const {
     for (unsigned left = directions; left != 0; left &= left - 1) jump_along(__builtin_ctz(left), from, goal, reach);
   }
 

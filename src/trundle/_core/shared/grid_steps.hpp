@@ -33,6 +33,9 @@ inline std::uint64_t octile_cost(std::int64_t rows, std::int64_t cols) {
   return a < b ? (b - a) * kStraightCost + a * kDiagonalCost : (a - b) * kStraightCost + b * kDiagonalCost;
 }
 
+// The least that a path between two cells costs on a map without obstacles.
+inline std::uint64_t octile_cost(GridCell a, GridCell b) { return octile_cost(a.row - b.row, a.col - b.col); }
+
 inline std::uint64_t manhattan_cost(std::int64_t rows, std::int64_t cols) {
   return static_cast<std::uint64_t>(std::abs(rows) + std::abs(cols)) * kStraightCost;
 }
