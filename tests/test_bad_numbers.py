@@ -109,7 +109,7 @@ def test_a_pose_is_two_or_three_finite_numbers(pose):
         lambda: navigator().update(pose),
         lambda: navigator().plan(pose),
         lambda: navigator().set_goal(pose),
-        lambda: create_planner("jps").plan(COSTMAP, pose, HERE),
+        lambda: create_planner("astar").plan(COSTMAP, pose, HERE),
         lambda: simulator.reset(pose),
         lambda: run(simulator, navigator(), pose, (5.0, 2.0)),
         lambda: run(simulator, navigator(), HERE, pose),

@@ -23,7 +23,7 @@ from trundle.errors import (
 
 PLACE = {"pose": (1.0, 2.0, 0.5), "cell": (3, 4)}
 MADE = {
-    UnknownNameError: lambda: UnknownNameError("planner", "a_star", ["astar", "jps"]),
+    UnknownNameError: lambda: UnknownNameError("planner", "a_star", ["astar", "auto"]),
     MissingExtraError: lambda: MissingExtraError("reading meshes", "trimesh", 'pip install "trundle[mesh]"'),
     PlanningError: lambda: PlanningError("no path", **PLACE),
     OutsideMapError: lambda: OutsideMapError("outside", **PLACE),
@@ -72,7 +72,7 @@ def test_every_error_survives_pickle_and_copy_with_its_attributes(kind):
 
 def test_the_attributes_that_the_docs_name_are_those_that_were_given():
     unknown = pickle.loads(pickle.dumps(MADE[UnknownNameError]()))
-    assert (unknown.kind, unknown.name, unknown.choices) == ("planner", "a_star", ("astar", "jps"))
+    assert (unknown.kind, unknown.name, unknown.choices) == ("planner", "a_star", ("astar", "auto"))
     missing = pickle.loads(pickle.dumps(MADE[MissingExtraError]()))
     assert (missing.purpose, missing.package, missing.install) == (
         "reading meshes",
@@ -98,4 +98,4 @@ def test_an_error_raised_in_another_process_is_caught_as_what_it_is():
     ):
         pool.submit(trundle.planning.create_planner, "a_star").result()
     assert raised.value.name == "a_star"
-    assert "jps" in raised.value.choices
+    assert "auto" in raised.value.choices

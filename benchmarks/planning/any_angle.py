@@ -1,6 +1,6 @@
-"""Shortest ways in any direction: how fast, beside Theta* and the way over cells, and how much shorter.
+"""Shortest paths in any direction: how fast, beside those over cells, and how much shorter.
 
-    python -m benchmarks.planning.any_angle MAPS [--queries 0] [--only exact,theta_star,cells]
+    python -m benchmarks.planning.any_angle MAPS [--queries 0] [--only exact,cells]
 
 MAPS is a folder of MovingAI maps, each `NAME.map` with its `NAME.map.scen`. Of each map all queries are asked, or so
 many drawn by seed. The contestants take turns, query by query; a time is the smaller of two of the same call from
@@ -22,7 +22,7 @@ from benchmarks.timing import describe_machine, print_table
 from trundle.maps.movingai import MovingAIQuery, load_map, load_scenarios
 from trundle.planning import GridSearch, any_angle_path
 
-CONTESTANTS = ("exact", "theta_star", "cells")
+CONTESTANTS = ("exact", "cells")
 
 
 def read(folder: Path, name: str) -> tuple[np.ndarray, list[MovingAIQuery]]:
@@ -40,7 +40,7 @@ def timed(run: Callable[[], Any]) -> tuple[float, float, Any]:
 def ask(search: GridSearch, contestant: str, query: MovingAIQuery) -> Any:
     if contestant == "cells":
         return search.shortest_path(query.start, query.goal)
-    return search.any_angle_path(query.start, query.goal, method="exact" if contestant == "exact" else "theta_star")
+    return search.any_angle_path(query.start, query.goal)
 
 
 def race(folder: Path, name: str, count: int, contestants: list[str]) -> list[tuple[str, ...]]:

@@ -86,7 +86,6 @@ def any_angle_steps(side: int) -> Steps:
     return [
         ("any-angle optimum: 1100 cells", lambda: search.any_angle_path(start, near)),
         ("corner to corner", lambda: search.any_angle_path(start, goal)),
-        ("Theta*: 1100 cells", lambda: search.any_angle_path(start, near, method="theta_star")),
     ]
 
 
@@ -152,7 +151,6 @@ def label_steps(side: int) -> Steps:
 PARTS: dict[str, Callable[[int], Steps]] = {
     "jps": search_steps("jps"),
     "astar": search_steps("astar"),
-    "jps_plus": search_steps("jps_plus"),
     "any_angle": any_angle_steps,
     "cost_field_uint8": field_steps("uint8", 1, 255, 1),
     "cost_field_uint8_2": field_steps("uint8", 1, 255, 2),

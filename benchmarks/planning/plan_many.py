@@ -28,7 +28,7 @@ from trundle.planning import GridSearch, create_planner, plan_many
 from trundle.robots import Robot
 
 SEARCHES = ("GridSearch.plan_many", "GridSearch.any_angle_paths")
-PLANNERS = ("least_cost", "hybrid_astar", "any_angle", "astar", "jps")
+PLANNERS = ("least_cost", "hybrid_astar", "any_angle", "astar")
 
 
 def prepare(what: str, options: argparse.Namespace) -> tuple[Callable[[slice, int], object], int]:

@@ -1,6 +1,6 @@
 """Large maps where the footprint hits something again and again: are all queries planned, and with how many replans?
 
-    python -m benchmarks.planning.replans [--size 4096] [--queries 20] [--planners astar jps any_angle least_cost]
+    python -m benchmarks.planning.replans [--size 4096] [--queries 20] [--planners astar any_angle least_cost]
 
 Two maps of cells of 5 cm, made by seed: rooms of 10 m with a door of 1 m in each wall, and free space with sparse
 clutter, boxes of 0.1 to 0.6 m and one on 8 m². Nova Carter drives between places where it can turn in place, drawn by
@@ -70,7 +70,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--size", type=int, default=4096, help="edge of the maps [cells]")
     parser.add_argument("--queries", type=int, default=20)
-    parser.add_argument("--planners", nargs="+", default=["astar", "jps", "any_angle", "least_cost"])
+    parser.add_argument("--planners", nargs="+", default=["astar", "any_angle", "least_cost"])
     arguments = parser.parse_args()
     robot, rows = Robot.load("nova_carter"), []
     for name, make in (("rooms", rooms), ("clutter", clutter)):

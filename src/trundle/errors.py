@@ -72,15 +72,20 @@ class UnknownNameError(InputError):
         kind: What a name stands for ("planner").
         name: What was asked for.
         choices: What there is, sorted.
+        hint: For a name that was there in an earlier version: what became of it ("was removed; use …").
     """
 
-    def __init__(self, kind: str, name: str, choices: Iterable[str]) -> None:
+    def __init__(self, kind: str, name: str, choices: Iterable[str], *, hint: str | None = None) -> None:
         self.kind = kind
         self.name = name
         self.choices = tuple(sorted(choices))
+        self.hint = hint
+        if hint is not None:
+            super().__init__(f"{kind} {name!r} {hint}")
+            return
         nearest = difflib.get_close_matches(name, self.choices, n=1)
-        hint = f" Did you mean {nearest[0]!r}?" if nearest else ""
-        super().__init__(f"unknown {kind} {name!r}.{hint} There are: {', '.join(self.choices) or 'none'}.")
+        guess = f" Did you mean {nearest[0]!r}?" if nearest else ""
+        super().__init__(f"unknown {kind} {name!r}.{guess} There are: {', '.join(self.choices) or 'none'}.")
 
 
 class MissingExtraError(TrundleError, ImportError):

@@ -22,22 +22,31 @@ class Registry(Generic[_Made]):
         kind: What a name stands for, in messages ("planner").
         group: Entry-point group in which other packages add theirs ("trundle.planners").
         builtin: Our own names, each with its `"module:attribute"`.
+        removed: Names that earlier versions had, each with what became of it ("was removed; use …").
     """
 
-    def __init__(self, kind: str, group: str, builtin: Mapping[str, str]) -> None:
+    def __init__(
+        self, kind: str, group: str, builtin: Mapping[str, str], removed: Mapping[str, str] | None = None
+    ) -> None:
         self._kind = kind
         self._group = group
         self._builtin = dict(builtin)
+        self._removed = dict(removed or {})
 
     def names(self) -> list[str]:
         """Every name, ours and those of installed packages, sorted."""
         return sorted({*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))})
 
+    def removal(self, name: str) -> str | None:
+        """What became of a name that an earlier version had ("was removed; use …"); None for any other name."""
+        return None if name in self.names() else self._removed.get(name)
+
     def load(self, name: str) -> object:
         """Import what a name stands for.
 
         Raises:
-            UnknownNameError: If there is no such name; it lists the choices and the nearest.
+            UnknownNameError: If there is no such name; it lists the choices and the nearest, or says what became of
+                a name that was removed.
             InputError: If it is no text, or another package's entry point cannot be imported.
         """
         check_kind(name, str, f"the name of a {self._kind}", f"there are: {', '.join(self.names())}")
@@ -49,7 +58,7 @@ class Registry(Generic[_Made]):
                 return point.load()
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{self._kind} {name!r} ({point.value}) cannot be imported: {error}") from error
-        raise UnknownNameError(self._kind, name, self.names())
+        raise UnknownNameError(self._kind, name, self.names(), hint=self._removed.get(name))
 
     def make(self, name: str, /, *arguments: object, **options: Any) -> _Made:
         """Make what a name stands for.
@@ -66,7 +75,7 @@ class Registry(Generic[_Made]):
             what = f" has no option {foreign[1]!r}" if foreign else f": {error}"
             raise InputError(f"{self._kind} {name!r}{what}") from error
 
-    def take(self, given: str | _Made, method: str, *arguments: object, **options: Any) -> _Made:
+    def take(self, given: str | _Made, method: str, /, *arguments: object, **options: Any) -> _Made:
         """Make what a name stands for, or take what was made already: anything that has a method of this name.
 
         Raises:

@@ -12,7 +12,6 @@ MAP = np.zeros((3, 4), np.uint8)
         ((MAP, 6, "auto"), "connectivity"),
         ((MAP, 8, "dijkstra"), "no such method"),
         ((np.zeros((0, 4), np.uint8), 8, "auto"), "no cells"),
-        ((np.zeros((40_000, 1), np.uint8), 8, "jps_plus"), "32766"),
     ],
 )
 def test_a_map_that_cannot_be_is_refused(arguments, words):

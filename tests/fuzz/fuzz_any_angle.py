@@ -1,11 +1,12 @@
-"""Fuzz the ways in any direction: whatever is asked, a way that an oracle agrees with or a typed error."""
+"""Fuzz the paths in any direction: whatever is asked, a path that an oracle agrees with or a typed error."""
 
 from __future__ import annotations
 
 import itertools
 import math
 import random
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -13,41 +14,37 @@ from fuzz.fuzz_grid_search import make_map, pick, update
 from support.visibility import is_free_line, visibility_lengths
 from trundle.errors import InputError, PlanningError
 from trundle.planning import GridPath, GridSearch, PointPath, any_angle_path
-from trundle.planning.point_path import PointMethod
+
+Path: TypeAlias = GridPath | PointPath
 
 LARGEST_GRAPH = 40
-"""Cells of a map on which every way is compared with the visibility graph's."""
+"""Cells of a map on which every path is compared with the visibility graph's."""
 
 
-def ask(
-    search: GridSearch, start: Any, goal: Any, method: PointMethod | None
-) -> GridPath | PointPath | tuple[type, str]:
-    """A way, over cells without a method, or the error that says why there is none."""
+def ask(find: Callable[..., Path], start: Any, goal: Any) -> Path | tuple[type, str]:
+    """What a search finds, or the error that says why it finds nothing."""
     try:
-        return search.any_angle_path(start, goal, method=method) if method else search.shortest_path(start, goal)
+        return find(start, goal)
     except (InputError, PlanningError) as error:
         return type(error), str(error)
 
 
 def check(blocked: np.ndarray, search: GridSearch, start: Any, goal: Any) -> None:
-    """Exact, Theta* and the way over cells agree on what is reachable, on errors, and on which is the shortest."""
-    exact, theta, octile, back = (
-        *(ask(search, start, goal, method) for method in ("exact", "theta_star", None)),
-        ask(search, goal, start, "exact"),
-    )
-    if not (isinstance(exact, PointPath) and isinstance(theta, PointPath) and isinstance(back, PointPath)):
-        assert exact == theta == octile
+    """The paths of a point and over cells agree on what is reachable, on errors, and on which is the shorter."""
+    exact, back = ask(search.any_angle_path, start, goal), ask(search.any_angle_path, goal, start)
+    octile = ask(search.shortest_path, start, goal)
+    if not (isinstance(exact, PointPath) and isinstance(back, PointPath)):
+        assert exact == octile
         return
     assert isinstance(octile, GridPath)
-    assert exact.status == theta.status == octile.status
+    assert exact.status == octile.status
     assert back.length == exact.length
     if exact.status != "found":
         return
-    assert math.dist(start, goal) * (1.0 - 1e-12) <= exact.length <= min(octile.length, theta.length) * (1.0 + 1e-12)
-    for path in (exact, theta):
-        assert path.waypoints[[0, -1]].tolist() == [list(start), list(goal)]
-        for a, b in itertools.pairwise(path.waypoints.tolist()):
-            assert is_free_line(blocked, [v + 0.5 for v in a], [v + 0.5 for v in b]), (a, b)
+    assert math.dist(start, goal) * (1.0 - 1e-12) <= exact.length <= octile.length * (1.0 + 1e-12)
+    assert exact.waypoints[[0, -1]].tolist() == [list(start), list(goal)]
+    for a, b in itertools.pairwise(exact.waypoints.tolist()):
+        assert is_free_line(blocked, [v + 0.5 for v in a], [v + 0.5 for v in b]), (a, b)
     if blocked.size <= LARGEST_GRAPH:
         expected = visibility_lengths(blocked, tuple(start), [tuple(goal)])[0]
         assert math.isclose(exact.length, expected, rel_tol=1e-12), (exact.length, expected)

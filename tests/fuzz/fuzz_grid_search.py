@@ -30,7 +30,7 @@ SPOILED: tuple[Any, ...] = (
     {},
 )
 EXTREME = (-1.0, math.nan, math.inf, 1e300, None)
-METHODS = ("auto", "jps", "jps_plus", "astar")
+METHODS = ("auto", "jps", "astar")
 
 
 def make_map(generator: random.Random) -> np.ndarray:

@@ -54,6 +54,8 @@ time_limit_s: 90
         ("world: {name: warehouse, sede: 1}\n", ":1:26: world.sede: unknown key. Did you mean 'seed'"),
         ("world: {seed: 1}\n", ":1:8: world.name:"),
         ("planner: 3\nworld: warehouse\n", ":1:10: planner:"),
+        ("world: warehouse\nplanner: jps\n", ":2:10: planner: 'jps' was removed; use astar with method='jps'"),
+        ("planner: {name: theta_star}\nmap: m.yaml\n", ":1:10: planner: 'theta_star' was removed; use any_angle"),
         ("robot: nova_carter\n", "either world or map"),
         ("world: warehouse\nmap: m.yaml\n", "either world or map"),
         ("world: warehouse\ngoal: [1, 2]\ngoals: [[1, 2]]\n", "either goal or goals"),

@@ -108,9 +108,8 @@ def test_a_spiral_is_followed_to_its_middle():
 
 
 def test_start_and_goal_in_one_cell_are_a_way_of_length_0():
-    for method in ("exact", "theta_star"):
-        path = GridSearch(np.zeros((1, 1), bool)).any_angle_path((0, 0), (0, 0), method=method)
-        assert (path.status, path.length, path.waypoints.tolist()) == ("found", 0.0, [[0, 0]])
+    path = GridSearch(np.zeros((1, 1), bool)).any_angle_path((0, 0), (0, 0))
+    assert (path.status, path.length, path.waypoints.tolist()) == ("found", 0.0, [[0, 0]])
 
 
 # Against an oracle.
@@ -167,31 +166,16 @@ def test_ways_are_free_the_same_both_ways_and_between_the_straight_and_the_octil
     cells = draw_cells(blocked, np.random.default_rng(seed), 8)
     for start, goal in itertools.pairwise(cells):
         octile = search.shortest_path(start, goal)
-        theta = search.any_angle_path(start, goal, method="theta_star")
         path, back = search.any_angle_path(start, goal), search.any_angle_path(goal, start)
-        assert path.status == back.status == theta.status == octile.status
+        assert path.status == back.status == octile.status
         assert back.length == path.length
         assert np.array_equal(back.waypoints, path.waypoints[::-1])
         turned = [(cell[1], rows - 1 - cell[0]) for cell in (start, goal)]
         assert mirrored.any_angle_path(*turned).length == pytest.approx(path.length, rel=1e-13)
         if path.status == "found":
             check_path(blocked, path, start, goal)
-            check_path(blocked, theta, start, goal)
             assert math.dist(start, goal) * (1.0 - 1e-13) <= path.length
-            assert path.length <= min(octile.length, theta.length) * (1.0 + 1e-13)
-
-
-def test_theta_star_turns_at_centres_of_cells_and_is_close_to_the_optimum():
-    blocked = make_map(64, 90, "boxes", 5)
-    search = GridSearch(blocked)
-    exact = theta = 0.0
-    for start, goal in itertools.pairwise(draw_cells(blocked, np.random.default_rng(1), 60)):
-        path = search.any_angle_path(start, goal, method="theta_star")
-        if path.status == "found":
-            assert np.array_equal(path.waypoints, np.round(path.waypoints))
-            theta += path.length
-            exact += search.any_angle_path(start, goal).length
-    assert exact < theta < 1.05 * exact
+            assert path.length <= octile.length * (1.0 + 1e-13)
 
 
 def test_a_line_that_touches_or_misses_a_corner_by_a_30_000th_of_a_cell_is_told_apart():
@@ -202,8 +186,6 @@ def test_a_line_that_touches_or_misses_a_corner_by_a_30_000th_of_a_cell_is_told_
     assert straight.length == math.hypot(2, 60_002)
     blocked[0, 15_000] = True
     assert any_angle_path(blocked, (0, 0), (2, 60_002)).waypoints.tolist() == [[0, 0], [0.5, 14_999.5], [2, 60_002]]
-    theta = GridSearch(blocked).any_angle_path((0, 0), (2, 60_002), method="theta_star")
-    assert len(theta.waypoints) == 3
 
 
 # How it is asked.
@@ -238,18 +220,17 @@ def test_several_threads_may_ask_at_once():
     assert right == [True] * 20
 
 
-@pytest.mark.parametrize("method", ["exact", "theta_star"])
-def test_a_search_is_stopped_by_its_deadline_and_by_hand(method):
+def test_a_search_is_stopped_by_its_deadline_and_by_hand():
     blocked = make_map(300, 300, "cells", 3)
     cells = draw_cells(blocked, np.random.default_rng(0), 100)
     search = GridSearch(blocked)
     start, goal = next(pair for pair in itertools.pairwise(cells) if search.shortest_path(*pair).length > 150)
-    path = search.any_angle_path(start, goal, method=method, deadline_s=1e-9)
+    path = search.any_angle_path(start, goal, deadline_s=1e-9)
     assert (path.status, len(path.waypoints), math.isnan(path.length)) == ("timeout", 0, True)
     cancel = Cancellation()
-    assert search.any_angle_path(start, goal, method=method, cancel=cancel, deadline_s=1e6).status == "found"
+    assert search.any_angle_path(start, goal, cancel=cancel, deadline_s=1e6).status == "found"
     cancel.cancel()
-    assert search.any_angle_path(start, goal, method=method, cancel=cancel).status == "cancelled"
+    assert search.any_angle_path(start, goal, cancel=cancel).status == "cancelled"
 
 
 @pytest.mark.parametrize(
@@ -267,10 +248,9 @@ def test_a_search_is_stopped_by_its_deadline_and_by_hand(method):
 def test_an_end_that_cannot_be_is_a_typed_error_with_its_cell(start, goal, error, cell, words):
     blocked = np.zeros((3, 4), bool)
     blocked[1, 1] = True
-    for method in ("exact", "theta_star"):
-        with pytest.raises(error, match=words) as caught:
-            GridSearch(blocked).any_angle_path(start, goal, method=method)
-        assert getattr(caught.value, "cell", None) == cell
+    with pytest.raises(error, match=words) as caught:
+        GridSearch(blocked).any_angle_path(start, goal)
+    assert getattr(caught.value, "cell", None) == cell
 
 
 @pytest.mark.parametrize(
@@ -289,7 +269,7 @@ def test_a_map_that_cannot_be_searched_is_an_input_error(blocked, words):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"method": "theta"}, "method is one of exact, theta_star; got 'theta'"),
+        ({"method": "theta_star"}, "'method' was removed; leave it out"),
         ({"deadline_s": 0}, "positive number of seconds"),
         ({"cancel": 1}, "must be a Cancellation"),
     ],

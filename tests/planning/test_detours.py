@@ -175,7 +175,7 @@ def test_no_path_is_lost_that_closing_cell_by_cell_finds(name):
     assert fewer > 0
 
 
-@pytest.mark.parametrize("name", ["astar", "jps", "any_angle", "theta_star"])
+@pytest.mark.parametrize("name", ["astar", "any_angle"])
 def test_many_doors_take_few_replans(name):
     # 40 rooms one behind the other, the doors of 1 m to the left and to the right in turn.
     data = np.zeros((120, 40 * 60), np.int8)

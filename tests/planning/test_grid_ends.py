@@ -29,7 +29,7 @@ def cells_of(mask):
 
 
 @settings(max_examples=150, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), method=st.sampled_from(["jps", "jps_plus", "astar"]))
+@given(seed=st.integers(0, 2**32 - 1), method=st.sampled_from(["jps", "astar"]))
 def test_a_partial_way_ends_at_the_reachable_cell_nearest_to_the_goal(seed, method):
     blocked = make_map(seed)
     free = cells_of(~blocked)
@@ -113,20 +113,19 @@ def test_many_queries_are_moved_as_one_is():
         search.plan_many(starts, goals, start_tolerance=20)
 
 
-@pytest.mark.parametrize("method", ["exact", "theta_star"])
-def test_many_ways_in_any_direction_are_those_of_one_query_each(method):
+def test_many_ways_in_any_direction_are_those_of_one_query_each():
     blocked = np.random.default_rng(5).random((64, 65)) < 0.25
     free = np.argwhere(~blocked)
     rng = np.random.default_rng(6)
     starts, goals = free[rng.integers(len(free), size=(2, 120))]
     search = GridSearch(blocked)
-    paths = search.any_angle_paths(starts, goals, method=method, threads=4)
+    paths = search.any_angle_paths(starts, goals, threads=4)
     assert {"found", "unreachable"} == set(paths.status)
     for path, start, goal in zip(paths, starts, goals, strict=True):
-        assert path == search.any_angle_path(start, goal, method=method)
+        assert path == search.any_angle_path(start, goal)
     assert paths[-1] == paths[119]
     assert paths[3:5] == [paths[3], paths[4]]
-    assert len(search.any_angle_paths(np.zeros((0, 2), int), [], method=method)) == 0
+    assert len(search.any_angle_paths(np.zeros((0, 2), int), [])) == 0
 
 
 def test_many_ways_in_any_direction_stop_as_one_does():

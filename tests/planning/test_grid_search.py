@@ -11,7 +11,7 @@ from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, ways_from
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.planning import Cancellation, GridSearch
 
-METHODS = {8: ("jps", "jps_plus", "astar"), 4: ("astar",)}
+METHODS = {8: ("jps", "astar"), 4: ("astar",)}
 SIZES = (1, 2, 3, 7, 20, 61, 62, 63, 64, 65, 66, 126, 127, 128, 129, 190)
 
 
@@ -121,7 +121,7 @@ def test_a_way_dearer_than_32_bits_is_exact():
     blocked = np.zeros((1201, 1501), bool)
     blocked[1::4, :-1] = blocked[3::4, 1:] = True
     lengths = [GridSearch(blocked, method=method).shortest_path((0, 0), (1200, 0)).length for method in METHODS[8]]
-    assert lengths == [601 * 1500 + 1200 - 1500] * 3
+    assert lengths == [601 * 1500 + 1200 - 1500] * len(METHODS[8])
     assert lengths[0] * STRAIGHT > 2**32
 
 
@@ -190,7 +190,7 @@ def test_a_maze_is_not_cluttered_however_many_its_corners():
     rows=st.sampled_from(SIZES),
     cols=st.sampled_from(SIZES),
     kind=st.sampled_from(["cells", "boxes", "rooms"]),
-    method=st.sampled_from(["auto", "jps", "jps_plus", "astar"]),
+    method=st.sampled_from(["auto", "jps", "astar"]),
     seed=st.integers(0, 2**32 - 1),
 )
 def test_an_updated_search_is_a_new_one(rows, cols, kind, method, seed):
@@ -401,7 +401,7 @@ def test_an_end_that_is_no_cell_is_an_input_error(cell):
         (np.zeros((2, 2), bool), {"connectivity": 6}, "connectivity is 4 or 8"),
         (np.zeros((2, 2), bool), {"method": "jsp"}, "method is one of"),
         (np.zeros((2, 2), bool), {"method": "jps", "connectivity": 4}, "for connectivity 8"),
-        (np.zeros((1, 40_000), bool), {"method": "jps_plus"}, "32766"),
+        (np.zeros((2, 2), bool), {"method": "jps_plus"}, "'jps_plus' was removed; use 'jps'"),
         (np.zeros((2, 2), bool), {"landmarks": 8}, "'landmarks' was removed; leave it out"),
     ],
 )

@@ -93,9 +93,6 @@ CALLS = {
     "plan_many, astar": lambda: grid_search("astar", lambda s, q, stop: s.plan_many(*q, cancel=stop)),
     "plan_many, jps": lambda: grid_search("jps", lambda s, q, stop: s.plan_many(*q, threads=1, cancel=stop)),
     "any_angle_paths": lambda: grid_search("jps", lambda s, q, stop: s.any_angle_paths(*q, cancel=stop)),
-    "theta_star": lambda: grid_search(
-        "jps", lambda s, q, stop: s.any_angle_paths(*q, method="theta_star", cancel=stop)
-    ),
     "cost_field": lambda: field,
     "least_cost": lambda: least_cost,
     "grid_search": lambda: weighted,

@@ -52,7 +52,7 @@ def test_many_threads_give_what_one_plan_after_the_other_gives(name):
 
 
 def test_errors_carry_where_they_are():
-    outcomes = plan_many("jps", make_costmap(), [(0.5, 0.5), (1.0, 1.0)], [(-3.0, 1.0), Pose2D(7.5, 3.0)])
+    outcomes = plan_many("astar", make_costmap(), [(0.5, 0.5), (1.0, 1.0)], [(-3.0, 1.0), Pose2D(7.5, 3.0)])
     assert [type(outcome) for outcome in outcomes] == [OutsideMapError, NoPathError]
     assert (outcomes[0].pose, outcomes[0].cell) == ((-3.0, 1.0, 0.0), (20, -60))
 
@@ -60,7 +60,7 @@ def test_errors_carry_where_they_are():
 def test_one_deadline_is_for_all_and_cancelling_ends_all():
     costmap = make_costmap()
     starts, goals = make_queries(40, seed=3)
-    for name in ("jps", "hybrid_astar"):
+    for name in ("astar", "hybrid_astar"):
         assert {type(outcome) for outcome in plan_many(name, costmap, starts, goals, deadline_s=1e-6)} == {
             PlanningStoppedError
         }
@@ -85,14 +85,14 @@ def test_a_planner_that_knows_no_deadline_is_stopped_between_queries():
 @pytest.mark.parametrize(
     ("arguments", "options", "kind", "message"),
     [
-        (("jsp", [(0, 0)], [(1, 1)]), {}, UnknownNameError, "jps"),
-        (("jps", [(0, 0)], []), {}, InputError, "1 starts and 0 goals"),
-        (("jps", [(0, 0), (1, "x")], [(1, 1), (2, 2)]), {}, InputError, "query 1: the start must be a pose"),
-        (("jps", 3, [(1, 1)]), {}, InputError, "starts must be poses"),
-        (("jps", [(0, 0)], [None]), {}, InputError, "query 0: the goal must be a pose"),
-        (("jps", [(0, 0)], [(1, 1)]), {"threads": 0}, InputError, "threads"),
-        (("jps", [(0, 0)], [(1, 1)]), {"deadline_s": 0}, InputError, "deadline_s"),
-        (("jps", [(0, 0)], [(1, 1)]), {"cancel": 1}, InputError, "Cancellation"),
+        (("astr", [(0, 0)], [(1, 1)]), {}, UnknownNameError, "astar"),
+        (("astar", [(0, 0)], []), {}, InputError, "1 starts and 0 goals"),
+        (("astar", [(0, 0), (1, "x")], [(1, 1), (2, 2)]), {}, InputError, "query 1: the start must be a pose"),
+        (("astar", 3, [(1, 1)]), {}, InputError, "starts must be poses"),
+        (("astar", [(0, 0)], [None]), {}, InputError, "query 0: the goal must be a pose"),
+        (("astar", [(0, 0)], [(1, 1)]), {"threads": 0}, InputError, "threads"),
+        (("astar", [(0, 0)], [(1, 1)]), {"deadline_s": 0}, InputError, "deadline_s"),
+        (("astar", [(0, 0)], [(1, 1)]), {"cancel": 1}, InputError, "Cancellation"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(arguments, options, kind, message):
@@ -100,4 +100,4 @@ def test_what_cannot_be_asked_is_refused(arguments, options, kind, message):
     with pytest.raises(kind, match=message):
         plan_many(planner, make_costmap(), starts, goals, **options)
     with pytest.raises(InputError, match="a planner's costmap must be of type Costmap"):
-        plan_many("jps", np.zeros((3, 3)), [(0, 0)], [(1, 1)])
+        plan_many("astar", np.zeros((3, 3)), [(0, 0)], [(1, 1)])

@@ -79,7 +79,7 @@ def comb(size):
     return data
 
 
-@pytest.mark.parametrize("name", ["astar", "least_cost", "blog", "theta_star"])
+@pytest.mark.parametrize("name", ["astar", "least_cost", "blog", "any_angle"])
 def test_a_search_in_another_thread_is_cancelled_in_the_middle(name):
     costmap = costmap_of(comb(1600), ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)))
     start, goal = Pose2D(1.0, 40.0), Pose2D(79.0, 40.0)

@@ -84,11 +84,11 @@ def planes() -> Any:
 
 # What each of them calls is in its name.
 CALLS_OF: dict[str, Callable[[], Any]] = {
-    "BinaryGrid": lambda: _core.BinaryGrid(BLOCKED, 8, "jps_plus").bytes,
+    "BinaryGrid": lambda: _core.BinaryGrid(BLOCKED, 8, "jps").bytes,
     "BinaryGrid.find_way": lambda: GRID.find_way(START, GOAL, 10.0, None),
-    "BinaryGrid.find_point_way": lambda: GRID.find_point_way(START, GOAL, False, 10.0, None),
+    "BinaryGrid.find_point_way": lambda: GRID.find_point_way(START, GOAL, 10.0, None),
     "BinaryGrid.find_ways": lambda: GRID.find_ways(*ENDS, 2, 10.0, None),
-    "BinaryGrid.find_point_ways": lambda: GRID.find_point_ways(*ENDS, True, 2, 10.0, None),
+    "BinaryGrid.find_point_ways": lambda: GRID.find_point_ways(*ENDS, 2, 10.0, None),
     "BinaryGrid.settle_ends": lambda: GRID.settle_ends(*ENDS, 1.0, 1.0, True),
     "BinaryGrid.update": updated,
     "BinaryGrid.method": lambda: GRID.method,

@@ -12,7 +12,7 @@ from trundle.planning.least_cost import LeastCostPlanner
 from trundle.testing import ConformanceError, check_planner
 
 
-@pytest.mark.parametrize("name", ["least_cost", "astar", "jps", "jps_plus", "any_angle", "theta_star", "blog"])
+@pytest.mark.parametrize("name", ["least_cost", "astar", "any_angle", "blog"])
 def test_our_planners_conform(name):
     check_planner(functools.partial(create_planner, name))
     check_planner(create_planner(name))

@@ -11,7 +11,7 @@ class BinaryGrid:
         self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, int, int, bytes]: ...
     def find_point_way(
-        self, start: object, goal: object, theta: bool, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
+        self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, float, bytes]: ...
     def find_ways(
         self,
@@ -25,7 +25,6 @@ class BinaryGrid:
         self,
         starts: npt.NDArray[np.int64],
         goals: npt.NDArray[np.int64],
-        theta: bool,
         threads: int,
         seconds: float | None,
         cancel: npt.NDArray[np.uint8] | None,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from trundle.files.yaml_config import Config
+from trundle.registry import Registry
 from trundle.worlds.load import is_world_file
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -69,6 +71,18 @@ class MapOptions(Config):
 
     height: Positive = 1.0
     unknown: Literal["solid", "free"] | None = None
+
+
+def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
+    """Validate that a choice is not a name which an earlier version had: the error says what became of it."""
+
+    def check(choice: Choice) -> Choice:
+        became = registry.removal(choice.name)
+        if became is not None:
+            raise PydanticCustomError("removed_name", "{what}", {"what": f"{choice.name!r} {became}"})
+        return choice
+
+    return AfterValidator(check)
 
 
 def name_alone(value: object) -> object:

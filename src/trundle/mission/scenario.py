@@ -12,6 +12,7 @@ import numpy as np
 import yaml
 from pydantic import BeforeValidator, Field, model_validator
 
+from trundle.control.controller import CONTROLLERS
 from trundle.costmap import UnknownPolicy
 from trundle.errors import InputError, ScenarioError
 from trundle.files.config_fields import PoseNumbers
@@ -20,13 +21,22 @@ from trundle.files.writing import output_path, write_text
 from trundle.files.yaml_config import Config, build, load_config
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.mission.choices import Choice, MapOptions, Positive, WorldChoice, name_alone, shorten
+from trundle.mission.choices import (
+    Choice,
+    MapOptions,
+    Positive,
+    WorldChoice,
+    name_alone,
+    refuse_removed_names,
+    shorten,
+)
 from trundle.mission.episode import Episode, Goal
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator
 from trundle.navigation.inputs import LEAST_FREQUENCY, MOST_FREQUENCY
+from trundle.planning.planner import PLANNERS
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.values import as_path
@@ -89,8 +99,10 @@ class Scenario(Config):
     start: PoseNumbers | None = None
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
-    planner: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="auto")
-    controller: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="regulated_pure_pursuit")
+    planner: Annotated[Choice, BeforeValidator(name_alone), refuse_removed_names(PLANNERS)] = Choice(name="auto")
+    controller: Annotated[Choice, BeforeValidator(name_alone), refuse_removed_names(CONTROLLERS)] = Choice(
+        name="regulated_pure_pursuit"
+    )
     smoother: Annotated[Choice | None, BeforeValidator(name_alone)] = None
     backend: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="mujoco")
     seed: Annotated[int, Field(ge=0)] = 0

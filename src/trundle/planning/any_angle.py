@@ -1,8 +1,8 @@
-"""`AnyAnglePlanner` and `ThetaStarPlanner`: ways of a point in any direction, by names `any_angle` and `theta_star`."""
+"""`AnyAnglePlanner`: the shortest path of a point in any direction, by name `any_angle`."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -13,23 +13,31 @@ from trundle.geometry import FloatArray
 from trundle.planning.binary_planner import BinaryPlanner
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
-from trundle.planning.footprint_planner import to_grid, to_map
-from trundle.planning.point_path import PointMethod
+from trundle.planning.footprint_planner import FootprintOptions, to_grid, to_map
 
 
-class _PointPlanner(BinaryPlanner):
-    """Plans for a point with `GridSearch.any_angle_path`, and checks the way with the footprint."""
+class AnyAnglePlanner(BinaryPlanner):
+    """Finds the shortest way of a point past cells of 253 and more, in any direction (`any_angle_path`).
 
-    method = "jps"
-    point_method: ClassVar[PointMethod]
-    """Of `GridSearch.any_angle_path`."""
+    Between the centres of the cells that hold the start and the goal it is the Euclidean optimum. It is joined to their
+    poses directly where the straight line is free, and through the centre of their cell otherwise. The robot's centre
+    touches the corners of cells of 253, where it may be up to 0.71 of a cell nearer to an obstacle than the inscribed
+    radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
+    it, and where it hits something the way is planned again round those cells, as with every grid planner. What
+    comes of that is the shortest way of a point round the cells that are blocked by then. `Path.cost` is its length
+    [m]; what the cells below 253 cost does not count. For the options see `FootprintPlanner`.
+    """
+
+    name = "any_angle"
+
+    def __init__(self, **options: Unpack[FootprintOptions]) -> None:
+        super().__init__("jps", **options)
 
     def _find_way(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        limits = {"deadline_s": patience.seconds, "cancel": patience.cancel}
         with self._search(costmap, costs) as search:
-            path = search.any_angle_path(start.cell, goal.cell, method=self.point_method, **limits)
+            path = search.any_angle_path(start.cell, goal.cell, deadline_s=patience.seconds, cancel=patience.cancel)
         if path.status in ("timeout", "cancelled"):
             raise patience.stopped(path.status)
         if path.status != "found":
@@ -49,31 +57,3 @@ class _PointPlanner(BinaryPlanner):
     def _is_free(self, costs: npt.NDArray[np.uint8], a: FloatArray, b: FloatArray) -> bool:
         """Whether the line between two points in grid units keeps off blocked cells, but for its ends."""
         return bool(np.isfinite(_core.line_costs(costs, self._line_weights, a.reshape(1, 2), b.reshape(1, 2))[0]))
-
-
-class AnyAnglePlanner(_PointPlanner):
-    """Finds the shortest way of a point past cells of 253 and more, in any direction (`any_angle_path`).
-
-    Between the centres of the cells that hold the start and the goal it is the Euclidean optimum. It is joined to their
-    poses directly where the straight line is free, and through the centre of their cell otherwise. The robot's centre
-    touches the corners of cells of 253, where it may be up to 0.71 of a cell nearer to an obstacle than the inscribed
-    radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
-    it, and where it hits something the way is planned again round those cells, as with every grid planner. What
-    comes of that is the shortest way of a point round the cells that are blocked by then. `Path.cost` is its length
-    [m]; what the cells below 253 cost does not count. For the options see `FootprintPlanner`.
-    """
-
-    name = "any_angle"
-    point_method = "exact"
-
-
-class ThetaStarPlanner(_PointPlanner):
-    """Finds a way past cells of 253 and more with Theta*, which turns at the centres of cells.
-
-    It is short, not the shortest: `any_angle` is, and in most maps faster. Lines of sight may touch the corners of
-    cells of 253. Joined to the poses, checked with the footprint and planned again like `AnyAnglePlanner`. For the
-    options see `FootprintPlanner`.
-    """
-
-    name = "theta_star"
-    point_method = "theta_star"

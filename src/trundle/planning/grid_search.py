@@ -24,11 +24,11 @@ from trundle.planning.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.point_path import POINT_METHODS, PointMethod
 from trundle.planning.removed import refuse_removed
 
-METHODS = ("auto", "jps", "jps_plus", "astar")
+METHODS = ("auto", "jps", "astar")
 
+_ONLY_EXACT = "leave it out: paths in any direction are always the shortest ones"
 _LONGEST_POINT_SIDE = 2**29
 _STATUS_NAMES = np.array(STATUSES)
 _ROOT_2 = math.sqrt(2.0)
@@ -47,7 +47,6 @@ class GridSearch:
 
     - "jps": jump point search with bit-packed rows (Harabor and Grastien 2014, "JPS (B + P)").
     - "astar": A* with a bucket queue; faster where jumps are short, and the way for `connectivity=4`.
-    - "jps_plus": jumps from a table of 16 bytes a cell, for maps that do not change: `update` makes it anew.
     - "auto": "astar" where `clutter` is above 0.08, as with 5 to 45 % of the cells blocked at random, "jps" otherwise;
       chosen again after every update.
 
@@ -68,10 +67,8 @@ class GridSearch:
             raise InputError(f"blocked needs shape (rows, cols) with at least one cell, got {values.shape}")
         if connectivity not in (4, 8):
             raise InputError(f"connectivity is 4 or 8, got {connectivity!r}")
-        if method not in METHODS:
-            raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
-        if connectivity == 4 and method in ("jps", "jps_plus"):
-            raise InputError(f"method {method!r} is for connectivity 8; 4-connected ways are found by 'astar'")
+        if check_method(method) == "jps" and connectivity == 4:
+            raise InputError("method 'jps' is for connectivity 8; 4-connected paths are found by 'astar'")
         try:
             self._grid = _core.BinaryGrid(values, int(connectivity), method)
         except ValueError as error:
@@ -92,7 +89,7 @@ class GridSearch:
 
     @property
     def method(self) -> str:
-        """The method in use: "jps", "jps_plus" or "astar"."""
+        """The method in use: "jps" or "astar"."""
         return self._grid.method
 
     @property
@@ -147,12 +144,12 @@ class GridSearch:
             raise self._ends.refusal(code, start, goal)
         return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
 
+    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_path(
         self,
         start: CellLike,
         goal: CellLike,
         *,
-        method: PointMethod = "exact",
         start_tolerance: float = 0.0,
         goal_tolerance: float = 0.0,
         partial: bool = False,
@@ -164,8 +161,6 @@ class GridSearch:
         Args:
             start: (row, col).
             goal: (row, col).
-            method: "exact" for the shortest way; "theta_star" for that of Theta* (K. Daniel, A. Nash, S. Koenig,
-                A. Felner, 2010), which turns at the centres of cells and is not the shortest.
             start_tolerance: As of `shortest_path`.
             goal_tolerance: As of `shortest_path`.
             partial: As of `shortest_path`.
@@ -177,10 +172,10 @@ class GridSearch:
             BlockedPoseError: If an end is blocked.
             InputError: If an end is no pair of whole numbers, or another argument is none of these.
         """
-        theta = self._is_theta(method)
+        self._check_sides()
         flag = check_limits(deadline_s, cancel)
         start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
-        code, length, corners = self._grid.find_point_way(start, goal, theta, deadline_s, flag)
+        code, length, corners = self._grid.find_point_way(start, goal, deadline_s, flag)
         if code < 0:
             raise self._ends.refusal(code, start, goal)
         return PointPath(*_outcome(code, length, moved), corners, *moved)
@@ -222,12 +217,12 @@ class GridSearch:
         codes, steps, ends, corners = found
         return _paths_of(GridPaths, codes, steps[:, 0] + _ROOT_2 * steps[:, 1], corners, ends, moved)
 
+    @refuse_removed(method=_ONLY_EXACT)
     def any_angle_paths(
         self,
         starts: npt.ArrayLike,
         goals: npt.ArrayLike,
         *,
-        method: PointMethod = "exact",
         start_tolerance: float = 0.0,
         goal_tolerance: float = 0.0,
         partial: bool = False,
@@ -239,9 +234,10 @@ class GridSearch:
 
         For the arguments and errors see `any_angle_path` and `plan_many`.
         """
-        theta, flag, count = self._is_theta(method), check_limits(deadline_s, cancel), check_threads(threads)
+        self._check_sides()
+        flag, count = check_limits(deadline_s, cancel), check_threads(threads)
         first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
-        wrong, code, *found = self._grid.find_point_ways(first, last, theta, count, deadline_s, flag)
+        wrong, code, *found = self._grid.find_point_ways(first, last, count, deadline_s, flag)
         if wrong >= 0:
             raise self._ends.refusal(code, first[wrong].tolist(), last[wrong].tolist(), wrong)
         codes, length, ends, corners = found
@@ -260,13 +256,10 @@ class GridSearch:
         row, col = self._ends.settle(start, goal, 0.0, 0.0, True)[1]
         return int(row), int(col)
 
-    def _is_theta(self, method: PointMethod) -> bool:
-        if method not in POINT_METHODS:
-            raise InputError(f"method is one of {', '.join(POINT_METHODS)}; got {method!r}")
+    def _check_sides(self) -> None:
         if max(self._shape) > _LONGEST_POINT_SIDE:
             rows, cols = self._shape
             raise InputError(f"a map of {rows} x {cols} cells: a side has more than 2^29 cells")
-        return method == "theta_star"
 
     def update(self, rows: Span, cols: Span, blocked: npt.ArrayLike) -> None:
         """Change a rectangle of the map. Which cells can reach which is right as soon as this returns.
@@ -291,6 +284,19 @@ class GridSearch:
                 f"rows {row}:{row_end} and cols {col}:{col_end} need values of shape {shape}, got {values.shape}"
             )
         self._grid.update(row, col, values)
+
+
+def check_method(method: str) -> str:
+    """A `method` of `GridSearch`.
+
+    Raises:
+        InputError: If there is none of that name.
+    """
+    if method == "jps_plus":
+        raise InputError("method 'jps_plus' was removed; use 'jps'")
+    if method not in METHODS:
+        raise InputError(f"method is one of {', '.join(METHODS)}; got {method!r}")
+    return method
 
 
 def _outcome(code: int, length: float, moved: Moved[float]) -> tuple[Status, float]:

@@ -45,7 +45,7 @@ class KeptSearch:
 
     Args:
         blocked_from: Costs from here on block.
-        method: Of `GridSearch`; detours jump without a table, which would cost more than it saves.
+        method: Of `GridSearch`.
         connectivity: Of `GridSearch`.
     """
 
@@ -71,8 +71,7 @@ class KeptSearch:
         with self._lock:
             detour, self._detour = self._detour, None
         if detour is None or detour.version is not costmap.version or not self._turn(detour, costs):
-            method = "jps" if self._method == "jps_plus" else self._method
-            search = GridSearch(costs >= self._blocked_from, self._connectivity, method=method)
+            search = GridSearch(costs >= self._blocked_from, self._connectivity, method=self._method)
             detour = _Detour(costmap.version, search, costs)
         yield detour.search
         with self._lock:

@@ -18,12 +18,14 @@ PLANNERS: Registry[Planner] = Registry(
         "auto": "trundle.planning.auto:AutoPlanner",
         "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
         "astar": "trundle.planning.astar:AStarPlanner",
-        "jps": "trundle.planning.jps:JpsPlanner",
-        "jps_plus": "trundle.planning.jps:JpsPlusPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
         "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
-        "theta_star": "trundle.planning.any_angle:ThetaStarPlanner",
         "blog": "trundle.planning.blog:BlogPlanner",
+    },
+    removed={
+        "jps": "was removed; use astar with method='jps'",
+        "jps_plus": "was removed; use astar with method='jps'",
+        "theta_star": "was removed; use any_angle, whose paths are shorter and found faster",
     },
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
@@ -11,9 +11,6 @@ from trundle.planning.grid_paths import PointPath
 if TYPE_CHECKING:
     from trundle.planning.cells import CellLike
     from trundle.planning.grid_search import GridSearch
-
-PointMethod = Literal["exact", "theta_star"]
-POINT_METHODS: tuple[PointMethod, ...] = ("exact", "theta_star")
 
 
 def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: CellLike) -> PointPath:

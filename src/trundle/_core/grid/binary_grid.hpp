@@ -16,13 +16,11 @@
 #include "grid/byte_view.hpp"
 #include "grid/free_runs.hpp"
 #include "grid/jump_search.hpp"
-#include "grid/jump_table.hpp"
-#include "grid/theta_star.hpp"
 #include "shared/memory_pool.hpp"
 
 namespace trundle {
 
-enum class Method { kAuto, kJump, kJumpTable, kBucket };
+enum class Method { kAuto, kJump, kBucket };
 
 class BinaryGrid {
  public:
@@ -68,9 +66,8 @@ class BinaryGrid {
   // Memory that is kept between searches, without what searches in other threads have taken out.
   std::size_t bytes() const {
     std::shared_lock lock(change_);
-    std::size_t sum = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
-    if (table_) sum += table_->bytes();
-    return sum + jump_pool_.bytes() + bucket_pool_.bytes() + any_angle_pool_.bytes() + theta_pool_.bytes();
+    const std::size_t map = lines_.bytes() + turned_.bytes() + runs_.bytes() + (masks_ ? masks_->size() : 0);
+    return map + jump_pool_.bytes() + bucket_pool_.bytes() + any_angle_pool_.bytes();
   }
 
   // The free cell nearest to one inside, at most `reach` away, of those that `from` can reach if that is given.
@@ -106,30 +103,23 @@ class BinaryGrid {
       bucket_pool_.give_back(std::move(memory));
     } else {
       auto memory = jump_pool_.borrow();
-      way = table_ ? jump_search(lines_, *table_, from, to, patience, *memory)
-                   : jump_search(lines_, BitJumps(lines_, turned_), from, to, patience, *memory);
+      way = jump_search(lines_, turned_, from, to, patience, *memory);
       jump_pool_.give_back(std::move(memory));
     }
     as_asked(way.corners, turned);
     return way;
   }
 
-  // The way of a point, in half cells; with Theta* not the shortest. The same in both directions.
-  PointWay find_point(GridCell start, GridCell goal, bool theta, const Patience &patience) const {
+  // The shortest path of a point, in half cells. The same in both directions.
+  PointWay find_point(GridCell start, GridCell goal, const Patience &patience) const {
     std::shared_lock lock(change_);
     PointWay way;
     const std::optional<Span> span = span_of(start, goal);
     if (!span) return way;
     const auto [from, to, turned] = *span;
-    if (theta) {
-      auto memory = theta_pool_.borrow();
-      way = theta_star(lines_, from, to, patience, *memory);
-      theta_pool_.give_back(std::move(memory));
-    } else {
-      auto memory = any_angle_pool_.borrow();
-      way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
-      any_angle_pool_.give_back(std::move(memory));
-    }
+    auto memory = any_angle_pool_.borrow();
+    way = AnyAngleSearch(lines_, from, to, *memory).run(patience);
+    any_angle_pool_.give_back(std::move(memory));
     as_asked(way.points, turned);
     return way;
   }
@@ -152,7 +142,6 @@ class BinaryGrid {
     recount(changed, 1);
     if (!local || !runs_.patch(lines_, changed, before)) runs_.label(lines_);
     if (masks_) masks_->fill(lines_, changed.row - 1, changed.row_end + 1);
-    table_.reset();
     choose_method();
   }
 
@@ -207,7 +196,6 @@ class BinaryGrid {
     } else if (!masks_) {
       masks_ = std::make_unique<StepMasks>(lines_);
     }
-    if (method_ == Method::kJumpTable) table_ = std::make_unique<JumpTable>(lines_, turned_);
   }
 
   const int connectivity_;
@@ -218,12 +206,10 @@ class BinaryGrid {
   // Cells, four times the Euler number of the free space, and corners of obstacles.
   std::int64_t free_ = 0, euler_ = 0, corners_ = 0;
   std::unique_ptr<StepMasks> masks_;
-  std::unique_ptr<JumpTable> table_;
   mutable std::shared_mutex change_;
   mutable MemoryPool<JumpMemory> jump_pool_;
   mutable MemoryPool<BucketMemory> bucket_pool_;
   mutable MemoryPool<AnyAngleMemory> any_angle_pool_;
-  mutable MemoryPool<ThetaStarMemory> theta_pool_;
 };
 
 }  // namespace trundle

@@ -52,7 +52,7 @@ bool read_cell(nb::handle sequence, std::int64_t *cell) {
 
 static std::unique_ptr<BinaryGrid> make_grid(Bytes blocked, int connectivity, const std::string &method) {
   constexpr std::pair<const char *, Method> kMethods[] = {
-      {"auto", Method::kAuto}, {"jps", Method::kJump}, {"jps_plus", Method::kJumpTable}, {"astar", Method::kBucket}};
+      {"auto", Method::kAuto}, {"jps", Method::kJump}, {"astar", Method::kBucket}};
   const auto known = std::find_if(std::begin(kMethods), std::end(kMethods), [&](auto &m) { return method == m.first; });
   if (known == std::end(kMethods)) throw nb::value_error("no such method");
   if (connectivity != 4 && connectivity != 8) throw nb::value_error("connectivity is 4 or 8");
@@ -60,9 +60,6 @@ static std::unique_ptr<BinaryGrid> make_grid(Bytes blocked, int connectivity, co
   if (view.rows == 0 || view.cols == 0) throw nb::value_error("the map has no cells");
   if (view.rows > 0x7ffffff0 || view.cols > 0x7ffffff0 || (view.rows + 2) * (view.cols + 2) >= 0xffffffffLL) {
     throw nb::value_error("the map has more than 2^32 cells");
-  }
-  if (known->second == Method::kJumpTable && std::max(view.rows, view.cols) >= JumpTable::kLongest) {
-    throw nb::value_error("a table takes maps of up to 32766 cells a side");
   }
   nb::gil_scoped_release released;
   return std::make_unique<BinaryGrid>(view, connectivity, known->second);
@@ -91,7 +88,7 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
 }
 
 // Status, length in cells, and the points as bytes of int32: (column, row), …, in half cells from the map's corner.
-static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::handle goal, bool theta,
+static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::handle goal,
                                 std::optional<double> seconds, const Flag &cancel) {
   check_point_sides(grid);
   std::int64_t ends[4];
@@ -106,7 +103,7 @@ static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::ha
     nb::gil_scoped_release released;
     status = refusal(grid, ends);
     if (status == 0) {
-      way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), theta, patience);
+      way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience);
       length = way.length();
     }
   }
@@ -175,7 +172,7 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
 }
 
 // The same for the ways of a point: status, length in cells and the end of its points for each query, and all points.
-static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, bool theta, int threads,
+static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
                                  std::optional<double> seconds, const Flag &cancel) {
   const std::size_t count = same_count(starts, goals);
   check_point_sides(grid);
@@ -189,7 +186,7 @@ static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellA
   {
     nb::gil_scoped_release released;
     const auto ways = find_all<PointWay>(count, threads, [&](std::size_t i) {
-      return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), theta, patience);
+      return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
     });
     for (std::size_t i = 0; i < count; ++i) {
       statuses[i] = static_cast<std::uint8_t>(ways[i].status);
@@ -236,8 +233,7 @@ static void update(BinaryGrid &grid, std::int64_t row, std::int64_t col, Bytes v
 }
 
 static const char *method_name(const BinaryGrid &grid) {
-  const Method method = grid.method();
-  return method == Method::kBucket ? "astar" : method == Method::kJumpTable ? "jps_plus" : "jps";
+  return grid.method() == Method::kBucket ? "astar" : "jps";
 }
 
 }  // namespace trundle
@@ -250,11 +246,11 @@ void bind_grid(nanobind::module_ &m) {
       .def("find_way", &trundle::find_way, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
            nb::arg("cancel").none())
       .def("find_point_way", &trundle::find_point_way, nb::arg("start").none(), nb::arg("goal").none(),
-           nb::arg("theta"), nb::arg("seconds").none(), nb::arg("cancel").none())
+           nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("find_ways", &trundle::find_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("find_point_ways", &trundle::find_point_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
-           nb::arg("theta"), nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
+           nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("settle_ends", &trundle::settle_ends, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("start_reach"), nb::arg("goal_reach"), nb::arg("partial"))
       .def("update", &trundle::update, nb::arg("row"), nb::arg("col"), nb::arg("values").noconvert())

@@ -1,8 +1,6 @@
 // Jump point search without corner cutting: D. Harabor, A. Grastien, "Improving Jump Point Search" (2014), with blocks
 // of cells scanned together and without the intermediate points of diagonal jumps, JPS (B + P). Diagonal jumps are
 // bounded as in N. Sturtevant, S. Rabin, "Canonical Orderings on Grids" (2016), where they lead away from the goal.
-//
-// `Jumps` says where jumps lead: by scans of the bits, or by a table (JPS+).
 #pragma once
 
 #include <algorithm>
@@ -45,9 +43,9 @@ struct JumpMemory {
 };
 
 // Jumps by scanning the bits of a grid and of its transpose.
-class BitJumps {
+class Jumps {
  public:
-  BitJumps(const BitGrid &rows, const BitGrid &cols) : rows_(rows), cols_(cols) {}
+  Jumps(const BitGrid &rows, const BitGrid &cols) : rows_(rows), cols_(cols) {}
 
   void prefetch(GridCell cell) const {
     rows_.prefetch(cell.row, cell.col);
@@ -140,10 +138,10 @@ inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arriva
 }
 
 // Start and goal are free and connected. The path is the octile optimum.
-template <typename Jumps>
-GridWay jump_search(const BitGrid &rows, const Jumps &jumps, GridCell start, GridCell goal, const Patience &patience,
-                    JumpMemory &memory) {
+inline GridWay jump_search(const BitGrid &rows, const BitGrid &cols, GridCell start, GridCell goal,
+                           const Patience &patience, JumpMemory &memory) {
   constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
+  const Jumps jumps(rows, cols);
   memory.clear();
   memory.nodes[memory.nodes.insert(start).first].arrival = kFromNowhere;
   memory.open.push({octile_cost(start, goal), 0, 0});

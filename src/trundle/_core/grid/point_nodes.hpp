@@ -69,12 +69,6 @@ class PointNodes {
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
 
-  // Whether a place was reached by a way of at most this length.
-  bool reached_within(HalfCell at, double length) const {
-    const Least *known = least_.find(at);
-    return known != nullptr && known->reached <= length;
-  }
-
   // Whether its place was reached by a shorter way since.
   bool outdone(std::uint32_t node) const { return nodes_[node].reached > least_[nodes_[node].place].reached; }
 

@@ -33,16 +33,6 @@ class PlaceTable {
     }
   }
 
-  // The entry of a place, or none.
-  const Entry *find(Place place) const {
-    if (slots_.empty()) return nullptr;
-    for (std::size_t slot = hash(place);; slot = (slot + 1) & (slots_.size() - 1)) {
-      if (slots_[slot].generation != generation_) return nullptr;
-      const Entry &entry = entries_[slots_[slot].entry];
-      if (entry.at == place) return &entry;
-    }
-  }
-
   void clear() {
     entries_.clear();
     if (++generation_ == 0) {
