@@ -36,6 +36,29 @@ def test_the_korean_readme_has_the_same_commands_and_code() -> None:
     assert without_comments(KOREAN) == without_comments(README)
 
 
+def inline_commands(text: str) -> list[str]:
+    """Commands and options that stand in a line of text or in a table."""
+    return sorted(re.findall(r"`((?:trundle |make |pip |source |\./isaac\.sh |--)[^`]*)`", text))
+
+
+def tables(text: str) -> list[int]:
+    """How many lines each table has."""
+    return [len(table.splitlines()) for table in re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE)]
+
+
+def test_the_korean_readme_has_the_same_sections_tables_and_commands_in_its_text() -> None:
+    assert inline_commands(KOREAN) == inline_commands(README)
+    assert KOREAN.count("\n## ") == README.count("\n## ")
+    assert tables(KOREAN) == tables(README)
+
+
+def test_each_step_of_the_post_has_a_command_that_the_table_has() -> None:
+    for text in (README, KOREAN):
+        steps = re.findall(r"^\| (\d)\. [^|]+ \| `([^`]+)` \|$", text, flags=re.MULTILINE)
+        assert [number for number, _ in steps] == ["1", "2", "3", "4", "5"]
+        assert {command for _, command in steps} < set(COMMANDS)
+
+
 def test_the_commands_run_one_after_another(tmp_path: Path) -> None:
     environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     for command in COMMANDS:
