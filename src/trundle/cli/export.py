@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import options, output, sources
+from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -52,9 +52,9 @@ def export(
     resolution: float | None = None,
     z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
-    profile: str | None = None,
-    environment: str | None = None,
-    robot_usd: str | None = None,
+    profile: isaac.Profile = None,
+    environment: isaac.ScriptEnvironment = None,
+    robot_usd: isaac.ScriptRobot = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -74,12 +74,8 @@ def export(
         resolution: Edge of a map's cell [m]; left out: 0.05.
         z_min: Lower end of the band of heights that counts in a map [m]; left out: 0.10, or the robot's.
         z_max: Upper end of the band of heights that counts in a map [m]; left out: 0.62, or the robot's.
-        profile: For usd: isaac, with what Isaac Sim wants.
-        environment: For isaac-script: an environment of Isaac Sim by name, or a USD file; left out: the scenario's
-            world.
         floor_z: Height of the floor in the world's file [m], which is written at z = 0; left out: as the file has it,
             and for a map or with a robot the floor that is under most of the world.
-        robot_usd: For isaac-script: the robot's USD file; left out: Isaac Sim's own, where it has one.
     """
     from trundle.export import export_robot, export_scene, export_world
     from trundle.maps.check.check import DEFAULT_ROBOT
@@ -236,11 +232,7 @@ def _make_scene(setting: Setting, form: str) -> tuple[Scene, dict[str, Any]]:
         setting.navigator.set_goal(goal)
         paths.append(setting.navigator.plan(pose))
         pose = paths[-1].goal
-    own: dict[str, Any] = {}
-    if scenario.world is not None and sources.is_usd(scenario.world.name) and not scenario.world.options:
-        own["environment"] = scenario.world.name
-    if scenario.backend.name == "isaac":
-        names = ("environment", "robot_usd")
-        own |= {name: value for name, value in scenario.backend.options.items() if name in names}
     mask = setting.navigator.speed_mask
-    return Scene(scenario.title, setting.world, setting.robot, setting.start, tuple(paths), mask), own
+    return Scene(scenario.title, setting.world, setting.robot, setting.start, tuple(paths), mask), isaac.script_options(
+        scenario
+    )

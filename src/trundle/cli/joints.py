@@ -41,7 +41,7 @@ def joints(
     """
     given = isaac.simulator_options(isaac_options, backend)
     if backend == isaac.BACKEND:
-        return _joints_in_isaac(robot, given, json=json)
+        return isaac.print_joints(robot, given, json=json)
     from trundle.sim.mujoco.engine import import_engine
 
     import_engine()
@@ -67,24 +67,4 @@ def joints(
             for joint in found
         ],
     )
-    return 0
-
-
-def _joints_in_isaac(robot: str, given: dict[str, str | float | bool], *, json: bool) -> int:
-    from trundle.geometry import Pose2D
-    from trundle.robots import Robot
-    from trundle.worlds import World
-
-    machine = Robot.load(robot)
-    wheels = (machine.drive.left_joint, machine.drive.right_joint)
-    with isaac.open_simulator(World("empty", ()), machine, Pose2D(0.0, 0.0), given) as simulator:
-        found = [
-            {"index": index, "name": name, "drives": name in wheels}
-            for index, name in enumerate(simulator.joint_names())
-        ]
-        if json:
-            output.print_json(found)
-        else:
-            rows = [(joint["index"], joint["name"], "yes" if joint["drives"] else "no") for joint in found]
-            output.print_table(("index", "name", "drives"), rows)
     return 0

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli import plan_compare
 from trundle.cli.shared import options, output, sources
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 
 if TYPE_CHECKING:
+    from trundle.geometry import Pose2D
+    from trundle.navigation import Navigator
     from trundle.path import Path
+    from trundle.planning.comparison import PlannerRow
 
 app = App(
     name="plan",
@@ -69,9 +71,9 @@ def plan(
         out: The picture, or a folder for overlay.png; left out: overlay.png, here. Where it cannot be written, the rest
             is printed all the same.
     """
+    from trundle.geometry import Pose2D
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
     from trundle.navigation import Navigator
-    from trundle.planning import planner_names
     from trundle.record.overlay import draw_plan
     from trundle.record.run_folder import save_png
     from trundle.sim import simulator_names
@@ -100,7 +102,7 @@ def plan(
     )
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
     if compare:
-        return plan_compare.compare(navigator, begin, end, planner_names(), target=target, json=json) or code
+        return _compare(navigator, begin, Pose2D.of(end), target, json=json) or code
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
@@ -162,3 +164,48 @@ def _moved(path: Path) -> dict[str, str]:
         f"the {end} by {distance:.3f} m to where the robot fits" for end, distance in ends.items() if distance > 0.0
     ]
     return {"moved": ", ".join(moved)} if moved else {}
+
+
+def _compare(navigator: Navigator, begin: Pose2D, end: Pose2D, target: FilePath | None, *, json: bool) -> int:
+    """Plan by every planner, print a table and draw all paths, with the zones of the masks.
+
+    Where the navigator smooths, so are these paths. Without a target nothing is drawn.
+
+    Returns:
+        The exit code: 0 where at least one planner found a path, 2 where all say that an end is at fault.
+    """
+    from trundle.planning import planner_names
+    from trundle.planning.comparison import compare_planners
+    from trundle.record.overlay import draw_paths
+    from trundle.record.run_folder import save_png
+
+    found = compare_planners(planner_names(), navigator.costmap, begin, end, smoother=navigator.smoother)
+    if found.paths and target is not None:
+        picture = draw_paths(navigator.costmap, navigator.robot, found.paths, speed_mask=navigator.speed_mask)
+        save_png(picture, target)
+    _print_rows(found.rows, target if found.paths else None, json=json)
+    if found.paths:
+        return 0
+    return 2 if all(isinstance(error, OutsideMapError | BlockedPoseError) for error in found.errors) else 1
+
+
+def _print_rows(rows: list[PlannerRow], target: FilePath | None, *, json: bool) -> None:
+    if json:
+        output.print_json({"planners": rows, "overlay": target})
+        return
+    output.print_table(
+        ("planner", "length m", "turning rad", "clearance m", "ms", ""),
+        [
+            (
+                row["planner"],
+                row["length_m"],
+                row["turning_rad"],
+                row["clearance_m"],
+                row["planning_ms"],
+                "touches something" if row["clearance_m"] == 0.0 else row["message"],
+            )
+            for row in rows
+        ],
+    )
+    if target is not None:
+        print(f"overlay  {target}")

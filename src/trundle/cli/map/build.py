@@ -38,7 +38,7 @@ def build(
     z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     robot: options.RobotName = "nova_carter",
-    assets_root: str | None = None,
+    assets_root: isaac.AssetsRoot = None,
     floor_z: options.FloorZ = None,
     floor: Path | None = None,
     max_slope: options.Angle | None = None,
@@ -70,7 +70,6 @@ def build(
         resolution: Edge of a cell [m].
         z_min: Lower end of the band of heights that counts, above the floor [m]; left out: the robot's.
         z_max: Upper end of the band of heights that counts, above the floor [m]; left out: the robot's.
-        assets_root: Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.
         floor: A height field, of a floor with ramps.
         max_slope: The steepest part of a height field that is no obstacle [rad, or 10deg]; left out: 10deg.
         bounds: What the map covers [m]; the upper corner is moved out to whole cells; left out: the world.

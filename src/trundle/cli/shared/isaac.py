@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 from cyclopts import Group, Parameter
 
-from trundle.cli.shared import sources
+from trundle.cli.shared import output, sources
 from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -23,6 +23,29 @@ if TYPE_CHECKING:
     from trundle.worlds import World
 
 BACKEND = "isaac"
+
+Profile = Annotated[str | None, Parameter(name="--profile", help="For usd: isaac, with what Isaac Sim wants.")]
+ScriptEnvironment = Annotated[
+    str | None,
+    Parameter(
+        name="--environment",
+        help="For isaac-script: an environment of Isaac Sim by name, or a USD file; left out: the scenario's world.",
+    ),
+]
+ScriptRobot = Annotated[
+    str | None,
+    Parameter(
+        name="--robot-usd",
+        help="For isaac-script: the robot's USD file; left out: Isaac Sim's own, where it has one.",
+    ),
+]
+AssetsRoot = Annotated[
+    str | None,
+    Parameter(
+        name="--assets-root",
+        help="Folder of Isaac Sim's asset packs, the one that holds Isaac/Environments.",
+    ),
+]
 
 _GROUP = Group("Isaac Sim", help="With --backend isaac, started by Isaac Sim's own interpreter.", sort_key=1)
 
@@ -99,7 +122,7 @@ def adapt(scenario: Scenario, options: IsaacOptions | None) -> Scenario:
     return scenario.model_copy(update={"backend": scenario.backend.model_copy(update={"options": settings})})
 
 
-def early_application(world: str | None, settings: Mapping[str, object]) -> AbstractContextManager[Application | None]:
+def _early_application(world: str | None, settings: Mapping[str, object]) -> AbstractContextManager[Application | None]:
     """Start Isaac Sim before a world of USD is read: it brings the library for that, and no other may come first."""
     from trundle.sim.isaac.assets import is_usd
 
@@ -108,6 +131,13 @@ def early_application(world: str | None, settings: Mapping[str, object]) -> Abst
     from trundle.sim.isaac.application import Application
 
     return Application(headless=bool(settings.get("headless")), livestream=bool(settings.get("livestream")))
+
+
+def start_for(scenario: Scenario) -> AbstractContextManager[Application | None]:
+    """Start Isaac Sim before a scenario's world is read, where it drives in Isaac Sim through a world of USD."""
+    if scenario.backend.name != BACKEND:
+        return nullcontext()
+    return _early_application(scenario.world.name if scenario.world is not None else None, scenario.backend.options)
 
 
 @contextmanager
@@ -130,7 +160,7 @@ def open_place(
         yield sources.load_place(world, seed=seed, settings=settings)
         return
     given |= _environment(world, given)
-    with early_application(world, given):
+    with _early_application(world, given):
         yield sources.load_place(world, seed=seed, settings=settings)
 
 
@@ -199,6 +229,27 @@ def open_simulator(
     return simulator
 
 
+def print_joints(robot: str, settings: Mapping[str, str | float | bool], *, json: bool) -> int:
+    """Print the joints that Isaac Sim moves of a robot's USD, in its order; return the exit code."""
+    from trundle.geometry import Pose2D
+    from trundle.robots import Robot
+    from trundle.worlds import World
+
+    machine = Robot.load(robot)
+    wheels = (machine.drive.left_joint, machine.drive.right_joint)
+    with open_simulator(World("empty", ()), machine, Pose2D(0.0, 0.0), settings) as simulator:
+        found = [
+            {"index": index, "name": name, "drives": name in wheels}
+            for index, name in enumerate(simulator.joint_names())
+        ]
+        if json:
+            output.print_json(found)
+        else:
+            rows = [(joint["index"], joint["name"], "yes" if joint["drives"] else "no") for joint in found]
+            output.print_table(("index", "name", "drives"), rows)
+    return 0
+
+
 def show(
     world: World,
     robot: Robot,
@@ -228,3 +279,14 @@ def show(
             return {}
         save_png(Image.fromarray(simulator.picture(seen.eye, seen.target, size)), target)
     return {"picture": target, "renderer": "Isaac Sim", "width": size[0], "height": size[1], "advice": None}
+
+
+def script_options(scenario: Scenario) -> dict[str, object]:
+    """What a script for Isaac Sim takes from a scenario: its world of USD, and what its backend names."""
+    found: dict[str, object] = {}
+    if scenario.world is not None and sources.is_usd(scenario.world.name) and not scenario.world.options:
+        found["environment"] = scenario.world.name
+    if scenario.backend.name == BACKEND:
+        names = ("environment", "robot_usd")
+        found |= {name: value for name, value in scenario.backend.options.items() if name in names}
+    return found

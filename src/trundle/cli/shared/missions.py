@@ -53,9 +53,7 @@ def drive(
         import_engine()
     # The report comes before the simulator is closed: closing Isaac Sim may end the process.
     with ExitStack() as opened:
-        if scenario.backend.name == isaac.BACKEND:
-            world = scenario.world.name if scenario.world is not None else None
-            opened.enter_context(isaac.early_application(world, scenario.backend.options))
+        opened.enter_context(isaac.start_for(scenario))
         mission = opened.enter_context(scenario.build())
         with ExitStack() as stack:
             observers: list[Observer] = []
