@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,9 +11,11 @@ from trundle.geometry import (
     Pose2D,
     Pose3D,
     Twist2D,
+    convex_hull,
     integrate_twist,
     pad_outline,
     path_length,
+    shrink_outline,
     wrap_angle,
     wrap_angles,
 )
@@ -120,6 +123,25 @@ def test_padding_a_polygon_widens_its_inscribed_circle_by_the_padding(corners, p
     outline = np.column_stack([np.cos(turn), np.sin(turn)])
     grown = pad_outline(outline, padding)
     assert np.hypot(*grown.T).min() * np.cos(np.pi / corners) == pytest.approx(np.cos(np.pi / corners) + padding)
+
+
+def test_shrinking_a_rectangle_leaves_a_smaller_one_or_nothing():
+    rectangle = np.array([[2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0], [2.0, -1.0]])
+    left = shrink_outline(rectangle, 0.9)
+    assert left is not None
+    assert sorted(map(tuple, np.abs(left).round(12))) == [(1.1, 0.1)] * 4
+    assert shrink_outline(rectangle, 1.0) is None
+
+
+@given(st.integers(0, 10_000), st.floats(0.001, 0.6))
+def test_shrinking_an_outline_is_what_shapely_does_by_a_mitred_buffer(seed, margin):
+    outline = convex_hull(np.random.default_rng(seed).normal(size=(12, 2)))
+    left = shrink_outline(outline, margin)
+    expected = shapely.Polygon(outline).buffer(-margin, join_style="mitre", mitre_limit=1e6)
+    if left is None:
+        assert expected.area < 1e-9
+    else:
+        assert shapely.Polygon(left).symmetric_difference(expected).area < 1e-9
 
 
 @given(st.lists(st.floats(-3.0, 3.0), min_size=12, max_size=12))

@@ -295,6 +295,27 @@ def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
     return points + padding * shift
 
 
+def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
+    """What is left of a convex, counter-clockwise outline at least `margin` [m] inside of it; None if nothing is."""
+    points = np.asarray(outline, dtype=np.float64)
+    kept = points
+    for first, second in zip(points, np.roll(points, -1, axis=0), strict=True):
+        along = (second - first) / math.hypot(*(second - first))
+        inside = along[0] * (kept[:, 1] - first[1]) - along[1] * (kept[:, 0] - first[0]) - margin
+        # Sutherland and Hodgman 1974, against one edge.
+        clipped = []
+        for i in range(len(kept)):
+            before, here = inside[i - 1], inside[i]
+            if (before > 0.0) != (here > 0.0):
+                clipped.append(kept[i - 1] + before / (before - here) * (kept[i] - kept[i - 1]))
+            if here > 0.0:
+                clipped.append(kept[i])
+        if len(clipped) < 3:
+            return None
+        kept = np.array(clipped)
+    return kept
+
+
 def convex_hull(points: FloatArray) -> FloatArray:
     """Convex hull of points, shape (N, 2), counter-clockwise (Andrew's monotone chain)."""
     ordered = sorted({(float(x), float(y)) for x, y in points})

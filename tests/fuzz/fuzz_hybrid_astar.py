@@ -8,14 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from fuzz.loop import attempt, spoil
 from support.swept import swept_area_blocked
+from trundle._core import flood_poses
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import Cancellation
+from trundle.planning.cancellation import Patience
+from trundle.planning.enclosure import find_enclosure
+from trundle.planning.ends import End
 from trundle.planning.hybrid_astar import HybridAStarPlanner
+from trundle.planning.query import Query, cell_at
 
 SIZES = (1, 3, 20, 41, 64, 64, 90, 90)
 EXTREME = (0.0, -1.0, 1e-9, 1e-3, 1e3, 1e9, math.nan, math.inf)
@@ -103,8 +109,21 @@ def one_round(generator: random.Random) -> int:
         except PlanningError:
             continue
         check(costmap, planner, path)
+        if generator.random() < 0.05:
+            first, last = (End(pose, cell_at(costmap, pose.x, pose.y)) for pose in (path.start, path.goal))
+            query = Query(costmap, first, last, first, last, goal_yaw_free=False)
+            assert find_enclosure(query, Patience(None, None, "none")) is None
         found += 1
+    if generator.random() < 0.1:
+        flood_spoiled(generator, costmap)
     return found
+
+
+def flood_spoiled(generator: random.Random, costmap: Costmap) -> None:
+    side = costmap.resolution * np.array(costmap.shape)[::-1]
+    ends = [np.array([*(generator.random() * side), generator.uniform(-4, 4)]) for _ in range(2)]
+    arguments = costmap.data, costmap.resolution, costmap.footprint, ends[0], True, ends[1], False
+    attempt(flood_poses, spoil(generator, (*arguments, 0.5 * costmap.resolution, 30, 10_000, 0.01, None)))
 
 
 def check(costmap: Costmap, planner: HybridAStarPlanner, path: Path) -> None:

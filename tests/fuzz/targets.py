@@ -46,7 +46,7 @@ TARGETS = {
     "weighted_grid": Target(fuzz_weighted_grid.one_round, ("grid_search", "line_costs", "shortcut"), 600),
     "least_cost": Target(fuzz_least_cost.one_round, ("LeastCost", "line_costs"), 400),
     "cost_field": Target(fuzz_cost_field.one_round, ("cost_field",), 400),
-    "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar",), 700),
+    "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar", "flood_poses"), 700),
     "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),

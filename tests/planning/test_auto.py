@@ -119,7 +119,7 @@ def test_a_goal_is_moved_only_where_no_planner_gets_to_it_as_it_is():
 
 def test_there_is_no_path_only_after_a_search_that_was_complete():
     # A plug that is narrower than the robot is long: the inscribed circle passes it, the footprint nowhere.
-    shut = alley((3.0, 4.3, 3.3, 4.75), (3.0, 5.25, 3.3, 5.7))
+    shut = alley((3.0, 4.3, 3.3, 4.8), (3.0, 5.2, 3.3, 5.7))
     with pytest.raises(NoPathError, match=r"away from the start|none of \d+ poses"):
         create_planner("auto").plan(shut, NOSE_IN, Pose2D(8, 8))
     with pytest.raises(NoPathError, match="separated"):
@@ -252,7 +252,7 @@ def test_a_small_robot_gets_through_gaps_that_are_narrower_than_the_cells_of_the
 def test_once_a_search_with_turns_has_tried_all_poses_none_without_them_follows(monkeypatch):
     planner = create_planner("auto")
     monkeypatch.setattr(planner._searches[1], "_plan_to", lambda *_: pytest.fail("it cannot find anything"))
-    shut = alley((3.0, 4.3, 3.3, 4.75), (3.0, 5.25, 3.3, 5.7))
+    shut = alley((3.0, 4.3, 3.3, 4.8), (3.0, 5.2, 3.3, 5.7))
     with pytest.raises(NoPathError, match=r"away from the start|none of \d+ poses"):
         planner.plan(shut, NOSE_IN, Pose2D(8, 8))
 

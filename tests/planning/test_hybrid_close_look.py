@@ -5,7 +5,7 @@ import pytest
 
 from support.swept import costmap_of, room, swept_area_blocked
 from trundle.costmap import Costmap
-from trundle.errors import NoPathError, PlanningStoppedError
+from trundle.errors import PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import create_planner
@@ -49,9 +49,9 @@ def test_the_default_planner_finds_them_too():
 
 
 @pytest.mark.parametrize("kind", [{}, IN_PLACE], ids=str)
-def test_an_end_that_nothing_leads_out_of_has_no_path(kind):
-    # Whatever the motions: a flood over all x, y and yaw in which the footprint is free ends within 0.7 m.
-    with pytest.raises(NoPathError):
+def test_an_end_with_millimetres_of_room_is_not_said_to_have_no_path(kind):
+    # Boxes of 3 mm and 0.4° whose middles have 5 mm of room join the two.
+    with pytest.raises(PlanningStoppedError, match="none found within"):
         HybridAStarPlanner(**kind).plan(OFFICE, Pose2D(-1.967, 5.325, -0.2969), Pose2D(-2.669, 5.5531, 3.0675))
 
 

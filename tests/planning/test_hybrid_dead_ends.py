@@ -61,7 +61,7 @@ def test_a_robot_that_cannot_back_up_neither_arrives_nose_out_nor_leaves_nose_in
     with pytest.raises(NoPathError, match=r"driving forward only.*nowhere but close by"):
         planner.plan(ALLEY, outside, nose_out)
     with pytest.raises(NoPathError, match=r"driving forward only.*cannot get away from the start") as caught:
-        planner.plan(ALLEY, nose_in, outside)
+        HybridAStarPlanner(motion_model="dubins").plan(ALLEY, nose_in, outside)
     assert caught.value.pose == nose_in.as_tuple()
     assert not planner.plan(ALLEY, outside, nose_in).backward.any()
     assert not planner.plan(ALLEY, nose_out, outside).backward.any()

@@ -113,6 +113,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "inflate": lambda: _core.inflate(UNKNOWN, np.arange(10, 0, -1, dtype=np.uint8)),
     "flood_free": lambda: marked(_core.flood_free, UNKNOWN, np.array([START])),
     "flood_largest": lambda: marked(_core.flood_largest, UNKNOWN),
+    "flood_poses": lambda: _core.flood_poses(
+        COSTS, 0.1, OUTLINE, POSES[0], False, POSES[1], True, 0.05, 40, 5_000, 10.0, None
+    ),
     "floor_planes": planes,
     "line_costs": lambda: _core.line_costs(COSTS, LINE_WEIGHTS, POSES[:, :2].copy(), POSES[::-1, :2].copy()),
     "shortcut": lambda: _core.shortcut(COSTS, LINE_WEIGHTS, np.array([(0.5, 0.5), (5.5, 0.5), (5.5, 8.5)])),

@@ -149,6 +149,27 @@ def shortest_curves(
     Returns up to five pairs of length [m], negative backwards, and curvature [1/m], shape (N, 5, 2), filled up with 0.
     """
 
+def flood_poses(
+    costs: npt.NDArray[np.uint8],
+    resolution: float,
+    outline: npt.NDArray[np.float64],
+    start: npt.NDArray[np.float64],
+    any_yaw: bool,
+    goal: npt.NDArray[np.float64],
+    goal_any_yaw: bool,
+    cell: float,
+    headings: int,
+    most: int,
+    seconds: float | None,
+    cancel: npt.NDArray[np.uint8] | None,
+) -> tuple[int, int]:
+    """Fill the boxes of poses, `cell` [m] wide and a share of the circle, from one end over those that are left.
+
+    The outline is the footprint, shrunk by what a point of it moves within a box. Returns 0 where the boxes around the
+    start are closed off from the goal, 1 where the goal is among them, 2 where there are more than `most`, 3 at the
+    deadline and 4 when cancelled, and how many there are.
+    """
+
 def walk_corners(corners: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]: ...
 def inflate(occupancy: npt.NDArray[np.int8], table: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]: ...
 def footprint_collides(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
+from trundle.planning.enclosure import Enclosure, find_enclosure, on_grid
 from trundle.planning.ends import End
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.pose_planner import PosePlanner
@@ -29,12 +31,16 @@ from trundle.values import check_flag
 MOTION_MODELS = ("dubins", "reeds_shepp")
 
 _FOUND, _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF, _GOAL_CLOSED, _START_CLOSED = 0, 1, 2, 3, 5, 6, 7
+_ALL_TRIED = (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED)
 
 PADDING_M = 0.02
 """What the footprint keeps from everything on the way, unless the settings say otherwise [m]."""
 
 _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
+
+_BOXES_AN_EXPANSION = 20
+"""A flood fills about as many boxes in the time in which a node is expanded."""
 
 _LESS_PADDING = 0.25
 """Share of the padding that is kept where there is no way with all of it."""
@@ -117,6 +123,22 @@ class HybridAStarSettings:
             raise InputError(f"{name} must be a number from {least:g} to {most:g}{hint}, got {value!r}")
 
 
+class _Answer(NamedTuple):
+    """What a search found.
+
+    Attributes:
+        status: The kernel's.
+        path: The path, if there is one; maybe a partial one.
+        expansions: How many nodes were expanded.
+        enclosure: Why no search can find a path, where that is known.
+    """
+
+    status: int
+    path: Path | None
+    expansions: int
+    enclosure: Enclosure | None = None
+
+
 class HybridAStarPlanner(PosePlanner):
     """Searches poses, not cells: every path is made of arcs and lines that the robot can drive as it is.
 
@@ -159,12 +181,13 @@ class HybridAStarPlanner(PosePlanner):
         return self._search.bytes
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        status, path, expansions = self._find(query, patience)
-        if path is not None and status != _CLOSED_OFF:
-            return path if status == _FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
+        answer = self._find(query, patience)
+        path = answer.path
+        if path is not None and answer.status != _CLOSED_OFF:
+            return path if answer.status == _FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
         if self._allow_partial:
             return self._plan_near(query.costmap, query.start, goal, patience)
-        raise self._failure(query, status, expansions, patience)
+        raise self._failure(query, answer, patience)
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience) -> Path:
         # Towards the nearest place that the inscribed circle gets to.
@@ -174,7 +197,7 @@ class HybridAStarPlanner(PosePlanner):
         x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
         place = End(Pose2D(float(x), float(y)), cell)
         if start.pose.distance_to(goal) > place.pose.distance_to(goal):
-            path = self._find(Query(costmap, start, place, start, place, goal_yaw_free=True), patience)[1]
+            path = self._find(Query(costmap, start, place, start, place, goal_yaw_free=True), patience).path
             if path is not None:
                 return replace(path, status="partial", remaining_m=path.goal.distance_to(goal))
         here = np.array([start.pose.as_tuple()])
@@ -188,26 +211,27 @@ class HybridAStarPlanner(PosePlanner):
             remaining_m=left,
         )
 
-    def _find(self, query: Query, patience: Patience) -> tuple[int, Path | None, int]:
-        """The kernel's status, the path if there is one, maybe a partial one, and how many nodes were expanded."""
+    def _find(self, query: Query, patience: Patience) -> _Answer:
         padding = self._padding_at_ends(query)
-        less = max(_LESS_PADDING * padding, LEAST_PADDING_M)
-        found = self._find_padded(query, patience, padding, thorough=less >= padding)
-        if found[0] in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED) and less < padding:
-            return self._find_padded(query, patience, less, thorough=True)
-        return found
+        answer = self._find_padded(query, patience, padding, thorough=False)
+        if answer.status not in _ALL_TRIED:
+            return answer
+        # A closer look takes long, and finds nothing where an end is enclosed.
+        enclosure = find_enclosure(query, patience, _BOXES_AN_EXPANSION * self.settings.max_expansions)
+        if enclosure is not None:
+            return answer._replace(enclosure=enclosure)
+        less = min(max(_LESS_PADDING * padding, LEAST_PADDING_M), padding)
+        return self._find_padded(query, patience, less, thorough=True)
 
-    def _find_padded(
-        self, query: Query, patience: Patience, padding: float, *, thorough: bool
-    ) -> tuple[int, Path | None, int]:
+    def _find_padded(self, query: Query, patience: Patience, padding: float, *, thorough: bool) -> _Answer:
         costmap, settings = query.costmap, self.settings
         checked = CheckedOutline.of(costmap.footprint, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,
             checked.outline,
-            _on_grid(costmap, query.start.pose),
-            _on_grid(costmap, query.goal.pose),
+            on_grid(costmap, query.start.pose),
+            on_grid(costmap, query.goal.pose),
             query.goal_yaw_free,
             checked.step_m,
             self._spacing(padding),
@@ -221,7 +245,7 @@ class HybridAStarPlanner(PosePlanner):
         if status in (_TIMEOUT, _CANCELLED):
             raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
         if len(poses) == 0:
-            return status, None, effort[0]
+            return _Answer(status, None, effort[0])
         path = Path(
             _in_map(query, poses, ends_at_goal=status == _FOUND),
             cost=cost,
@@ -235,7 +259,7 @@ class HybridAStarPlanner(PosePlanner):
         if status == _FOUND and self._smoother is not None and len(parts) > _LONGEST_CURVE:
             smoothing = self._smoother.smooth_free(path, costmap)
             path = replace(smoothing.path, cost=smoothing.price_after or path.cost)
-        return status, path, effort[0]
+        return _Answer(status, path, effort[0])
 
     def _make_smoother(self) -> ConstrainedSmoother | None:
         settings = self.settings
@@ -264,38 +288,47 @@ class HybridAStarPlanner(PosePlanner):
         radius = self.settings.minimum_turning_radius
         return float(self.settings.spacing) if radius == 0.0 else pose_spacing(self.settings.spacing, radius, padding)
 
-    def _failure(self, query: Query, status: int, expansions: int, patience: Patience) -> PlanningError:
-        end = query.start if status == _START_CLOSED else query.goal
-        where = {"pose": end.pose.as_tuple(), "cell": end.cell}
-        if status == _CLOSED_OFF:
+    def _failure(self, query: Query, answer: _Answer, patience: Patience) -> PlanningError:
+        """The error for a query without a path.
+
+        A robot that drives both ways can follow any free path as closely as it likes (Laumond, Jacobs, Taix and Murray
+        1994): there is none only where an end is enclosed. One that drives forward only has tried all states, at the
+        closest look.
+        """
+        if answer.status == _CLOSED_OFF:
             return no_path(query, patience)
-        if status in (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED):
-            return NoPathError(f"no path {query.ends}: {self._why_not(status, expansions)}", **where)
-        limit = f"{self.settings.max_expansions} expansions (max_expansions)"
+        if answer.enclosure is not None:
+            return self._enclosed(query, answer.enclosure)
+        end = query.start if answer.status == _START_CLOSED else query.goal
+        where = {"pose": end.pose.as_tuple(), "cell": end.cell}
+        if answer.status in _ALL_TRIED and self.settings.motion_model == "dubins":
+            return NoPathError(f"no path {query.ends}: {self._why_not(answer)}", **where)
+        most = self.settings.max_expansions
+        limit = f"{most} expansions (max_expansions)" if answer.expansions > most else f"{answer.expansions} expansions"
         return PlanningStoppedError(f"no path {query.ends}: none found within {limit}", **where, status="exhausted")
 
-    def _why_not(self, status: int, expansions: int) -> str:
+    def _enclosed(self, query: Query, enclosure: Enclosure) -> NoPathError:
+        end = enclosure.end
+        what = "cannot get away from the start" if enclosure.is_start else "gets to the goal from nowhere but close by"
+        return NoPathError(
+            f"no path {query.ends}: the footprint {what}, however the robot moves (all poses tried, in steps of "
+            f"{1e3 * enclosure.cell_m:.1f} mm and {math.degrees(enclosure.yaw_rad):.1f}°)",
+            pose=end.pose.as_tuple(),
+            cell=end.cell,
+        )
+
+    def _why_not(self, answer: _Answer) -> str:
+        """Why no path that is driven forward only leads there."""
         settings = self.settings
         how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
         also = "turning in place, " if settings.in_place else ""
-        only = "" if settings.motion_model == "reeds_shepp" else "driving forward only, "
-        moving = f"with {how}{also}{only}the footprint"
-        if status == _START_CLOSED:
+        moving = f"with {how}{also}driving forward only, the footprint"
+        if answer.status == _START_CLOSED:
             return f"{moving} cannot get away from the start"
-        if status == _GOAL_CLOSED:
+        if answer.status == _GOAL_CLOSED:
             return f"{moving} gets to the goal from nowhere but close by"
-        return (
-            f"there is room for the inscribed circle, but {moving} gets there by none of {expansions} poses that were "
-            "tried"
-        )
-
-
-def _on_grid(costmap: Costmap, pose: Pose2D) -> FloatArray:
-    """A pose of the map frame in the frame of the grid's corner; what rounding puts outside lies on the edge."""
-    x, y, yaw = (costmap.origin.inverse() @ pose).as_tuple()
-    rows, cols = costmap.shape
-    edge = costmap.resolution * (1.0 - 1e-12)
-    return np.array([min(max(x, 0.0), cols * edge), min(max(y, 0.0), rows * edge), yaw])
+        tried = f"{moving} gets there by none of {answer.expansions} poses that were tried"
+        return f"there is room for the inscribed circle, but {tried}"
 
 
 def _in_map(query: Query, poses: FloatArray, *, ends_at_goal: bool) -> FloatArray:

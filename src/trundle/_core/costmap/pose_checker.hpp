@@ -109,6 +109,15 @@ class PoseChecker {
     return true;
   }
 
+  // Whether all of `outline` touches something at a pose, anywhere.
+  bool collides_at(double x, double y, double yaw) {
+    const double col = x / resolution_, row = y / resolution_;
+    const bool on_map = col >= 0.0 && row >= 0.0 && col < static_cast<double>(costs_.cols) &&
+                        row < static_cast<double>(costs_.rows);
+    if (on_map && (is_clear(x, y) || is_surely_free(x, y, yaw))) return false;
+    return collides({x, y, yaw}, outline_);
+  }
+
   // Whether what has to be free touches something at a pose.
   bool touches(double x, double y, double yaw) { return collides({x, y, yaw}, inner_ != nullptr ? inner_ : outline_); }
 

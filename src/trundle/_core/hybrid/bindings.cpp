@@ -1,5 +1,6 @@
-// `HybridAStar` as Python sees it: ways of an oriented footprint between poses.
+// `HybridAStar` and `flood_poses` as Python sees them: paths of an oriented footprint between poses.
 #include "curves/segments.hpp"
+#include "hybrid/pose_flood.hpp"
 #include "hybrid/search.hpp"
 #include "shared/arrays.hpp"
 #include "shared/call_limits.hpp"
@@ -96,9 +97,11 @@ class HybridAStar {
     patience.rethrow();
     const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
     int status = way.spent ? 4 : static_cast<int>(way.status);
-    if (way.closed_off && way.status == SearchStatus::kUnreachable) status = 5;
-    if (way.pocket && way.status == SearchStatus::kUnreachable) status = 6;
-    if (way.stuck && way.status == SearchStatus::kUnreachable) status = 7;
+    if (way.status == SearchStatus::kUnreachable && !way.spent) {
+      if (way.closed_off) status = 5;
+      if (way.pocket) status = 6;
+      if (way.stuck) status = 7;
+    }
     return nb::make_tuple(status, to_numpy(std::move(poses), {count, 3}),
                           to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), way.cost,
                           nb::make_tuple(way.expansions, way.field_cells, way.exact_checks));
@@ -120,14 +123,18 @@ class HybridAStar {
   }
 
   // A gap that a robot fits with a centimetre to spare may lie between the states and motions of the first search. Returns
-  // its answer where a search as close as is worth it finds no other; `halved` if it was one in half the cells.
+  // its answer where a search as close as is worth it finds no other, spent where that did not end; `halved` if it was one in
+  // half the cells.
   HybridWay look_closely(HybridQuery query, const Patience &patience, HybridMemory &memory, HybridWay way,
                          bool halved) const {
     query.max_expansions = std::min(query.max_expansions, kMostClose);
     for (const StateGrid &states : {kHalfStates, kCloseStates, kClosestStates}) {
       if (halved && !states.close) continue;
       HybridWay closer = HybridSearch(settings_, query, patience, memory, states).find();
-      if (closer.spent) break;
+      if (closer.spent) {
+        way.expansions += closer.expansions, way.spent = true;
+        break;
+      }
       const bool soon_over = closer.expansions < kSoonOver;
       closer.expansions += way.expansions;
       way = std::move(closer);
@@ -168,4 +175,8 @@ void bind_hybrid(nanobind::module_ &m) {
            nb::arg("seconds").none(), nb::arg("cancel").none(), nb::arg("partial") = false,
            nb::arg("inner").noconvert() = nb::none(), nb::arg("thorough") = false)
       .def_prop_ro("bytes", &trundle::HybridAStar::bytes);
+  m.def("flood_poses", &trundle::flood_poses, nb::arg("costs").noconvert(), nb::arg("resolution"),
+        nb::arg("outline").noconvert(), nb::arg("start").noconvert(), nb::arg("any_yaw"), nb::arg("goal").noconvert(),
+        nb::arg("goal_any_yaw"), nb::arg("cell"), nb::arg("headings"), nb::arg("most"), nb::arg("seconds").none(),
+        nb::arg("cancel").none());
 }
