@@ -33,10 +33,10 @@ class AutoPlanner(PosePlanner):
     planner gets to it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
     does where it can, one of `hybrid_astar` that keeps a larger distance is taken instead.
 
-    Where the search with turns in place gives up before it has tried all poses, one without them follows. Where all
-    fail, the error is a `NoPathError` if the inscribed circle cannot get there, or if a search of poses ended because
-    it had tried all of them; otherwise a `PlanningStoppedError`. With `allow_partial` the path is given that ends
-    nearest to the goal; where a deadline ends the search of poses, that of `least_cost`.
+    Where the search with turns in place finds nothing, one without them follows. Where all fail, the error is a
+    `NoPathError` if the inscribed circle cannot get there, or if one of the ends is enclosed; otherwise a
+    `PlanningStoppedError`. With `allow_partial` the path is given that ends nearest to the goal; where a deadline ends
+    the search of poses, that of `least_cost`.
 
     Args:
         neutral_cost: Of `LeastCostPlanner`.
@@ -103,8 +103,8 @@ class AutoPlanner(PosePlanner):
     ) -> Path:
         """The path of the first search of poses that finds one; where none does, the error that says most.
 
-        What a robot can do that never turns in place, it can do as well where it may: once the search with turns has
-        tried all poses, the one without them has nothing to add. It has where the first one stopped before.
+        Where an end is enclosed, no other search has anything to add. Where the first one found nothing, the one
+        without turns may find a path: with fewer motions to try it gets farther.
         """
         for search in searches:
             try:
