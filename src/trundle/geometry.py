@@ -303,7 +303,7 @@ def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
         along = (second - first) / math.hypot(*(second - first))
         inside = along[0] * (kept[:, 1] - first[1]) - along[1] * (kept[:, 0] - first[0]) - margin
         # Sutherland and Hodgman 1974, against one edge.
-        clipped = []
+        clipped: list[FloatArray] = []
         for i in range(len(kept)):
             before, here = inside[i - 1], inside[i]
             if (before > 0.0) != (here > 0.0):
