@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from trundle.geometry import Pose3D
 from trundle.worlds.hull import convex_hull
@@ -29,9 +31,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize(
-    "turn", [(1, 0, 0, 0), (0.5, 0.5, 0.5, 0.5), (0.5, -0.5, 0.5, 0.5), (0, 1, 0, 0), (0.3, 0.4, -0.2, 0.8)]
-)
+@pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("backwards", [False, True])
 def test_a_polygon_is_covered_once_whichever_way_it_faces(name, backwards, turn):
@@ -43,6 +43,31 @@ def test_a_polygon_is_covered_once_whichever_way_it_faces(name, backwards, turn)
     assert set(owners) == {0}
     np.testing.assert_allclose(area(points, faces), expected * Pose3D(quaternion=turn).rotation()[:, 2], atol=1e-12)
     assert doubled_area(points, faces) == pytest.approx(2.0 * abs(expected))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(4, 200), st.sampled_from(TURNS), st.booleans())
+def test_a_star_of_random_rays_is_covered_once(seed, corners, turn, backwards):
+    generator = np.random.default_rng(seed)
+    angles = (np.arange(corners) + generator.uniform(0.05, 0.95, corners)) * 2.0 * np.pi / corners
+    x, y = generator.uniform(0.1, 1.0, corners) * np.array([np.cos(angles), np.sin(angles)])
+    if backwards:
+        x, y = x[::-1], y[::-1]
+    expected = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2.0
+    points = Pose3D((100.0, -50.0, 3.0), turn).transform_points(np.column_stack([x, y, np.zeros(corners)]))
+    faces, _ = triangulate(points, np.array([corners]), np.arange(corners))
+    assert doubled_area(points, faces) == pytest.approx(2.0 * abs(expected))
+    np.testing.assert_allclose(area(points, faces), expected * Pose3D(quaternion=turn).rotation()[:, 2], atol=1e-9)
+
+
+def test_a_polygon_of_ten_thousand_notches_is_covered_once():
+    corners = 20_000
+    angles = np.arange(corners) * 2.0 * np.pi / corners
+    radius = np.where(np.arange(corners) % 2, 1.0, 0.5)
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    points = np.column_stack([x, y, np.zeros(corners)])
+    faces, _ = triangulate(points, np.array([corners]), np.arange(corners))
+    assert len(faces) == corners - 2
+    assert doubled_area(points, faces) == pytest.approx((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
 
 def test_polygons_of_all_sizes_keep_their_order():
