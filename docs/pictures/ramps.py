@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 
 import trundle
 from trundle.geometry import Pose3D
-from trundle.record.page import font
+from trundle.pictures.text import font
 from trundle.solids import Box, Cylinder, Mesh, Solid
 from trundle.viewer.cameras import Camera
 from trundle.viewer.offscreen import render

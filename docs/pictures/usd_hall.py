@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, Vt
 
 import trundle
-from trundle.record.page import font
+from trundle.pictures.text import font
 from trundle.viewer.cameras import Camera
 from trundle.viewer.offscreen import render
 

@@ -335,3 +335,8 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def format_pose(pose: Pose2D) -> str:
+    """Return `(x, y, yaw)` in a few digits, for people."""
+    return f"({pose.x:.6g}, {pose.y:.6g}, {pose.yaw:.4g})"

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D, path_length, wrap_angle
+from trundle.geometry import FloatArray, Pose2D, format_pose, path_length, wrap_angle
 from trundle.values import as_array
 
 PathStatus = Literal["found", "partial"]
@@ -77,6 +77,25 @@ class Path:
 
     def __len__(self) -> int:
         return len(self.poses)
+
+    def __repr__(self) -> str:
+        by = f", by {self.planner}" if self.planner else ""
+        partial = f", partial: {self.remaining_m:.4g} m remain" if self.status == "partial" else ""
+        ends = f"{format_pose(self.start)} to {format_pose(self.goal)}"
+        return f"Path({self.length:.4g} m, {len(self)} poses, {ends}{by}{partial})"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture in notebooks, with north up; legs that are driven backwards have a colour of their own."""
+        from trundle.pictures.figure import to_png
+        from trundle.pictures.paths import draw_path
+
+        title = f"Path by {self.planner}" if self.planner else "Path"
+        lines = [f"{self.length:.2f} m, {len(self)} poses"]
+        if self.status == "partial":
+            lines.append(f"partial: {self.remaining_m:.2f} m remain to the goal")
+        if self.backward.any():
+            lines.append("orange: driven backwards")
+        return to_png(draw_path(self.poses, self.backward, title, lines))
 
     @property
     def start(self) -> Pose2D:

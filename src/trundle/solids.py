@@ -69,6 +69,9 @@ class Mesh:
     vertices: FloatArray
     faces: npt.NDArray[np.int32]
 
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
+
     def __post_init__(self) -> None:
         vertices = as_array(self.vertices, np.float64, "the vertices of a mesh", WorldError)
         faces = as_array(self.faces, np.int32, "the faces of a mesh", WorldError)
@@ -100,6 +103,10 @@ class OccupancyCells:
     blocked: npt.NDArray[np.bool_]
     resolution: float
     height: float
+
+    def __repr__(self) -> str:
+        rows, cols = self.blocked.shape
+        return f"OccupancyCells({cols} x {rows} cells of {self.resolution:g} m, {self.height:g} m high)"
 
     def __post_init__(self) -> None:
         blocked = as_array(self.blocked, np.bool_, "blocked cells", WorldError)

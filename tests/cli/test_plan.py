@@ -7,8 +7,8 @@ from PIL import Image
 from support.command_line import Trundle, room
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid, SpeedMask
+from trundle.pictures.colors import BAD, KEPT_OUT, PLANNED
 from trundle.planning import planner_names
-from trundle.record.colors import BAD, KEPT_OUT, PLANNED
 from trundle.record.zones import SpeedZones
 from trundle.robots import Robot
 

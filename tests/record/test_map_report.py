@@ -2,9 +2,9 @@ import numpy as np
 
 from support.planted_maps import changed, map_of, room
 from trundle.maps.check import check_grid
-from trundle.record.colors import WARNING
+from trundle.pictures.colors import WARNING
+from trundle.pictures.text import plain
 from trundle.record.map_report import count_by_severity, draw_report
-from trundle.record.page import plain
 
 
 def test_a_report_shows_a_ring_at_each_place_and_a_line_for_each_finding():

@@ -14,6 +14,7 @@ from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribe
 from trundle.costmap.inflation import (
     DEFAULT_COST_SCALING_FACTOR,
     DEFAULT_MARGIN_M,
+    INSCRIBED,
     LETHAL,
     NO_INFORMATION,
     check_inflation,
@@ -118,6 +119,25 @@ class Costmap(GridFrame):
         object.__setattr__(self, "version", object())
         object.__setattr__(self, "_changes", ())
         check_inflation(self.inflation_radius, self.cost_scaling_factor, resolution)
+
+    def __repr__(self) -> str:
+        return f"Costmap({self._size_text()}, inflation {self.inflation_radius:.4g} m, unknown {self.unknown})"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture in notebooks, with north up."""
+        from trundle.pictures.cells import Tint, draw_cells
+        from trundle.pictures.colors import KEPT_OUT, UNKNOWN, cost_palette
+        from trundle.pictures.figure import make_figure, to_png
+
+        tints: list[Tint] = []
+        if self.unseen is not None:
+            tints.append(Tint(self.unseen & (self.data < INSCRIBED), UNKNOWN, 0.5))
+        if self.keepout is not None:
+            tints.append(Tint(self.keepout == LETHAL, KEPT_OUT, 1.0))
+        order = [*range(LETHAL), NO_INFORMATION, LETHAL]
+        drawing, scale = draw_cells(self.data, cost_palette(), order, self.resolution, self.origin, tints)
+        inflation = f"inflation radius {self.inflation_radius:.4g} m, unknown cells {self.unknown}"
+        return to_png(make_figure(drawing, scale, "Costmap", [self._size_text(), inflation]))
 
     @classmethod
     def from_grid(

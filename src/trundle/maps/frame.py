@@ -32,6 +32,12 @@ class GridFrame(ABC):
     resolution: float
     origin: Pose2D
 
+    def _size_text(self) -> str:
+        """How many cells there are and how wide they are together, for people."""
+        rows, cols = self.shape
+        wide, high = (round(count * self.resolution, 4) for count in (cols, rows))
+        return f"{cols} x {rows} cells of {self.resolution:g} m, {wide:g} x {high:g} m"
+
     @property
     @abstractmethod
     def shape(self) -> tuple[int, int]:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, format_pose
 from trundle.maps.frame import GridFrame
 from trundle.values import as_number
 
@@ -81,6 +81,22 @@ class OccupancyGrid(GridFrame):
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", origin)
+
+    def __repr__(self) -> str:
+        return f"OccupancyGrid({self._size_text()}, origin {format_pose(self.origin)})"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture in notebooks, with north up."""
+        from trundle.pictures.cells import draw_cells
+        from trundle.pictures.colors import occupancy_palette
+        from trundle.pictures.figure import make_figure, to_png
+
+        cells = self.data.view(np.uint8)
+        order = [*range(OCCUPIED), *range(OCCUPIED + 1, 256), OCCUPIED]  # obstacles before unknown before free
+        drawing, scale = draw_cells(cells, occupancy_palette(), order, self.resolution, self.origin)
+        free, occupied, unknown = (100.0 * float((self.data == kind).mean()) for kind in (FREE, OCCUPIED, UNKNOWN))
+        parts = f"{free:.1f} % free, {occupied:.1f} % occupied, {unknown:.1f} % unknown"
+        return to_png(make_figure(drawing, scale, "Occupancy grid", [self._size_text(), parts]))
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -63,6 +63,10 @@ class HeightField:
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", (x, y))
 
+    def __repr__(self) -> str:
+        rows, cols = self.heights.shape
+        return f"HeightField({cols} x {rows} samples {self.resolution:g} m apart, origin {self.origin})"
+
     @classmethod
     def from_function(
         cls,

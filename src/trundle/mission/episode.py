@@ -161,6 +161,26 @@ class Episode:
             folder=place,
         )
 
+    def __repr__(self) -> str:
+        driven = f"{self.metrics.time_s:.1f} s, {self.metrics.distance_m:.2f} m"
+        return f"Episode({self.name!r}, {self.outcome.value}, {driven}, {self.robot}, {self.planner})"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture in notebooks: the overlay of the run's folder, or paths and drive without a map."""
+        from trundle.mission.picture import draw_drive, read_overlay
+        from trundle.pictures.figure import to_png
+
+        overlay = None if self.folder is None else read_overlay(self.folder)
+        if overlay is not None:
+            return to_png(overlay)
+        lines = [
+            self.message,
+            f"{self.metrics.time_s:.1f} s, {self.metrics.distance_m:.2f} m driven, SPL {self.metrics.spl:.2f}",
+        ]
+        ends = (self.start, *self.goals)
+        title = f"{self.name}: {self.outcome.value.replace('_', ' ')}"
+        return to_png(draw_drive(self.trajectory, self.paths, ends, title, lines))
+
     @property
     def arrived(self) -> bool:
         """Whether it reached the last goal without touching anything."""

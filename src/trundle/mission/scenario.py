@@ -181,6 +181,13 @@ class Scenario(Config):
             path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True), durable=True
         )
 
+    def __repr__(self) -> str:
+        place = self.map if self.world is None else self.world.name
+        return f"Scenario({self.title!r}, {self.robot} in {place}, {self.backend.name}, seed {self.seed})"
+
+    def __str__(self) -> str:
+        return repr(self)
+
     def prepare(self) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
 

@@ -9,10 +9,10 @@ from PIL import Image, ImageDraw
 
 from trundle.errors import InputError
 from trundle.geometry import FloatArray
+from trundle.pictures.colors import BAD, FAINT, GOAL, INK, PAGE, START
+from trundle.pictures.text import font, plain
 from trundle.record.chart import Chart, Curve, draw_chart
-from trundle.record.colors import BAD, FAINT, GOAL, INK, PAGE, START
 from trundle.record.motion import Motion
-from trundle.record.page import font, plain
 
 _SAME_START_M = 0.01
 _SAME_START_RAD = 0.01

@@ -11,11 +11,12 @@ from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
 from trundle.maps.check import MapReport, Severity
 from trundle.maps.check.grouping import Group, group_findings, tell_small
 from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
-from trundle.record.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
-from trundle.record.colors import OCCUPIED as WALL
-from trundle.record.colors import UNKNOWN as DARK
+from trundle.pictures.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
+from trundle.pictures.colors import OCCUPIED as WALL
+from trundle.pictures.colors import UNKNOWN as DARK
+from trundle.pictures.text import font, plain
 from trundle.record.map_view import MapView
-from trundle.record.page import Mark, compose_page, draw_tag, font, plain
+from trundle.record.page import Mark, compose_page, draw_tag
 
 COLORS: dict[Severity, Rgb] = {"error": BAD, "warning": WARNING, "info": FAINT}
 

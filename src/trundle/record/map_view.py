@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D
-from trundle.record.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, map_palette
+from trundle.pictures.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, cost_palette
 from trundle.record.zones import SpeedZones
 
 SMOOTH = 2
@@ -58,7 +58,7 @@ class MapView:
         rows, cols = cells.shape
         self.size = (cols * enlarged, rows * enlarged)
         """Width and height of the finished picture [px]."""
-        pixels = map_palette()[cells]
+        pixels = cost_palette()[cells]
         if costmap.unseen is not None:
             unseen = costmap.unseen[row0:row1, col0:col1].view(np.uint8)
             open_ = ((_merge_cells(unseen, merged) if merged > 1 else unseen) == 1) & (cells < INSCRIBED)

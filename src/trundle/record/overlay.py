@@ -15,7 +15,7 @@ from trundle.maps.masks import SpeedMask
 from trundle.mission import Episode, Goal, Outcome, Trajectory
 from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.path import Path
-from trundle.record.colors import (
+from trundle.pictures.colors import (
     BAD,
     GOAL,
     GOOD,

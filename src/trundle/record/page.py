@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
-from trundle.record.colors import BESIDE, FAINT, HAIRLINE, INK, PAGE, Rgb, speed_color
+from trundle.pictures.colors import BESIDE, FAINT, HAIRLINE, INK, PAGE, Rgb, speed_color
+from trundle.pictures.text import Font, draw_scale, font, plain, scale_length, shorten, text_length
 
 _EDGE = 28
 _LEAST_WIDTH = 900
@@ -21,8 +21,6 @@ _BETWEEN_MARKS = 24
 _SIGN = {"line": 26, "square": 16}
 """How wide what stands before an entry of the legend is [px]."""
 
-Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
-
 
 @dataclass(frozen=True, slots=True)
 class Mark:
@@ -31,19 +29,6 @@ class Mark:
     shape: Literal["line", "square"]
     color: Rgb
     text: str
-
-
-@lru_cache(maxsize=16)
-def font(size: int) -> Font:
-    """Return the font of that size [px]."""
-    return ImageFont.load_default(size)
-
-
-def plain(text: str) -> str:
-    """Replace letters that the font does not have."""
-    known = set("·±°…")
-    text = text.replace("²", "2")
-    return "".join(one if one in known or (one.isascii() and one.isprintable()) else "?" for one in text)
 
 
 def compose_page(
@@ -85,7 +70,7 @@ def compose_page(
     page.paste(picture, (left, head))
     draw.rectangle((_EDGE - 1, head - 1, width - _EDGE, head + picture.height), outline=HAIRLINE)
     middle = head + picture.height + 31
-    _draw_scale(draw, _EDGE, middle, pixels_per_metre)
+    draw_scale(draw, _EDGE, middle, pixels_per_metre)
     if top_speed is not None:
         _draw_speeds(draw, width - _EDGE, middle, top_speed)
     for index, row in enumerate(rows):
@@ -96,7 +81,7 @@ def compose_page(
 def _draw_title(draw: ImageDraw.ImageDraw, title: str, status: tuple[str, Rgb] | None, width: int) -> None:
     large = font(28)
     room = width - 2 * _EDGE - (0 if status is None else 34 + draw.textlength(status[0], font=large))
-    shown = _shorten(title, large, room)
+    shown = shorten(title, large, room)
     draw.text((_EDGE, _EDGE - 6), shown, font=large, fill=INK)
     if status is not None:
         x = _EDGE + draw.textlength(shown, font=large) + 18
@@ -115,27 +100,12 @@ def _draw_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: i
 def _legend_room(width: int, pixels_per_metre: float, top_speed: float | None) -> tuple[float, float]:
     """Where the legend begins and ends: beside the scale, and the colour bar where there is one."""
     end = width - _EDGE if top_speed is None else _place_speeds(width - _EDGE, top_speed)[0]
-    return _EDGE + round(_scale_length(pixels_per_metre) * pixels_per_metre) + 36, end - 24
-
-
-def _scale_length(pixels_per_metre: float) -> float:
-    """Length of the scale bar [m], a round one."""
-    lengths = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]
-    return next((one for one in lengths if one * pixels_per_metre >= 70), lengths[-1])
-
-
-def _draw_scale(draw: ImageDraw.ImageDraw, left: int, middle: int, pixels_per_metre: float) -> None:
-    length = _scale_length(pixels_per_metre)
-    end = left + round(length * pixels_per_metre)
-    draw.line((left, middle + 8, end, middle + 8), fill=INK, width=3)
-    for x in (left, end):
-        draw.line((x, middle + 2, x, middle + 14), fill=INK, width=2)
-    draw.text(((left + end) / 2, middle - 3), f"{length:g} m", font=font(15), fill=INK, anchor="mb")
+    return _EDGE + round(scale_length(pixels_per_metre) * pixels_per_metre) + 36, end - 24
 
 
 def _place_speeds(right: int, top: float) -> tuple[int, int, int]:
     """Where the words before the colour bar of speeds begin, and the bar itself begins and ends."""
-    length = _length(font(15))
+    length = text_length(font(15))
     end = right - round(length(_speed_text(top))) - 8
     begin = end - _BAR[0]
     return begin - 8 - round(length(_LOWEST_SPEED)), begin, end
@@ -169,7 +139,7 @@ def _break_legend(legend: Sequence[Mark], room: float) -> list[list[Mark]]:
 
 
 def _mark_length(mark: Mark) -> float:
-    return _SIGN[mark.shape] + 8 + _length(font(15))(mark.text)
+    return _SIGN[mark.shape] + 8 + text_length(font(15))(mark.text)
 
 
 def _draw_legend(draw: ImageDraw.ImageDraw, x: float, middle: int, row: Sequence[Mark]) -> None:
@@ -201,22 +171,9 @@ def draw_tag(
     draw.text((x + wide / 2, y + high / 2), text, font=letters, fill=PAGE, anchor="mm")
 
 
-def _length(letters: Font) -> Callable[[str], float]:
-    return lambda text: float(letters.getlength(text))
-
-
-def _shorten(text: str, letters: Font, room: float) -> str:
-    length = _length(letters)
-    if length(text) <= room:
-        return text
-    while text and length(text + "…") > room:
-        text = text[:-1]
-    return text + "…"
-
-
 def _wrap(text: str, letters: Font, room: float) -> list[str]:
     """Break a line between words so that it fits, into three lines at most."""
-    length = _length(letters)
+    length = text_length(letters)
     rows: list[str] = []
     row = ""
     for word in text.split(" "):
@@ -227,4 +184,4 @@ def _wrap(text: str, letters: Font, room: float) -> list[str]:
         else:
             row = longer
     rows.append(row)
-    return [_shorten(part, letters, room) for part in rows[:3]]
+    return [shorten(part, letters, room) for part in rows[:3]]

@@ -18,9 +18,9 @@ from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import Pose2D
 from trundle.mission import Episode, RunInfo
-from trundle.record.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
+from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
+from trundle.pictures.text import font
 from trundle.record.map_view import MapView
-from trundle.record.page import font
 from trundle.record.zones import speed_zones
 
 FRAMES_PER_SECOND = 30

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import FloatArray
 from trundle.maps.masks import SpeedMask
-from trundle.record.colors import FREE, KEPT_OUT, SLOW, Rgb
+from trundle.pictures.colors import FREE, KEPT_OUT, SLOW, Rgb
 from trundle.record.page import Mark
 from trundle.robots import Robot
 

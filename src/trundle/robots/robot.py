@@ -255,6 +255,33 @@ class Robot(Config):
             given["name"] = name
         return _make(_read_model(Path(path), given, split_folders(paths), reading), str(path))
 
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r}, {self._size_text()}, up to {self.limits.linear_speed:g} m/s)"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _size_text(self) -> str:
+        long, wide = np.ptp(self.outline, axis=0)
+        return f"{long:.3g} x {wide:.3g} x {self.body.height:.3g} m, {self.total_mass:.4g} kg"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture from above in notebooks: footprint, wheels, casters and lidars; it drives to the right."""
+        from trundle.pictures.figure import to_png
+        from trundle.robots.picture import Wheel, draw_robot
+
+        drive, body = self.drive, self.body
+        wheels = [
+            Wheel(wheel.x, wheel.side * drive.track_width / 2.0, 2.0 * drive.wheel_radius, drive.wheel_width)
+            for wheel in drive.wheels
+        ]
+        casters = [(caster.x, caster.y, caster.radius) for caster in self.casters]
+        lidars = [(lidar.x, lidar.y, lidar.yaw) for lidar in self.lidars.values()]
+        red, green, blue = (round(255 * share) for share in body.color)
+        speeds = f"up to {self.limits.linear_speed:g} m/s and {self.limits.angular_speed:g} rad/s"
+        lines = [self._size_text(), speeds]
+        return to_png(draw_robot(self.outline, wheels, casters, lidars, (red, green, blue), self.name, lines))
+
     @field_validator("footprint")
     @classmethod
     def _check_footprint(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

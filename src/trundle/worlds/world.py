@@ -159,6 +159,22 @@ class World:
 
         return extrude(grid, height=height, unknown=unknown)
 
+    def __repr__(self) -> str:
+        return f"World({self.name!r}, {self._size_text()})"
+
+    def _size_text(self) -> str:
+        low, high = self.bounds
+        wide, deep, tall = (f"{side:.4g}" for side in high - low)
+        count = len(self.solids)
+        return f"{count} solid{'' if count == 1 else 's'}, {wide} x {deep} x {tall} m"
+
+    def _repr_png_(self) -> bytes:
+        """Show a picture from above in notebooks, with north up and without what starts above 2 m."""
+        from trundle.pictures.figure import to_png
+        from trundle.worlds.picture import draw_world
+
+        return to_png(draw_world(self.solids, self.seeds, f"World {self.name}", [self._size_text()]))
+
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Axis-aligned bounds (low, high) [m] of all solids, each of shape (3,); zeros for an empty world."""

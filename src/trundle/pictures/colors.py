@@ -7,8 +7,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION
-
 Rgb: TypeAlias = tuple[int, int, int]
 
 PAGE: Rgb = (255, 255, 255)
@@ -16,6 +14,7 @@ INK: Rgb = (31, 36, 48)
 FAINT: Rgb = (107, 114, 128)
 BESIDE: Rgb = (238, 240, 244)
 HAIRLINE: Rgb = (214, 218, 226)
+PAPER_LINE: Rgb = (228, 232, 238)
 FREE: Rgb = (252, 252, 253)
 OCCUPIED: Rgb = (45, 51, 64)
 UNKNOWN: Rgb = (205, 210, 219)
@@ -23,6 +22,8 @@ INFLATED: Rgb = (247, 214, 188)
 KEPT_OUT: Rgb = (226, 132, 132)
 SLOW: Rgb = (94, 122, 214)
 INSCRIBED_TINT: Rgb = (240, 186, 150)
+LINE: Rgb = (37, 99, 205)
+BACKED: Rgb = (217, 119, 6)
 PLANNED: Rgb = (140, 198, 242)
 ROBOT: Rgb = (31, 36, 48)
 START: Rgb = (15, 118, 110)
@@ -48,14 +49,23 @@ SEVERAL: tuple[Rgb, ...] = (
 _SPEED_ANCHORS = ((13, 8, 135), (106, 0, 168), (177, 42, 144), (225, 100, 98), (252, 150, 55))
 
 
-def map_palette() -> npt.NDArray[np.uint8]:
-    """Colours of all costs, shape (256, 3)."""
+def cost_palette() -> npt.NDArray[np.uint8]:
+    """Colours of Nav2's costs, shape (256, 3): 0..252, 253 inscribed, 254 lethal, 255 unknown."""
     palette = np.empty((256, 3))
-    share = (np.arange(INSCRIBED) / (INSCRIBED - 1.0))[:, None] ** 0.8
-    palette[:INSCRIBED] = np.array(FREE) + share * (np.array(INFLATED, dtype=float) - np.array(FREE))
-    palette[INSCRIBED] = INSCRIBED_TINT
-    palette[LETHAL] = OCCUPIED
-    palette[NO_INFORMATION] = UNKNOWN
+    share = (np.arange(253) / 252.0)[:, None] ** 0.8
+    palette[:253] = np.array(FREE) + share * (np.array(INFLATED, dtype=float) - np.array(FREE))
+    palette[253] = INSCRIBED_TINT
+    palette[254] = OCCUPIED
+    palette[255] = UNKNOWN
+    return palette.round().astype(np.uint8)
+
+
+def occupancy_palette() -> npt.NDArray[np.uint8]:
+    """Colours of occupancies as bytes, shape (256, 3): 0 free to 100 occupied, 255 (−1) unknown."""
+    palette = np.empty((256, 3))
+    share = np.minimum(np.arange(256) / 100.0, 1.0)[:, None]
+    palette[:] = np.array(FREE) + share * (np.array(OCCUPIED, dtype=float) - np.array(FREE))
+    palette[255] = UNKNOWN
     return palette.round().astype(np.uint8)
 
 

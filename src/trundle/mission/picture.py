@@ -1,0 +1,61 @@
+"""A run as a picture that needs no map."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path as FilePath
+
+import numpy as np
+from PIL import Image
+
+from trundle.files.opening import is_file
+from trundle.geometry import Pose2D
+from trundle.mission.trajectory import Trajectory
+from trundle.path import Path
+from trundle.pictures.colors import GOAL, PLANNED, START, speed_color
+from trundle.pictures.figure import make_figure
+from trundle.pictures.plan import Plan
+
+_MOST = 1000  # [px], each way
+_LEVELS = 16
+
+
+def draw_drive(
+    trajectory: Trajectory,
+    paths: Sequence[Path],
+    ends: Sequence[Pose2D | Sequence[float]],
+    title: str,
+    lines: Sequence[str],
+) -> Image.Image:
+    """Draw the paths, where the robot drove, brighter where it was faster, and the start and the goals."""
+    seen = [trajectory.poses[:, :2], *(path.poses[:, :2] for path in paths)]
+    plan = Plan(np.concatenate([*seen, [Pose2D.of(end).as_tuple()[:2] for end in ends]]))
+    for path in paths:
+        plan.line(path.poses[:, :2], PLANNED, 9.0)
+    top = max(float(np.abs(trajectory.v).max()), 1e-6)
+    levels = (np.abs(trajectory.v) / top * _LEVELS).round().astype(int)
+    edges = [0, *(np.flatnonzero(np.diff(levels)) + 1).tolist(), len(trajectory) - 1]
+    for first, last in itertools.pairwise(edges):
+        plan.line(trajectory.poses[first : last + 1, :2], speed_color(levels[first] / _LEVELS), 3.5)
+    start, *goals = ends
+    for goal in goals:
+        if isinstance(goal, Pose2D) or len(goal) == 3:
+            plan.marker(Pose2D.of(goal), GOAL)
+        else:
+            plan.target(goal, GOAL)
+    plan.marker(Pose2D.of(start), START)
+    return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
+
+
+def read_overlay(folder: FilePath) -> Image.Image | None:
+    """The overlay of a run's folder, reduced to a notebook's width; none where there is none that can be read."""
+    file = folder / "overlay.png"
+    if not is_file(file):
+        return None
+    try:
+        with Image.open(file) as image:
+            image.thumbnail((_MOST, _MOST))
+            return image.convert("RGB")
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return None

@@ -1,0 +1,115 @@
+"""A world from above as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from trundle._core import draw_triangles
+from trundle.geometry import FloatArray
+from trundle.pictures.cells import merge_cells
+from trundle.pictures.colors import START
+from trundle.pictures.figure import make_figure
+from trundle.pictures.plan import Plan
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
+
+_CEILING_M = 2.0
+"""What starts above this height would hide what is below it, and is left out."""
+
+_LONG_SIDE = 800
+_STEP_M = 0.08  # a drop in height from one pixel to the next that gets an outline
+_SUN = np.array([-0.45, 0.35, 0.82])
+_SAME = np.arange(256, dtype=np.uint8)
+
+
+def draw_world(
+    solids: Sequence[Solid], seeds: Sequence[tuple[float, float]], title: str, lines: Sequence[str]
+) -> Image.Image:
+    """Draw solids as they are seen from above, and the seed points, with north up."""
+    lows, highs = solids_bounds(solids)
+    low_enough = lows[:, 2] < _CEILING_M
+    shown = [solid for solid, keep in zip(solids, low_enough, strict=True) if keep]
+    points = np.concatenate([np.array(seeds).reshape(-1, 2), lows[:, :2], highs[:, :2]])
+    plan = Plan(points if len(points) else [(0.0, 0.0)], long_side=_LONG_SIDE)
+    if shown:
+        pixels, covered = _render(shown, plan, float(highs[low_enough, 2].max()))
+        plan.paste(pixels, covered)
+    for seed in seeds:
+        plan.disc(seed, 4.0, START)
+    return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
+
+
+def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
+    """Colours of what is seen from above, and where there is anything, at the plan's inner pixels."""
+    meshes = [solid for solid in solids if not isinstance(solid.shape, OccupancyCells)]
+    parts = [_triangles(solid) for solid in meshes]
+    corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
+    colors = np.array([solid.color[:3] for solid in meshes]).reshape(-1, 3)
+    colors = np.repeat(colors, [len(part) for part in parts], axis=0)
+    x, y = plan.inner_points()
+    middle = np.array([(x[0] + x[-1]) / 2.0, (y[0] + y[-1]) / 2.0, top + 1.0])
+    seen = (corners - middle) * (1.0, 1.0, -1.0)
+    faces, depths = draw_triangles(seen, len(x), len(y), plan.inner_scale, 1e-3, False)
+    heights = top + 1.0 - depths
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # of sheets, too, the upper side is seen
+    lit = colors * (0.62 + 0.38 * np.clip(normals @ _SUN, 0.0, 1.0))[:, None]
+    picture = np.zeros((len(y), len(x), 3))
+    picture[faces >= 0] = lit[faces[faces >= 0]]
+    for solid in solids:
+        if isinstance(solid.shape, OccupancyCells):
+            _lay_cells(solid, solid.shape, (x, y), heights, picture)
+    picture *= np.where(_outlines(heights), 0.55, 1.0)[..., None]
+    return (picture.clip(0.0, 1.0) * 255.0).round().astype(np.uint8), np.isfinite(heights)
+
+
+def _triangles(solid: Solid) -> FloatArray:
+    """Corners in the map frame [m], shape (N, 3, 3)."""
+    match solid.shape:
+        case Box(size):
+            mesh = box_mesh(size)
+        case Cylinder(radius, length):
+            mesh = cylinder_mesh(radius, length)
+        case Sphere(radius):
+            mesh = sphere_mesh(radius)
+        case Mesh():
+            mesh = solid.shape
+        case _:
+            return np.zeros((0, 3, 3))
+    return solid.pose.transform_points(mesh.vertices)[mesh.faces]
+
+
+def _lay_cells(
+    solid: Solid, cells: OccupancyCells, at: tuple[FloatArray, FloatArray], heights: FloatArray, picture: FloatArray
+) -> None:
+    """Put the walls of cells where they are higher than what is seen; both arrays are changed."""
+    x, y = (grid.ravel() for grid in np.meshgrid(*at))
+    top = solid.pose.position[2] + cells.height
+    merged = max(1, int((at[0][1] - at[0][0]) / cells.resolution)) if len(at[0]) > 1 else 1
+    blocked = merge_cells(_SAME, cells.blocked.view(np.uint8), merged)
+    local = (np.column_stack([x, y, np.full(len(x), top)]) - solid.pose.position) @ solid.pose.rotation()
+    col, row = np.floor(local[:, :2].T / (cells.resolution * merged)).astype(int)
+    inside = (row >= 0) & (row < blocked.shape[0]) & (col >= 0) & (col < blocked.shape[1])
+    hit = np.zeros(len(x), dtype=np.bool_)
+    hit[inside] = blocked[row[inside], col[inside]] > 0
+    higher = hit.reshape(heights.shape) & (heights < top)
+    heights[higher], picture[higher] = top, solid.color[:3]
+
+
+def _outlines(heights: FloatArray) -> npt.NDArray[np.bool_]:
+    """Pixels of a solid beside which it goes down."""
+    ground = np.where(np.isfinite(heights), heights, -1e9)
+    edges = np.zeros(heights.shape, dtype=np.bool_)
+    for axis in (0, 1):
+        drop = np.diff(ground, axis=axis)
+        before, after = (slice(None, -1), slice(1, None))
+        low = (before, slice(None)) if axis == 0 else (slice(None), before)
+        high = (after, slice(None)) if axis == 0 else (slice(None), after)
+        edges[low] |= drop < -_STEP_M
+        edges[high] |= drop > _STEP_M
+    return edges
