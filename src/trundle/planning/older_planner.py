@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
 
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
@@ -10,10 +11,17 @@ from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.registry import keywords_taken
 
-if TYPE_CHECKING:
-    from trundle.planning.planner import Planner
-
 _KEYWORDS = ("goal_yaw_free", "deadline_s", "cancel")
+
+
+class _SomePlanner(Protocol):
+    """A planner whose `plan` takes a costmap, a start and a goal, and any of the keywords."""
+
+    @property
+    def plan(self) -> Callable[..., Path]: ...
+
+
+_PlannerT = TypeVar("_PlannerT", bound=_SomePlanner)
 
 
 class OlderPlanner:
@@ -30,7 +38,7 @@ class OlderPlanner:
         planner: The same.
     """
 
-    def __init__(self, planner: Planner, taken: frozenset[str]) -> None:
+    def __init__(self, planner: _SomePlanner, taken: frozenset[str]) -> None:
         self.planner = planner
         self._taken = taken
 
@@ -52,7 +60,7 @@ class OlderPlanner:
         )
 
 
-def adapt_planner(planner: Planner) -> Planner:
+def adapt_planner(planner: _PlannerT) -> _PlannerT | OlderPlanner:
     """The planner itself where its `plan` takes every keyword of the seam, else an `OlderPlanner` around it."""
     taken = keywords_taken(planner.plan, _KEYWORDS)
     return planner if len(taken) == len(_KEYWORDS) else OlderPlanner(planner, taken)
