@@ -14,9 +14,9 @@ from trundle.export.usd_scene import scene_stage
 from trundle.geometry import Pose2D, Pose3D
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate
-from trundle.sim.isaac.simulator import GROUND_OFFSET
 from trundle.sim.mujoco.robot_parts import Servo, chassis_inertial
 from trundle.solids import Box, Solid, Sphere
+from trundle.usd.isaac_physics import GROUND_OFFSET
 from trundle.worlds import World
 
 START = Pose2D(1.5, -2.25, 2.0)

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Literal, TypeAlias
 
-from trundle.errors import UnknownNameError
 from trundle.export.scene import Scene
 from trundle.robots import Robot
+from trundle.usd.write import Profile, check_profile, write_world
 from trundle.worlds import World
-from trundle.worlds.usd import need_usd
-
-Profile: TypeAlias = Literal["isaac"]
-"""What a stage is fitted for besides UsdPhysics."""
-
-PROFILES: tuple[Profile, ...] = ("isaac",)
 
 
 def export_world(world: World, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
@@ -33,16 +26,7 @@ def export_world(world: World, path: str | os.PathLike[str], *, profile: Profile
         OutputError: If the file cannot be written, or its name ends otherwise.
         MissingExtraError: If usd-core is not installed.
     """
-    _check(profile)
-    from trundle.export.usd_stage import save
-    from trundle.export.usd_world import world_stage
-
-    stage = world_stage(world)
-    if profile == "isaac":
-        from trundle.export.usd_isaac import fit_for_isaac
-
-        fit_for_isaac(stage)
-    save(stage, path)
+    write_world(world, path, profile=profile)
 
 
 def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
@@ -63,13 +47,13 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
         OutputError: If the file cannot be written, or its name ends otherwise.
         MissingExtraError: If usd-core is not installed.
     """
-    _check(profile)
+    check_profile(profile)
     from trundle.export.usd_robot import robot_stage
-    from trundle.export.usd_stage import save
+    from trundle.usd.stage import save
 
     stage = robot_stage(robot)
     if profile == "isaac":
-        from trundle.export.usd_isaac import fit_for_isaac, lift
+        from trundle.usd.isaac import fit_for_isaac, lift
 
         fit_for_isaac(stage)
         lift(stage.GetDefaultPrim())
@@ -93,22 +77,16 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile
         OutputError: If the file cannot be written, or its name ends otherwise.
         MissingExtraError: If usd-core is not installed.
     """
-    _check(profile)
+    check_profile(profile)
     from trundle.export.usd_scene import scene_stage
-    from trundle.export.usd_stage import save
+    from trundle.usd.stage import save
 
     if profile == "isaac":
-        from trundle.export.usd_isaac import fit_for_isaac
-        from trundle.sim.isaac.simulator import GROUND_OFFSET
+        from trundle.usd.isaac import fit_for_isaac
+        from trundle.usd.isaac_physics import GROUND_OFFSET
 
         stage = scene_stage(scene, height=GROUND_OFFSET)
         fit_for_isaac(stage)
     else:
         stage = scene_stage(scene)
     save(stage, path)
-
-
-def _check(profile: str | None) -> None:
-    if profile is not None and profile not in PROFILES:
-        raise UnknownNameError("profile", profile, PROFILES)
-    need_usd("writing USD")

@@ -10,7 +10,13 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
-from trundle.export.usd_stage import (
+from trundle.geometry import FloatArray, Pose3D
+from trundle.robots import Robot
+from trundle.sim.mujoco.model import robot_spec
+from trundle.sim.mujoco.robot_parts import BASE, GROUP_COLLIDERS
+from trundle.sim.mujoco.world_parts import SOLIDS_TYPE
+from trundle.solids import Mesh
+from trundle.usd.stage import (
     PrimNames,
     bind_friction,
     define_mesh,
@@ -21,12 +27,6 @@ from trundle.export.usd_stage import (
     set_extent,
     set_pose,
 )
-from trundle.geometry import FloatArray, Pose3D
-from trundle.robots import Robot
-from trundle.sim.mujoco.model import robot_spec
-from trundle.sim.mujoco.robot_parts import BASE, GROUP_COLLIDERS
-from trundle.sim.mujoco.world_parts import SOLIDS_TYPE
-from trundle.solids import Mesh
 from trundle.worlds.affine import pose_of
 
 _DEGREE = math.pi / 180.0

@@ -8,9 +8,9 @@ from pxr import Gf, Sdf, UsdGeom
 
 from trundle.export.scene import Scene
 from trundle.export.usd_robot import robot_stage
-from trundle.export.usd_stage import PrimNames
-from trundle.export.usd_world import world_stage
 from trundle.geometry import Pose3D
+from trundle.usd.stage import PrimNames
+from trundle.usd.world import world_stage
 
 
 def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
-from trundle.sim.isaac.simulator import GROUND_OFFSET, TIMESTEP
+from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
 
 POSITION_ITERATIONS, VELOCITY_ITERATIONS = 32, 1
 """Of PhysX's solver for the robot: written down, so that no version's default counts."""

@@ -8,7 +8,9 @@ import numpy as np
 from pxr import Gf, Sdf, UsdGeom, UsdPhysics
 
 from trundle.errors import OutputError
-from trundle.export.usd_stage import (
+from trundle.geometry import FloatArray
+from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
+from trundle.usd.stage import (
     PrimNames,
     bind_friction,
     define_mesh,
@@ -19,8 +21,6 @@ from trundle.export.usd_stage import (
     set_extent,
     set_pose,
 )
-from trundle.geometry import FloatArray
-from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 from trundle.worlds.from_map import merge_cells
 from trundle.worlds.tessellate import box_mesh

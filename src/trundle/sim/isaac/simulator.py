@@ -21,6 +21,8 @@ from trundle.sim.isaac.signatures import differences
 from trundle.sim.isaac.stage import check_joints, check_units
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState
+from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
+from trundle.usd.write import write_world
 from trundle.values import check_seed
 from trundle.worlds import World
 
@@ -29,12 +31,6 @@ if TYPE_CHECKING:
     from isaacsim import SimulationApp
 
     from trundle.sim.isaac.contacts import ContactReader
-
-TIMESTEP = 0.005
-"""Length of a physics step [s]: the same as in the other simulators, so that limits act alike."""
-
-GROUND_OFFSET = 0.02
-"""Height [m] above z = 0 that the robot is put at: one that starts in the floor falls through it."""
 
 ROBOT_PATH = "/trundle_robot"
 
@@ -298,11 +294,9 @@ class IsaacSimulator:
 
     def _write(self, world: World) -> str:
         """Write the world as USD, for Isaac Sim to open."""
-        from trundle.export.usd import export_world
-
         self._folder = tempfile.TemporaryDirectory(prefix="trundle-")
         path = Path(self._folder.name) / "world.usd"
-        export_world(world, path, profile="isaac")
+        write_world(world, path, profile="isaac")
         return str(path)
 
     def _wait_for_loading(self, adapter: Adapter) -> None:
