@@ -234,8 +234,9 @@ def test_costs_of_the_kernel_s_own_types_are_not_copied(dtype):
     cost_field(costs, (3, 3))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    # The check for NaN takes less than a copy, which alone would take as much as the costs.
-    assert peak < costs.nbytes
+    # A copy alone takes as much as the costs; the check of float32 two masks of a byte a cell, half as much. Masks that
+    # NumPy may elide are not made, as it does not under a sanitizer.
+    assert peak < 0.6 * costs.nbytes
 
 
 def test_other_types_are_converted_and_zero_costs_and_walls_are_right():

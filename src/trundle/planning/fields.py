@@ -100,7 +100,9 @@ def _as_costs(costs: npt.ArrayLike) -> CostArray:
 def _check_numbers(costs: npt.NDArray[np.floating]) -> None:
     """Raise `InputError` unless all are costs or walls, and no way through all cells is dearer than float32 holds."""
     most = float(np.finfo(np.float32).max) / (2.0 * costs.size)
-    fine = (costs >= 0.0) & ((costs <= most) | (costs == np.inf))
+    fine = costs <= most  # in place, for two masks at most on large maps
+    fine |= costs == np.inf
+    fine &= costs >= 0.0
     if not fine.all():
         row, col = (int(index) for index in np.argwhere(~fine)[0])
         raise InputError(
