@@ -88,9 +88,13 @@ def test_cells_are_named_and_turned_with_their_grid():
     assert names(World("w", (solid,)), (x + 0.8, y, 0.0)) == []
 
 
-def test_of_many_cells_the_deepest_are_reported():
+def test_all_cells_under_the_footprint_are_reported_the_deepest_first():
     solid = Solid("map", OccupancyCells(np.ones((40, 40), dtype=bool), 0.1, 1.0), Pose3D((-2.0, -2.0, 0.0)))
-    assert len(names(World("w", (solid,)), (0.0, 0.0, 0.0))) == 8
+    touched = [each.other for each in FootprintChecker(World("w", (solid,)), ROBOT).find(np.zeros((1, 3)))]
+    # The footprint reaches from x = -0.607 to 0.14 m, and 0.25 m to both sides.
+    assert set(touched) == {f"map[{row},{col}]" for row in range(17, 23) for col in range(13, 22)}
+    assert len(touched) == 6 * 9
+    assert {name.partition(",")[2] for name in touched[-6:]} == {"13]"}
 
 
 def test_cells_above_the_robot_do_not_count():

@@ -201,7 +201,7 @@ def _report(log: DriveLog, folder: Path, *, json: bool) -> None:
                 leg["twist"]["w"],
                 leg["wheel_speeds"]["left"],
                 leg["wheel_speeds"]["right"],
-                ", ".join(leg["contacts"]) or None,
+                output.shorten(leg["contacts"]) or None,
             )
             for leg in log.legs()
         ],

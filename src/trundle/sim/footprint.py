@@ -21,9 +21,6 @@ from trundle.worlds import World
 _TOUCH = 1e-9
 """Overlaps up to this depth [m] are float noise of shapes that lie side by side."""
 
-_MOST_CELLS = 8
-"""Of blocked cells under a footprint, at most this many are reported in one period, the deepest first."""
-
 
 @dataclass(frozen=True, slots=True)
 class CellField:
@@ -117,6 +114,7 @@ class FootprintChecker:
         return tuple(contacts)
 
     def _touched_cells(self, field: CellField, poses: FloatArray) -> list[Contact]:
+        """A contact for each blocked cell under the footprint, the deepest first."""
         local = field.frame.inverse()
         placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
         outlines = place_outline(self._outline, placed)
@@ -132,14 +130,13 @@ class FootprintChecker:
         corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
         squares: FloatArray = (cells[:, None, ::-1].astype(np.float64) + corners) * field.resolution
         depth = polygon_depth(outlines, squares).max(axis=0)
-        found: list[Contact] = []
-        for index in np.argsort(-depth, kind="stable")[:_MOST_CELLS]:
-            if depth[index] <= _TOUCH:
-                break
-            row, col = cells[index].tolist()
-            x, y = field.frame.transform_points([squares[index].mean(axis=0)])[0].tolist()
-            found.append(Contact("chassis", f"{field.name}[{row},{col}]", x, y))
-        return found
+        deepest = np.argsort(-depth, kind="stable")
+        touched = deepest[depth[deepest] > _TOUCH]
+        middles = field.frame.transform_points(squares[touched].mean(axis=1))
+        return [
+            Contact("chassis", f"{field.name}[{row},{col}]", x, y)
+            for (row, col), (x, y) in zip(cells[touched].tolist(), middles.tolist(), strict=True)
+        ]
 
 
 def polygon_depth(first: FloatArray, second: FloatArray) -> FloatArray:

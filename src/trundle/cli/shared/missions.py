@@ -140,7 +140,7 @@ def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
             "smallest clearance": f"{metrics.min_clearance_m:.3f} m",
             "planning time": f"{metrics.planning_ms:.1f} ms",
             "real-time factor": f"{metrics.real_time_factor:.0f}",
-            "contacts": ", ".join(metrics.contacts) or "none",
+            "contacts": output.shorten(metrics.contacts) or "none",
             "folder": folder.path,
         }
     )

@@ -31,6 +31,11 @@ def print_facts(facts: Mapping[str, object]) -> None:
         print(f"{name:<{width}}  {_text(value)}")
 
 
+def shorten(names: Sequence[str], most: int = 5) -> str:
+    """The first names, and how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
 def remark(text: str, *, quiet: bool) -> None:
     """Say something beside the result, on stderr."""
     if not quiet:
