@@ -13,7 +13,7 @@ from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation import navigator as module
 from trundle.planning import create_planner
-from trundle.planning.blog import BlogPlanner
+from trundle.planning.manhattan_astar import ManhattanAstarPlanner
 from trundle.planning.least_cost import LeastCostPlanner
 from trundle.robots import Robot
 from trundle.sim import simulate
@@ -201,7 +201,7 @@ def test_a_mission_whose_first_plan_comes_late_is_driven(clock):
     assert episode.outcome is Outcome.ARRIVED
 
 
-@pytest.mark.parametrize("kind", [LeastCostPlanner, BlogPlanner])
+@pytest.mark.parametrize("kind", [LeastCostPlanner, ManhattanAstarPlanner])
 def test_the_shorter_of_two_deadlines_holds(kind):
     costmap = Costmap.from_grid(hall(), CARTER)
     for own, given in ((1e-9, 60.0), (60.0, 1e-9), (1e-9, None)):

@@ -16,7 +16,7 @@ CONTROLLERS: Registry[Controller] = Registry(
     "trundle.controllers",
     {
         "regulated_pure_pursuit": "trundle.control.regulated_pure_pursuit:RegulatedPurePursuit",
-        "blog": "trundle.control.waypoint_follower:BlogFollower",
+        "blog": "trundle.control.lookahead:LookaheadFollower",
     },
 )
 

@@ -20,7 +20,7 @@ PLANNERS: Registry[Planner] = Registry(
         "astar": "trundle.planning.astar:AStarPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
         "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
-        "blog": "trundle.planning.blog:BlogPlanner",
+        "blog": "trundle.planning.manhattan_astar:ManhattanAstarPlanner",
     },
     removed={
         "jps": "was removed; use astar with method='jps'",

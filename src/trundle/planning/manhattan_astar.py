@@ -1,4 +1,4 @@
-"""`BlogPlanner`: the planner of the post that this project began with, by name `blog`."""
+"""`ManhattanAstarPlanner`: the planner of the post that this project began with, by name `blog`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0
 
 
-class BlogPlanner:
+class ManhattanAstarPlanner:
     """4-connected A* with Manhattan heuristic and unit cost, for comparison.
 
     Only occupied and unknown cells block: it knows neither inflation nor footprint, so its ways scrape along walls.

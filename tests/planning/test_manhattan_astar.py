@@ -5,7 +5,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
-from trundle.planning.blog import BlogPlanner
+from trundle.planning.manhattan_astar import ManhattanAstarPlanner
 
 SQUARE = ((0.4, 0.4), (-0.4, 0.4), (-0.4, -0.4), (0.4, -0.4))
 
@@ -15,7 +15,7 @@ def costmap_of(data):
 
 
 def test_it_goes_along_rows_and_columns_at_unit_cost():
-    path = BlogPlanner().plan(costmap_of(np.zeros((30, 30))), Pose2D(0.55, 0.55), Pose2D(2.05, 1.25, 1.0))
+    path = ManhattanAstarPlanner().plan(costmap_of(np.zeros((30, 30))), Pose2D(0.55, 0.55), Pose2D(2.05, 1.25, 1.0))
     assert path.length == pytest.approx(1.5 + 0.7)
     assert path.cost == pytest.approx(path.length)
     assert path.planner == "blog"
@@ -27,12 +27,12 @@ def test_it_scrapes_along_walls_and_goes_through_gaps_of_one_cell():
     data = np.zeros((20, 20))
     data[10, :] = 100
     data[10, 7] = 0
-    path = BlogPlanner().plan(costmap_of(data), Pose2D(1.0, 0.5), Pose2D(1.0, 1.5))
+    path = ManhattanAstarPlanner().plan(costmap_of(data), Pose2D(1.0, 0.5), Pose2D(1.0, 1.5))
     assert np.isclose(path.poses[:, :2], (0.75, 1.05)).all(axis=1).any()
 
 
 def test_start_and_goal_in_one_cell():
-    path = BlogPlanner().plan(costmap_of(np.zeros((5, 5))), Pose2D(0.21, 0.21, 0.0), Pose2D(0.28, 0.21, 1.0))
+    path = ManhattanAstarPlanner().plan(costmap_of(np.zeros((5, 5))), Pose2D(0.21, 0.21, 0.0), Pose2D(0.28, 0.21, 1.0))
     assert path.length == pytest.approx(0.07)
     assert path.start == Pose2D(0.21, 0.21, 0.0)
     assert path.goal == Pose2D(0.28, 0.21, 1.0)
@@ -44,12 +44,12 @@ def test_it_refuses_with_typed_errors():
     data[12, 3] = -1
     costmap = costmap_of(data)
     with pytest.raises(NoPathError, match="separated"):
-        BlogPlanner().plan(costmap, Pose2D(1.0, 0.5), Pose2D(1.0, 1.5))
+        ManhattanAstarPlanner().plan(costmap, Pose2D(1.0, 0.5), Pose2D(1.0, 1.5))
     with pytest.raises(OutsideMapError, match="goal"):
-        BlogPlanner().plan(costmap, Pose2D(1.0, 0.5), Pose2D(1.0, 2.5))
+        ManhattanAstarPlanner().plan(costmap, Pose2D(1.0, 0.5), Pose2D(1.0, 2.5))
     with pytest.raises(BlockedPoseError, match=r"an obstacle; the nearest free cell is 0\.10 m away"):
-        BlogPlanner().plan(costmap, Pose2D(1.05, 1.05), Pose2D(1.0, 1.5))
+        ManhattanAstarPlanner().plan(costmap, Pose2D(1.05, 1.05), Pose2D(1.0, 1.5))
     with pytest.raises(BlockedPoseError, match="unknown space"):
-        BlogPlanner().plan(costmap, Pose2D(1.0, 1.5), Pose2D(0.35, 1.25))
+        ManhattanAstarPlanner().plan(costmap, Pose2D(1.0, 1.5), Pose2D(0.35, 1.25))
     with pytest.raises(BlockedPoseError, match=r"no cell within .* m is free"):
-        BlogPlanner().plan(costmap_of(np.full((3, 3), 100)), Pose2D(0.1, 0.1), Pose2D(0.2, 0.2))
+        ManhattanAstarPlanner().plan(costmap_of(np.full((3, 3), 100)), Pose2D(0.1, 0.1), Pose2D(0.2, 0.2))

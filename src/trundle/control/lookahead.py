@@ -12,7 +12,7 @@ from trundle.path import Path
 from trundle.robots import Robot
 
 
-class BlogFollower(Controller):
+class LookaheadFollower(Controller):
     """Drives at the first path point beyond the lookahead, turning in proportion to its bearing; stops at the last.
 
     It checks no footprint and turns to no final yaw.
