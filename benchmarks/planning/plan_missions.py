@@ -80,7 +80,9 @@ def main() -> None:
     print(f"{options.missions} missions of {options.robot} on {costmap.shape[1]} x {costmap.shape[0]} cells")
     print(describe_machine() + "\n")
     header = ("planner", "planned", "touching", "replans", "ms", "p95", "clearance m", "median", "length m")
-    print_table(header, [plan_all(name, costmap, options.missions) for name in ("least_cost", "astar", "blog")])
+    print_table(
+        header, [plan_all(name, costmap, options.missions) for name in ("least_cost", "astar", "manhattan_astar")]
+    )
 
 
 if __name__ == "__main__":

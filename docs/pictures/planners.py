@@ -21,7 +21,7 @@ from trundle.robots import Robot
 
 START, GOAL = Pose2D(-13.0, 0.0), Pose2D(13.0, 4.0, 1.57)
 QUERY = ["--start=-13,0", "--goal", "13,4.0,1.57", "--compare"]
-EACH = ("blog", "astar", "any_angle", "hybrid_astar", "least_cost", "auto")
+EACH = ("manhattan_astar", "astar", "any_angle", "hybrid_astar", "least_cost", "auto")
 
 
 def draw_each(map_file: str) -> None:

@@ -115,7 +115,12 @@ def drive_as_the_post(track_width: float) -> Episode:
     place, robot = make_place(), post_robot()
     options = {"lookahead_dist": POST_LOOKAHEAD}
     navigator = trundle.Navigator(
-        place.grid, robot, planner="blog", controller="blog", controller_options=options, planning_deadline_s=None
+        place.grid,
+        robot,
+        planner="manhattan_astar",
+        controller="lookahead",
+        controller_options=options,
+        planning_deadline_s=None,
     )
     with OtherTrack(place.world, robot, track_width) as simulator:
         name = f"the post's planner and follower, wheel base {track_width:g} m"

@@ -46,10 +46,20 @@ def test_ends_are_picked_by_seed(trundle: Trundle, room_map: Path) -> None:
 
 def test_the_planner_is_chosen_by_name(trundle: Trundle, room_map: Path) -> None:
     done = trundle(
-        "plan", room_map, "--start", "0.5,0.5", "--goal", "4.5,2.5", "--planner", "blog", "--out", "a", "--json"
+        "plan",
+        room_map,
+        "--start",
+        "0.5,0.5",
+        "--goal",
+        "4.5,2.5",
+        "--planner",
+        "manhattan_astar",
+        "--out",
+        "a",
+        "--json",
     )
     assert done.code == 0, done.err
-    assert (done.json["planner"], done.json["overlay"]) == ("blog", "a/overlay.png")
+    assert (done.json["planner"], done.json["overlay"]) == ("manhattan_astar", "a/overlay.png")
 
 
 def bad(tmp_path: Path, name: str) -> Path:
@@ -222,7 +232,7 @@ def test_all_planners_are_compared_on_one_query(trundle: Trundle, room_map: Path
     rows = {row["planner"]: row for row in done.json["planners"]}
     assert set(rows) == set(planner_names())
     assert all(row["length_m"] >= 5.38 and row["planning_ms"] > 0.0 for row in rows.values())
-    assert rows["blog"]["length_m"] > rows["astar"]["length_m"] > rows["any_angle"]["length_m"] - 1e-6
+    assert rows["manhattan_astar"]["length_m"] > rows["astar"]["length_m"] > rows["any_angle"]["length_m"] - 1e-6
     with Image.open(tmp_path / "all.png") as picture:
         assert picture.width > 800
     table = trundle("plan", room_map, *ends, "--compare", "-o", tmp_path / "all.png").out

@@ -73,7 +73,7 @@ def own(post):
 
 def test_in_the_corner_the_robot_stands_in_the_walls(post, place) -> None:
     start, goal = place.corner(post.START_POSE), place.corner(Pose2D(*post.GOAL))
-    path = create_planner("blog").plan(place.costmap, start, goal)
+    path = create_planner("manhattan_astar").plan(place.costmap, start, goal)
     assert path.length == printed("corner is {} m long")
     share = 100.0 * place.costmap.footprint_collides(path.poses).mean()
     assert share == printed("at {} % of its poses")

@@ -18,9 +18,9 @@ def write(folder, text, name="scenario.yaml"):
 
 
 def test_names_alone_stand_for_choices_without_options(tmp_path):
-    scenario = Scenario.load(write(tmp_path, "world: warehouse\nplanner: blog\nbackend: kinematic\n"))
+    scenario = Scenario.load(write(tmp_path, "world: warehouse\nplanner: manhattan_astar\nbackend: kinematic\n"))
     assert scenario.world.name == "warehouse"
-    assert scenario.planner.name == "blog"
+    assert scenario.planner.name == "manhattan_astar"
     assert scenario.backend.options == {}
     assert scenario.controller.name == "regulated_pure_pursuit"
 
@@ -55,6 +55,7 @@ time_limit_s: 90
         ("world: {seed: 1}\n", ":1:8: world.name:"),
         ("planner: 3\nworld: warehouse\n", ":1:10: planner:"),
         ("world: warehouse\nplanner: jps\n", ":2:10: planner: 'jps' was removed; use astar with method='jps'"),
+        ("controller: blog\nmap: m.yaml\n", ":1:13: controller: 'blog' was renamed; use lookahead"),
         ("planner: {name: theta_star}\nmap: m.yaml\n", ":1:10: planner: 'theta_star' was removed; use any_angle"),
         ("robot: nova_carter\n", "either world or map"),
         ("world: warehouse\nmap: m.yaml\n", "either world or map"),

@@ -181,7 +181,7 @@ def test_a_keepout_mask_for_a_finished_costmap_is_refused():
         Navigator(Costmap.from_grid(room(), CARTER), CARTER, keepout=KeepoutMask(room()))
 
 
-@pytest.mark.parametrize("controller", ["regulated_pure_pursuit", "blog"])
+@pytest.mark.parametrize("controller", ["regulated_pure_pursuit", "lookahead"])
 @pytest.mark.parametrize(
     ("mask", "limit"),
     [

@@ -189,8 +189,8 @@ def test_unknown_names_and_options_are_refused():
             Navigator(room(), CARTER, **{option: room()})
 
 
-def test_the_blog_follower_drives_the_same_path_but_turns_to_no_yaw():
-    navigator = Navigator(room(), CARTER, controller="blog", planner="blog")
+def test_the_lookahead_follower_drives_the_same_path_but_turns_to_no_yaw():
+    navigator = Navigator(room(), CARTER, controller="lookahead", planner="manhattan_astar")
     navigator.set_goal(3, 2)
     drive(navigator, Pose2D(-3, 0, 0))
     assert navigator.status is NavigationStatus.ARRIVED
@@ -229,7 +229,7 @@ def test_the_smoother_takes_its_options_and_says_why_a_path_cannot_be_smoothed()
     assert Navigator(grid, "nova_carter", smoother="constrained", smoother_options=options).smoother.settings == (
         ConstrainedSmoother(**options).settings
     )
-    navigator = Navigator(grid, "nova_carter", planner="blog", smoother="constrained")
+    navigator = Navigator(grid, "nova_carter", planner="manhattan_astar", smoother="constrained")
     navigator.set_goal(0.8, -4.5)
     navigator.update(Pose2D(-0.8, -4.5))
     assert navigator.status is NavigationStatus.NO_PATH

@@ -75,10 +75,10 @@ def test_looking_for_the_nearest_place_is_bounded(yaws, too_narrow, counted):
     assert 0.0 < looked < REACH_CELLS * 0.05
 
 
-def test_blogs_planner_looks_no_farther():
+def test_manhattan_astar_looks_no_farther():
     solid = Costmap(np.full((4096, 4096), LETHAL, np.uint8), 0.05, Pose2D(0.0, 0.0), CARTER.outline, 0.9)
     with little_memory(), pytest.raises(BlockedPoseError, match=r"no cell within 12\.8 m is free"):
-        create_planner("blog").plan(solid, Pose2D(100.0, 100.0), Pose2D(101.0, 100.0))
+        create_planner("manhattan_astar").plan(solid, Pose2D(100.0, 100.0), Pose2D(101.0, 100.0))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -376,10 +376,10 @@ def test_bad_options_are_named(options, message):
 
 
 def test_planners_by_name():
-    assert {"least_cost", "astar", "blog"} <= set(planner_names())
+    assert {"least_cost", "astar", "manhattan_astar"} <= set(planner_names())
     with pytest.raises(UnknownNameError, match="least_cost"):
         create_planner("least_costs")
-    for name in ("least_cost", "astar", "blog"):
+    for name in ("least_cost", "astar", "manhattan_astar"):
         assert isinstance(create_planner(name), Planner)
     own = functools.partial(create_planner, "astar")()
     assert create_planner(own) is own

@@ -18,7 +18,7 @@ def test_it_goes_along_rows_and_columns_at_unit_cost():
     path = ManhattanAstarPlanner().plan(costmap_of(np.zeros((30, 30))), Pose2D(0.55, 0.55), Pose2D(2.05, 1.25, 1.0))
     assert path.length == pytest.approx(1.5 + 0.7)
     assert path.cost == pytest.approx(path.length)
-    assert path.planner == "blog"
+    assert path.planner == "manhattan_astar"
     steps = np.abs(np.diff(path.poses[:, :2], axis=0))
     assert (steps.min(axis=1) < 1e-9).all()
 

@@ -12,7 +12,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import create_planner, planner_names
 
-NAMES = [name for name in planner_names() if name != "blog"]
+NAMES = [name for name in planner_names() if name != "manhattan_astar"]
 GRID_PLANNERS = [name for name in NAMES if name not in ("auto", "hybrid_astar")]
 START = Pose2D(1.5, 1.5)
 

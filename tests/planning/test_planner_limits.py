@@ -79,13 +79,13 @@ def comb(size):
     return data
 
 
-@pytest.mark.parametrize("name", ["astar", "least_cost", "blog", "any_angle"])
+@pytest.mark.parametrize("name", ["astar", "least_cost", "manhattan_astar", "any_angle"])
 def test_a_search_in_another_thread_is_cancelled_in_the_middle(name):
     costmap = costmap_of(comb(1600), ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)))
     start, goal = Pose2D(1.0, 40.0), Pose2D(79.0, 40.0)
     cancel, planner, raised = (
         Cancellation(),
-        create_planner(name, max_replans=0) if name != "blog" else create_planner(name),
+        create_planner(name, max_replans=0) if name != "manhattan_astar" else create_planner(name),
         [],
     )
 
@@ -140,12 +140,12 @@ def test_a_partial_path_leads_near_to_a_goal_that_cannot_be_reached(name, goal):
     assert path.start == START
     assert path.remaining_m == pytest.approx(path.goal.distance_to(goal))
     # The nearest place for a point, and by how much the robot may reach beyond its inscribed circle.
-    free = np.argwhere(costmap.data[:, :80] < (254 if name == "blog" else 253))
+    free = np.argwhere(costmap.data[:, :80] < (254 if name == "manhattan_astar" else 253))
     x, y = costmap.cell_to_world(free[:, 0], free[:, 1])
     least = np.hypot(x - goal.x, y - goal.y).min()
-    overhang = 0.0 if name == "blog" else costmap.circumscribed_radius - costmap.inscribed_radius
+    overhang = 0.0 if name == "manhattan_astar" else costmap.circumscribed_radius - costmap.inscribed_radius
     assert least - 0.05 <= path.remaining_m <= least + overhang + 0.1
-    if name != "blog":
+    if name != "manhattan_astar":
         assert not costmap.footprint_collides(path.poses).any()
         assert path.cost >= path.length - 1e-9
 
@@ -160,7 +160,7 @@ def test_asked_for_part_of_the_way_a_planner_still_goes_all_of_it_where_it_can(n
         create_planner(name, allow_partial=True).plan(costmap, START, Pose2D(-3.0, 1.0))
 
 
-@pytest.mark.parametrize("name", [name for name in GRID_NAMES if name != "blog"])
+@pytest.mark.parametrize("name", [name for name in GRID_NAMES if name != "manhattan_astar"])
 def test_where_the_yaw_alone_does_not_fit_a_partial_path_ends_at_the_goal_with_another(name):
     data = rooms()
     data[:34, 1:80] = data[46:, 1:80] = 100  # an alley of 0.6 m
@@ -188,7 +188,7 @@ def test_the_options_for_signatures_are_those_of_the_planner():
     assert options == set(FootprintOptions.__annotations__)
 
 
-@pytest.mark.parametrize("name", [name for name in GRID_NAMES if name != "blog"])
+@pytest.mark.parametrize("name", [name for name in GRID_NAMES if name != "manhattan_astar"])
 @pytest.mark.parametrize(
     "options",
     [

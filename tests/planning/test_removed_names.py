@@ -12,6 +12,7 @@ REMOVED = {
     "jps": "was removed; use astar with method='jps'",
     "jps_plus": "was removed; use astar with method='jps'",
     "theta_star": "was removed; use any_angle",
+    "blog": "was renamed; use manhattan_astar",
 }
 
 

@@ -9,7 +9,7 @@ from trundle.robots import Robot
 from trundle.testing import ConformanceError, check_controller
 
 
-@pytest.mark.parametrize("name", ["regulated_pure_pursuit", "blog"])
+@pytest.mark.parametrize("name", ["regulated_pure_pursuit", "lookahead"])
 @pytest.mark.parametrize("robot", ["nova_carter", "turtlebot3_burger"])
 def test_our_controllers_keep_their_promises(name, robot):
     check_controller(lambda driven: create_controller(name, driven), robot=Robot.load(robot))

@@ -12,7 +12,7 @@ from trundle.planning.least_cost import LeastCostPlanner
 from trundle.testing import ConformanceError, check_planner
 
 
-@pytest.mark.parametrize("name", ["least_cost", "astar", "any_angle", "blog"])
+@pytest.mark.parametrize("name", ["least_cost", "astar", "any_angle", "manhattan_astar"])
 def test_our_planners_conform(name):
     check_planner(functools.partial(create_planner, name))
     check_planner(create_planner(name))

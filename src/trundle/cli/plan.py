@@ -22,7 +22,7 @@ app = App(
     help_epilogue=(
         "Examples:\n"
         "  trundle plan map.yaml --start -6,-1,3.14 --goal 5,3 -o overlay.png\n"
-        "  trundle plan map.yaml --planner blog --seed 3 --json\n"
+        "  trundle plan map.yaml --planner manhattan_astar --seed 3 --json\n"
         "  trundle plan map.yaml --goal 9,3 --unknown costly --partial --planner-option goal_tolerance=0.5\n"
         "  trundle plan map.yaml --smoother constrained\n"
         "  trundle plan map.yaml --start -13,0 --goal 13,0 --compare"

@@ -16,8 +16,9 @@ CONTROLLERS: Registry[Controller] = Registry(
     "trundle.controllers",
     {
         "regulated_pure_pursuit": "trundle.control.regulated_pure_pursuit:RegulatedPurePursuit",
-        "blog": "trundle.control.lookahead:LookaheadFollower",
+        "lookahead": "trundle.control.lookahead:LookaheadFollower",
     },
+    removed={"blog": "was renamed; use lookahead"},
 )
 
 

@@ -1,4 +1,4 @@
-"""The lookahead follower of many tutorials, for comparison: it drives at a point ahead and looks at nothing."""
+"""`LookaheadFollower`: drives towards a point ahead on the path and checks nothing, by name `lookahead`."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from trundle.robots import Robot
 
 
 class LookaheadFollower(Controller):
-    """Drives at the first path point beyond the lookahead, turning in proportion to its bearing; stops at the last.
+    """Drives towards the first path point beyond the lookahead, turning in proportion to its bearing.
 
-    It checks no footprint and turns to no final yaw.
+    It stops at the last point. This is the follower of many tutorials, for comparison: it checks no footprint and turns
+    to no final yaw.
 
     Args:
         robot: What is driven; its limits hold.
-        lookahead_dist: Distance to the point that is driven at [m].
+        lookahead_dist: Distance to the point that it drives towards [m].
         linear_speed: [m/s].
         angular_gain: Turning speed per bearing [1/s].
         rotate_min_angle: Above this bearing the robot only turns [rad].
@@ -41,7 +42,7 @@ class LookaheadFollower(Controller):
     ) -> None:
         numbers = (lookahead_dist, linear_speed, angular_gain, rotate_min_angle, goal_tolerance)
         if not all(math.isfinite(number) and number > 0.0 for number in numbers):
-            raise InputError(f"controller 'blog' takes positive numbers only, got {numbers}")
+            raise InputError(f"controller 'lookahead' takes positive numbers only, got {numbers}")
         self._robot = robot
         self._lookahead, self._speed, self._gain = lookahead_dist, linear_speed, angular_gain
         self._rotate_min_angle, self._goal_tolerance = rotate_min_angle, goal_tolerance

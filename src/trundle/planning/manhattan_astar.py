@@ -1,4 +1,4 @@
-"""`ManhattanAstarPlanner`: the planner of the post that this project began with, by name `blog`."""
+"""`ManhattanAstarPlanner`: 4-connected A* that knows no footprint, by name `manhattan_astar`."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _WEIGHTS[LETHAL:] = 0
 
 
 class ManhattanAstarPlanner:
-    """4-connected A* with Manhattan heuristic and unit cost, for comparison.
+    """4-connected A* with the Manhattan heuristic and unit cost, as many tutorials have it, for comparison.
 
-    Only occupied and unknown cells block: it knows neither inflation nor footprint, so its ways scrape along walls.
+    Only occupied and unknown cells block: it knows neither inflation nor footprint, so its paths touch walls.
 
     Args:
         allow_partial: Where the goal cannot be reached, or is blocked, plan to the reachable cell nearest to it.
@@ -84,7 +84,7 @@ class ManhattanAstarPlanner:
         return Path(
             poses,
             cost=Path(poses).length,
-            planner="blog",
+            planner="manhattan_astar",
             status="found" if target == last else "partial",
             remaining_m=0.0 if target == last else end.distance_to(goal),
         )

@@ -20,9 +20,10 @@ PLANNERS: Registry[Planner] = Registry(
         "astar": "trundle.planning.astar:AStarPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
         "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
-        "blog": "trundle.planning.manhattan_astar:ManhattanAstarPlanner",
+        "manhattan_astar": "trundle.planning.manhattan_astar:ManhattanAstarPlanner",
     },
     removed={
+        "blog": "was renamed; use manhattan_astar",
         "jps": "was removed; use astar with method='jps'",
         "jps_plus": "was removed; use astar with method='jps'",
         "theta_star": "was removed; use any_angle, whose paths are shorter and found faster",
