@@ -1,4 +1,4 @@
-// The cheapest way over a grid whose cells have a weight each, for one table of weights.
+// `LeastCost` as Python sees it: paths of least cost for one table of weights; and the kernels of straight lines.
 #include "cost/kernels.hpp"
 #include "cost/least_cost_path.hpp"
 #include "shared/call_limits.hpp"
@@ -22,7 +22,7 @@ class LeastCost {
     }
   }
 
-  // From one cell to another by points in them. Both directions give the same way.
+  // From one cell to another, between points in them. Both directions give the same path.
   nb::tuple find(In<std::uint8_t, 2> costs, std::pair<int, int> start, std::pair<int, int> goal, In<double, 2> ends,
                  std::optional<double> seconds, const Flag &cancel) const {
     const lines::WeightedGrid grid{costs.data(), weights_, static_cast<std::int64_t>(costs.shape(0)),
@@ -32,28 +32,28 @@ class LeastCost {
     if (grid.rows > (1 << 30) || grid.cols > (1 << 30)) throw nb::value_error("the grid is too long");
     const End first = end_of(grid, start, points[0]), last = end_of(grid, goal, points[1]);
     const CallPatience patience(seconds, cancel);
-    CostWay way;
+    LeastCostPath path;
     {
       nb::gil_scoped_release release;
       if (grid.weight(first.cell.row, first.cell.col) > 0.0 && grid.weight(last.cell.row, last.cell.col) > 0.0) {
-        std::unique_ptr<CostWayMemory> memory = pool_.borrow();
-        const bool turned = last.order() < first.order();
-        way = CostWaySearch(grid, patience, *memory).find(turned ? last : first, turned ? first : last);
-        if (turned) std::reverse(way.line.begin(), way.line.end());
+        std::unique_ptr<LeastCostMemory> memory = pool_.borrow();
+        const bool reversed = last.order() < first.order();
+        path = LeastCostSearch(grid, patience, *memory).find(reversed ? last : first, reversed ? first : last);
+        if (reversed) std::reverse(path.line.begin(), path.line.end());
         pool_.give_back(std::move(memory));
       }
     }
     patience.rethrow();
     std::vector<double> flat;
-    for (const lines::Point &point : way.line) flat.insert(flat.end(), {point.x, point.y});
-    return nb::make_tuple(static_cast<int>(way.status), to_numpy(std::move(flat), {way.line.size(), 2}), way.cost);
+    for (const lines::Point &point : path.line) flat.insert(flat.end(), {point.x, point.y});
+    return nb::make_tuple(static_cast<int>(path.status), to_numpy(std::move(flat), {path.line.size(), 2}), path.cost);
   }
 
   // Memory that is kept for the next query.
   std::size_t bytes() const { return pool_.bytes(); }
 
  private:
-  using End = CostWaySearch::End;
+  using End = LeastCostSearch::End;
   static constexpr double kInside = 1.0 - 1e-6;
 
   // A point that rounding put outside its cell is moved to the cell's edge.
@@ -66,7 +66,7 @@ class LeastCost {
   }
 
   double weights_[256];
-  mutable MemoryPool<CostWayMemory> pool_;
+  mutable MemoryPool<LeastCostMemory> pool_;
 };
 
 }  // namespace trundle

@@ -1,9 +1,9 @@
-// What it costs at least to come from anywhere on a map to the goal, found on a coarse grid of blocks of 4 × 4 cells.
+// A lower bound on the cost from anywhere on a map to the goal, found on a coarse grid of blocks of 4 × 4 cells.
 //
-// A block weighs what the least of its open cells weighs, so that ways over blocks hardly ever cost more than those over
-// their cells, and is closed where it has none. The front begins at the goal and turns to the start: blocks are ranked by
-// what the way to them costs and what a straight line from them to the start at least costs (A*: Hart, Nilsson and
-// Raphael, 1968). It stops when it knows what was asked for, and can go on from there.
+// A block weighs as much as the least of its open cells, so that paths over blocks hardly ever cost more than those over
+// their cells; it is closed where it has no open cell. The wavefront begins at the goal and is directed to the start: tiles
+// are ranked by cost plus the least that a straight line on to the start costs (A*: Hart, Nilsson and Raphael 1968). It
+// stops as soon as the cost that was asked for is known, and goes on from there for the next one.
 #pragma once
 
 #include <cstring>
@@ -13,21 +13,21 @@
 
 namespace trundle {
 
-// The weights of a map's cells by their costs, as the fronts read them.
+// The weights of a map's cells by their costs, as wavefronts read them.
 struct CostMap {
   const std::uint8_t *costs;
   std::int64_t rows, cols;
   float quarter[256];  // of the weight, by cost; infinity where a cell is blocked
-  float least;         // weight
-  bool rising;         // whether no cost weighs less than a smaller one
+  float least;         // weight of an open cell
+  bool rising;         // whether weights rise, or stay, with costs
 };
 
 class BlockCosts {
-  using Field = FrontField<float>;
+  using Field = Wavefront<float>;
   static constexpr std::int64_t kBlock = 4;  // cells along it
 
-  // Squares by what the ways through them cost at least.
-  auto order() const {
+  // Ranks tiles by the least that paths through them cost.
+  auto rank() const {
     const float per_block = map_->least * kBlock;
     const auto x = static_cast<float>(start_.x / kBlock), y = static_cast<float>(start_.y / kBlock);
     return [per_block, x, y](std::int64_t row, std::int64_t col, float cost) {
@@ -38,8 +38,8 @@ class BlockCosts {
     };
   }
 
-  // Quarters of the weights of squares of blocks, for a length of one block.
-  auto fill() const {
+  // Writes quarters of the weights of tiles of blocks, for a length of one block.
+  auto load() const {
     return [this](std::int64_t row, std::int64_t col, float *quarters) {
       const std::int64_t bottom = row * kBlock, left = col * kBlock, side = Field::kSide * kBlock;
       if (map_->rising && bottom >= 0 && left >= 0 && bottom + side <= map_->rows && left + side <= map_->cols) {
@@ -55,20 +55,19 @@ class BlockCosts {
   }
 
  public:
-
   void begin(const CostMap &map, lines::Point start, lines::Point goal) {
     map_ = &map, start_ = start;
     rows_ = (map.rows + kBlock - 1) / kBlock, cols_ = (map.cols + kBlock - 1) / kBlock;
     to_goal_.begin(rows_, cols_, map.least * kBlock);
     for (const lines::Point point : {start, goal}) {
       for (std::int64_t r = -1; r <= 1; ++r) {
-        for (std::int64_t c = -1; c <= 1; ++c) to_goal_.make_ready(block(point.y) + r, block(point.x) + c, fill());
+        for (std::int64_t c = -1; c <= 1; ++c) to_goal_.make_ready(block(point.y) + r, block(point.x) + c, load());
       }
     }
-    around(goal, [&](std::int64_t r, std::int64_t c, float cost) { to_goal_.seed(r, c, cost, order()); });
+    around(goal, [&](std::int64_t r, std::int64_t c, float cost) { to_goal_.seed(r, c, cost, rank()); });
   }
 
-  // What the cheapest way costs on the coarse grid, infinity where there is none.
+  // Cost of the cheapest path on the coarse grid, infinity where there is none.
   float estimate() {
     float least = Field::kFar;
     around(start_, [&](std::int64_t row, std::int64_t col, float cost) {
@@ -77,19 +76,19 @@ class BlockCosts {
     return least;
   }
 
-  // Find that. Anything but found says that patience ended.
-  SearchStatus reach(const Patience &patience) {
-    return to_goal_.spread(fill(), order(), [&](float rank) { return rank >= estimate(); }, patience);
+  // Finds that. Returns found, or why `limits` stopped it.
+  SearchStatus find_estimate(const SearchLimits &limits) {
+    return to_goal_.propagate(load(), rank(), [&](float least) { return least >= estimate(); }, limits);
   }
 
-  // Find the costs from all blocks that ways of `bound` may go through.
-  SearchStatus reach(float bound, const Patience &patience) {
-    return to_goal_.spread(fill(), order(), [&](float rank) { return rank > bound; }, patience);
+  // Finds the costs from all blocks that paths of cost `bound` may lead through.
+  SearchStatus find_within(float bound, const SearchLimits &limits) {
+    return to_goal_.propagate(load(), rank(), [&](float least) { return least > bound; }, limits);
   }
 
-  // What it costs at least from the 8 × 8 cells from (row, col) on; infinity where that was not reached.
-  float from_square(std::int64_t row, std::int64_t col) {
-    constexpr float kAside = 0.71f;  // a way through a block passes within half a diagonal of its middle
+  // The least cost from the tile of 8 × 8 cells from (row, col) on; infinity where it was not reached.
+  float from_tile(std::int64_t row, std::int64_t col) {
+    constexpr float kAside = 0.71f;  // a path through a block passes within half a diagonal of its middle
     float least = Field::kFar;
     for (std::int64_t r = row / kBlock; r < std::min(row / kBlock + 2, rows_); ++r) {
       for (std::int64_t c = col / kBlock; c < std::min(col / kBlock + 2, cols_); ++c) {
@@ -106,7 +105,7 @@ class BlockCosts {
  private:
   static std::int64_t block(double value) { return static_cast<std::int64_t>(value) / kBlock; }
 
-  // The same for a row of eight blocks inside the map, by bytes: a lesser cost weighs no more.
+  // The weights of a row of eight blocks inside the map, by the least byte of each: weights rise with costs.
   void least_of_row(const std::uint8_t *costs, float *quarters) const {
     typedef std::uint8_t Bytes __attribute__((vector_size(16)));
     typedef std::uint32_t Words __attribute__((vector_size(16)));
@@ -139,7 +138,7 @@ class BlockCosts {
     return kBlock * least;
   }
 
-  // Straight to the middles of the blocks around a point.
+  // Visits the blocks around a point, with the cost of the straight line to their middles.
   template <typename Visit>
   void around(lines::Point point, const Visit &visit) {
     const std::int64_t row = block(point.y), col = block(point.x);

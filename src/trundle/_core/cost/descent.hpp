@@ -1,4 +1,9 @@
-// The way down a field of costs, from a cell's centre to the one where the field begins.
+// The path down a wavefront's costs, from a cell's centre to that of the source.
+//
+// Steps go against the gradient that the costs came by through their triangles, mixed from the four centres around a point:
+// two cells long where these agree, and else one. Where one of the four is closed, or the step would touch something, the
+// path goes by the cell's own centre instead. If that does not arrive, the path is the one from cell to cheaper cell, which
+// always does.
 #pragma once
 
 #include <optional>
@@ -8,22 +13,18 @@
 
 namespace trundle {
 
-
-// Steps against the field's gradient, as the triangles give it that the costs came by, mixed from the four centres around:
-// of two cells where these agree, and else of one. Where one of them is closed, or the step would touch something, it goes
-// by the cell's own centre.
 template <typename Real>
 class Descent {
  public:
   using Point = lines::Point;
-  Descent(FrontField<Real> &field, const lines::WeightedGrid &grid) : field_(field), grid_(grid) {}
+  Descent(Wavefront<Real> &wavefront, const lines::WeightedGrid &grid) : wavefront_(wavefront), grid_(grid) {}
 
   // Points from one cell's centre to the other's, (x, y) in grid units.
   std::vector<Point> trace(GridCell from, GridCell source) {
     std::vector<Point> line{centre(from.row, from.col)};
     const Point end = centre(source.row, source.col);
-    const std::uint64_t most = field_.settled() + 16;
-    for (std::uint64_t steps = 0; field_.between() && steps < most; ++steps) {
+    const std::uint64_t most = wavefront_.settled() + 16;
+    for (std::uint64_t steps = 0; wavefront_.interpolates() && steps < most; ++steps) {
       const Point here = line.back();
       const double dx = end.x - here.x, dy = end.y - here.y;
       if (dx * dx + dy * dy < kNear && is_open(here, end)) {
@@ -67,39 +68,39 @@ class Descent {
     return lines::line_cost(grid_, a, b, lines::kInfinity, 0.0) < lines::kInfinity;
   }
 
-  // From where a cell's cost came.
+  // The direction from which a cell's cost came.
   bool downhill(std::int64_t row, std::int64_t col, Direction &direction) {
-    constexpr Real kFar = FrontField<Real>::kFar;
-    if (!(field_.cost_or_far(row, col) < kFar)) return false;
-    const Real half = field_.weight(row, col) / 2;
+    constexpr Real kFar = Wavefront<Real>::kFar;
+    if (!(wavefront_.cost_or_far(row, col) < kFar)) return false;
+    const Real half = wavefront_.weight(row, col) / 2;
     Real best = kFar;
     for (int k = 0; k < 4; ++k) {
       const std::int64_t up = row + kRow[k], right = col + kCol[k];
-      const Real more = field_.cost(up, right), weight = field_.weight(up, right);
-      if (!(weight < kFar && (more < kFar || !field_.between()))) continue;
-      if (more + half + weight / 2 < best) {
-        best = more + half + weight / 2;
+      const Real straight = wavefront_.cost(up, right), weight = wavefront_.weight(up, right);
+      if (!(weight < kFar && (straight < kFar || !wavefront_.interpolates()))) continue;
+      if (straight + half + weight / 2 < best) {
+        best = straight + half + weight / 2;
         direction = {static_cast<Real>(kCol[k]), static_cast<Real>(kRow[k])};
       }
-      if (!field_.between()) {
+      if (!wavefront_.interpolates()) {
         const int side = (k + 1) & 3;
         const std::int64_t above = up + kRow[side], beside = right + kCol[side];
         const Real cost =
-            field_.cost(above, beside) + Real(1.41421356237309505) * (half + field_.weight(above, beside) / 2);
-        if (!(cost < best && field_.weight(row + kRow[side], col + kCol[side]) < kFar)) continue;
+            wavefront_.cost(above, beside) + Real(1.41421356237309505) * (half + wavefront_.weight(above, beside) / 2);
+        if (!(cost < best && wavefront_.weight(row + kRow[side], col + kCol[side]) < kFar)) continue;
         best = cost;
         direction = {static_cast<Real>(kCol[k] + kCol[side]), static_cast<Real>(kRow[k] + kRow[side])};
         continue;
       }
       for (const int side : {(k + 1) & 3, (k + 3) & 3}) {
         const std::int64_t above = up + kRow[side], beside = right + kCol[side];
-        const Real less = field_.cost(above, beside), beyond = field_.weight(above, beside);
-        const Real gap = more - less, mean = half + (weight + beyond) / 4;
-        if (!(gap > 0 && less < kFar && mean < kFar)) continue;
-        Real share = 1, cost = less + Real(1.41421356237309505) * (half + beyond / 2);
+        const Real diagonal_cost = wavefront_.cost(above, beside), beyond = wavefront_.weight(above, beside);
+        const Real gap = straight - diagonal_cost, mean = half + (weight + beyond) / 4;
+        if (!(gap > 0 && diagonal_cost < kFar && mean < kFar)) continue;
+        Real share = 1, cost = diagonal_cost + Real(1.41421356237309505) * (half + beyond / 2);
         if (gap * gap * 2 < mean * mean) {
           const Real rest = std::sqrt(mean * mean - gap * gap);
-          share = gap / rest, cost = more + rest;
+          share = gap / rest, cost = straight + rest;
         }
         if (!(cost < best)) continue;
         best = cost;
@@ -110,9 +111,9 @@ class Descent {
     return best < kFar;
   }
 
-  Real cost_at(const Point &point) { return field_.cost_or_far(floor(point.y), floor(point.x)); }
+  Real cost_at(const Point &point) { return wavefront_.cost_or_far(floor(point.y), floor(point.x)); }
 
-  // Down from a point, where nothing is in the way.
+  // The next point down from one, where nothing blocks it.
   std::optional<Point> step(const Point &here) {
     const double u = here.x - 0.5, v = here.y - 0.5;
     const std::int64_t col = floor(u), row = floor(v);
@@ -134,7 +135,7 @@ class Descent {
       if (cost_at(next) < cost_at(here) && is_open(here, next)) return next;
     }
     const Point next{here.x + x / norm, here.y + y / norm};
-    if (cost_at(next) < FrontField<Real>::kFar && is_open(here, next)) return next;
+    if (cost_at(next) < Wavefront<Real>::kFar && is_open(here, next)) return next;
     return std::nullopt;
   }
 
@@ -151,21 +152,21 @@ class Descent {
   // Of the neighbours that cost less than a cell the one to go on by, or the same cell if there is none. Both cells that a
   // cost came by cost less than it, so that this gets to the source.
   GridCell cheaper_neighbour(GridCell cell) {
-    constexpr Real kFar = FrontField<Real>::kFar;
-    const Real own = field_.cost(cell.row, cell.col);
+    constexpr Real kFar = Wavefront<Real>::kFar;
+    const Real own = wavefront_.cost(cell.row, cell.col);
     Real best = kFar;
     GridCell next = cell;
     for (std::int32_t up = -1; up <= 1; ++up) {
       for (std::int32_t right = -1; right <= 1; ++right) {
-        const Real cost = field_.cost_or_far(cell.row + up, cell.col + right);
+        const Real cost = wavefront_.cost_or_far(cell.row + up, cell.col + right);
         if (!(cost < own)) continue;
         const bool diagonal = up != 0 && right != 0;
         if (diagonal) {
-          const bool beside = field_.weight(cell.row, cell.col + right) < kFar;
-          const bool above = field_.weight(cell.row + up, cell.col) < kFar;
-          if (!(field_.between() ? beside || above : beside && above)) continue;
+          const bool beside = wavefront_.weight(cell.row, cell.col + right) < kFar;
+          const bool above = wavefront_.weight(cell.row + up, cell.col) < kFar;
+          if (!(wavefront_.interpolates() ? beside || above : beside && above)) continue;
         }
-        const Real mean = (field_.weight(cell.row, cell.col) + field_.weight(cell.row + up, cell.col + right)) / 2;
+        const Real mean = (wavefront_.weight(cell.row, cell.col) + wavefront_.weight(cell.row + up, cell.col + right)) / 2;
         const Real whole = cost + (diagonal ? Real(1.41421356237309505) : Real(1)) * mean;
         if (whole < best) best = whole, next = {cell.row + up, cell.col + right};
       }
@@ -182,7 +183,7 @@ class Descent {
     line.push_back(centre(next.row, next.col));
   }
 
-  FrontField<Real> &field_;
+  Wavefront<Real> &wavefront_;
   const lines::WeightedGrid &grid_;
 };
 

@@ -1,8 +1,18 @@
-// What it costs to come from some cells of a grid to the others in any direction, whose cells have a weight each.
+// A wavefront of costs over a grid whose cells have a weight each: what it costs to get from its sources to the other cells,
+// in any direction.
 //
-// A front spreads over the cells' centres, as in fast marching (Tsitsiklis, 1995; Sethian, 1996), but by whole squares of
-// 8 × 8 cells: the one that the least cost comes to is settled with what its neighbours cost by then, and again when
-// these get cheaper. Memory is kept from one field to the next, and squares are made ready when the front comes to them.
+// Idea: fast marching (Tsitsiklis 1995, Sethian 1996), with tiles of 8 × 8 cells in place of cells. The open list holds
+// tiles that a lower cost has reached from outside. The first of them is settled: sweeps lower its cells' costs until none
+// falls, given the cells around it (tile_sweeper.hpp). What that lowers in the neighbouring tiles is offered to them, and
+// puts them on the open list. A tile is settled again whenever a neighbour offers it less than it has.
+//
+// Invariants: costs only fall, and each is that of a real path. A tile is on the open list, or deferred, as long as
+// something that was offered to it has not been swept through it. So a cell's cost is final once no rank on the open list
+// is below it, given ranks that never fall along a path.
+//
+// The caller ranks tiles: by cost, or by cost plus a bound on what is left, as A* does. A rank of infinity defers a tile.
+// Tiles are made ready, with the weights of their cells, when the wavefront comes next to them; their memory is kept for
+// the next wavefront.
 #pragma once
 
 #include <algorithm>
@@ -10,247 +20,241 @@
 #include <cstring>
 #include <vector>
 
-#include "cost/wavefront_tile.hpp"
+#include "cost/tile_sweeper.hpp"
 #include "shared/grid_steps.hpp"
+#include "shared/open_list.hpp"
 #include "shared/zeroed_table.hpp"
 
 namespace trundle {
 
 template <typename Real>
-class FrontField {
-  using Work = FrontSquare<Real>;
+class Wavefront {
+  using Sweeper = TileSweeper<Real>;
 
  public:
-  static constexpr Real kFar = Work::kFar;  // cost where nothing came; weight where closed
-  static constexpr std::int64_t kSide = Work::kSide, kCells = kSide * kSide;
+  static constexpr Real kFar = Sweeper::kFar;  // cost of a cell that is not reached; weight of one that is closed
+  static constexpr std::int64_t kSide = Sweeper::kSide, kCells = kSide * kSide;
 
-  // Forget everything. Open cells weigh `least` or more for a length of one cell. Without `between` ways go from centre to
-  // centre alone, straight or diagonally, and touch no corner of a closed cell.
-  void begin(std::int64_t rows, std::int64_t cols, Real least, bool between = true) {
-    between_ = between;
-    across_ = (cols + kSide - 1) / kSide + 2;  // with a frame of closed squares
-    const auto count = static_cast<std::size_t>(((rows + kSide - 1) / kSide + 2) * across_);
-    squares_.fit(count);
+  // Forgets everything. Open cells weigh `least_weight` or more for a length of one cell. Without `interpolate` paths lead
+  // from centre to centre alone, straight or diagonally, and touch no corner of a closed cell.
+  void begin(std::int64_t rows, std::int64_t cols, Real least_weight, bool interpolate = true) {
+    interpolate_ = interpolate;
+    stride_ = (cols + kSide - 1) / kSide + 2;  // with a frame of closed tiles
+    const auto count = static_cast<std::size_t>(((rows + kSide - 1) / kSide + 2) * stride_);
+    tiles_.fit(count);
     states_.fit(count);
-    if (++stamp_ == 0) states_.clear(), stamp_ = 1;  // after 2^32 fields
-    work_.worthwhile = least / 1024;
-    waiting_.clear();
-    held_.clear();
+    if (++stamp_ == 0) states_.clear(), stamp_ = 1;  // after 2^32 wavefronts
+    sweeper_.least_gain = least_weight / 1024;
+    open_.clear();
+    deferred_.clear();
     settled_ = 0;
   }
 
-  bool between() const { return between_; }
+  bool interpolates() const { return interpolate_; }
   std::uint64_t settled() const { return settled_; }  // cells, as often as they were
   std::size_t bytes() const {
-    const std::size_t lists = waiting_.capacity() * sizeof(Entry) + held_.capacity() * sizeof(std::int64_t);
-    return squares_.bytes() + states_.bytes() + lists;
+    return tiles_.bytes() + states_.bytes() + open_.bytes() + deferred_.capacity() * sizeof(std::int64_t);
   }
 
-  // Whether costs and weights may be read there: also of the cells around one that something came to.
-  bool is_ready(std::int64_t row, std::int64_t col) { return states_[square_of(row, col)].stamp == stamp_; }
-  Real cost(std::int64_t row, std::int64_t col) { return squares_[square_of(row, col)].cost[place_of(row, col)]; }
+  // Whether cost and weight of a cell may be read: of those that are reached, and of the cells around these.
+  bool is_ready(std::int64_t row, std::int64_t col) { return states_[tile_of(row, col)].stamp == stamp_; }
+  Real cost(std::int64_t row, std::int64_t col) { return tiles_[tile_of(row, col)].cost[index_in_tile(row, col)]; }
   Real weight(std::int64_t row, std::int64_t col) {
-    return squares_[square_of(row, col)].quarter[place_of(row, col)] * 4;
+    return tiles_[tile_of(row, col)].quarter[index_in_tile(row, col)] * 4;
   }
   Real cost_or_far(std::int64_t row, std::int64_t col) { return is_ready(row, col) ? cost(row, col) : kFar; }
 
-  // Make a cell ready. `fill(row, col, quarters)` writes quarters of the weights of 8 × 8 cells from (row, col) on, row by
-  // row; these may lie outside the grid.
-  template <typename Fill>
-  void make_ready(std::int64_t row, std::int64_t col, const Fill &fill) {
-    touch(static_cast<std::int64_t>(square_of(row, col)), fill);
+  // Makes a cell's tile ready. `load(row, col, quarters)` writes quarters of the weights of the 8 × 8 cells from (row, col)
+  // on, row by row; some or all of them may lie outside the grid.
+  template <typename Load>
+  void make_ready(std::int64_t row, std::int64_t col, const Load &load) {
+    make_tile_ready(static_cast<std::int64_t>(tile_of(row, col)), load);
   }
 
-  // Where the front begins, at a cell that is ready.
-  template <typename Order>
-  void seed(std::int64_t row, std::int64_t col, Real cost, const Order &order) {
-    Real &known = squares_[square_of(row, col)].cost[place_of(row, col)];
+  // Makes a cell, which is ready, a source.
+  template <typename Rank>
+  void seed(std::int64_t row, std::int64_t col, Real cost, const Rank &rank) {
+    Real &known = tiles_[tile_of(row, col)].cost[index_in_tile(row, col)];
     if (!(cost < known)) return;
     known = cost;
-    tell(static_cast<std::int64_t>(square_of(row, col)), cost, Work::kAll, order);
+    offer(static_cast<std::int64_t>(tile_of(row, col)), cost, Sweeper::kAll, rank);
   }
 
-  // Go on until nothing waits or `done(rank)` is true, asked when all squares of a lower rank are settled.
-  // `order(row, col, cost)` ranks the square from (row, col) on, which something comes to at `cost`; far holds it back.
-  // Anything but found says that patience ended.
-  template <typename Fill, typename Order, typename Done>
-  SearchStatus spread(const Fill &fill, const Order &order, const Done &done, const Patience &patience) {
-    while (!waiting_.empty()) {
-      const Entry entry = waiting_.front();
-      if (entry.rank == states_[static_cast<std::size_t>(entry.square)].rank) {
-        if (done(entry.rank)) return SearchStatus::kFound;
+  // Settles tiles by rank until none is open or `done(rank)` is true, asked with the least rank on the open list.
+  // `rank(row, col, cost)` is that of the tile from (row, col) on where `cost` is the least offered to it.
+  // Returns found, or why `limits` stopped it.
+  template <typename Load, typename Rank, typename Done>
+  SearchStatus propagate(const Load &load, const Rank &rank, const Done &done, const SearchLimits &limits) {
+    while (!open_.empty()) {
+      const Entry first = open_.top();
+      const bool is_stale = first.rank != states_[static_cast<std::size_t>(first.tile)].rank;  // settled, or ranked lower
+      if (!is_stale) {
+        if (done(first.rank)) return SearchStatus::kFound;
         if (settled_ % (64 * kCells) == 0) {
-          const SearchStatus left = patience.left();
-          if (left != SearchStatus::kFound) return left;
+          const SearchStatus status = limits.check();
+          if (status != SearchStatus::kFound) return status;
         }
-        settled_ += kCells;
-        drop_first();
-        settle(entry.square, fill, order);
-      } else {
-        drop_first();  // settled since, or it waits at a lower rank
       }
+      open_.pop();
+      if (!is_stale) settle(first.tile, load, rank);
     }
     return SearchStatus::kFound;
   }
 
-  // The lowest rank that waits.
-  Real front() const { return waiting_.empty() ? kFar : waiting_.front().rank; }
-  bool holds() const { return !held_.empty(); }
+  bool has_deferred() const { return !deferred_.empty(); }
 
-  // Rank anew what was held back.
-  template <typename Order>
-  void release(const Order &order) {
-    std::vector<std::int64_t> held;
-    held.swap(held_);
-    for (const std::int64_t square : held) {
-      State &state = states_[static_cast<std::size_t>(square)];
-      const Real cost = state.cost;
-      state.cost = kFar;
-      tell(square, cost, 0, order);
+  // Ranks the deferred tiles again.
+  template <typename Rank>
+  void retry_deferred(const Rank &rank) {
+    std::vector<std::int64_t> deferred;
+    deferred.swap(deferred_);
+    for (const std::int64_t tile : deferred) {
+      Real &offered = states_[static_cast<std::size_t>(tile)].offered;
+      const Real cost = offered;
+      offered = kFar;
+      offer(tile, cost, 0, rank);
     }
   }
 
  private:
-  struct Square {
-    Real cost[kCells], quarter[kCells];
+  struct Tile {
+    Real cost[kCells], quarter[kCells];  // of the weight
   };
   struct State {
-    std::uint32_t stamp;
-    std::uint32_t pending;  // sweeps
-    Real rank, cost;        // of the cheapest that came since it was settled
+    std::uint32_t stamp;   // of the wavefront that the tile is ready for
+    std::uint32_t sweeps;  // directions in which what was offered has to be swept
+    Real rank;             // on the open list; far where it is not there
+    Real offered;          // least cost that came from outside since the tile was settled
   };
   struct Entry {
     Real rank;
-    std::int64_t square;
+    std::int64_t tile;
     bool operator<(const Entry &other) const { return rank > other.rank; }  // the least comes first
   };
-  enum Side { kSouth, kNorth, kWest, kEast, kSouthWest, kSouthEast, kNorthWest, kNorthEast, kSides };
 
-  std::size_t square_of(std::int64_t row, std::int64_t col) const {
-    return static_cast<std::size_t>(((row >> 3) + 1) * across_ + (col >> 3) + 1);
+  // Neighbours of a tile, and the directions in which costs sweep on from here into each.
+  enum Side { kSouth, kNorth, kWest, kEast, kSouthWest, kSouthEast, kNorthWest, kNorthEast, kSides };
+  static constexpr int kRowStep[kSides] = {-1, 1, 0, 0, -1, -1, 1, 1}, kColStep[kSides] = {0, 0, -1, 1, -1, 1, -1, 1};
+  static constexpr unsigned kOnward[kSides] = {Sweeper::kDown,
+                                               Sweeper::kUp,
+                                               Sweeper::kLeft,
+                                               Sweeper::kRight,
+                                               Sweeper::kDown | Sweeper::kLeft,
+                                               Sweeper::kDown | Sweeper::kRight,
+                                               Sweeper::kUp | Sweeper::kLeft,
+                                               Sweeper::kUp | Sweeper::kRight};
+
+  std::size_t tile_of(std::int64_t row, std::int64_t col) const {
+    return static_cast<std::size_t>(((row >> 3) + 1) * stride_ + (col >> 3) + 1);
   }
-  static std::size_t place_of(std::int64_t row, std::int64_t col) {
+  static std::size_t index_in_tile(std::int64_t row, std::int64_t col) {
     return static_cast<std::size_t>((row & 7) * kSide + (col & 7));
   }
-  std::int64_t row_of(std::int64_t square) const { return (square / across_ - 1) * kSide; }
-  std::int64_t col_of(std::int64_t square) const { return (square % across_ - 1) * kSide; }
+  std::int64_t first_row(std::int64_t tile) const { return (tile / stride_ - 1) * kSide; }
+  std::int64_t first_col(std::int64_t tile) const { return (tile % stride_ - 1) * kSide; }
 
-  void drop_first() {
-    std::pop_heap(waiting_.begin(), waiting_.end());
-    waiting_.pop_back();
-  }
-
-  template <typename Fill>
-  void touch(std::int64_t square, const Fill &fill) {
-    State &state = states_[static_cast<std::size_t>(square)];
+  template <typename Load>
+  void make_tile_ready(std::int64_t tile, const Load &load) {
+    State &state = states_[static_cast<std::size_t>(tile)];
     if (state.stamp == stamp_) return;
     state = {stamp_, 0, kFar, kFar};
-    Square &cells = squares_[static_cast<std::size_t>(square)];
+    Tile &cells = tiles_[static_cast<std::size_t>(tile)];
     std::fill_n(cells.cost, kCells, kFar);
-    fill(row_of(square), col_of(square), cells.quarter);
+    load(first_row(tile), first_col(tile), cells.quarter);
   }
 
-  // Something comes to a square at `cost`, from where `pending` sweeps.
-  template <typename Order>
-  void tell(std::int64_t square, Real cost, unsigned pending, const Order &order) {
-    State &state = states_[static_cast<std::size_t>(square)];
+  // A cell of a tile costs `cost` from outside, from where `sweeps` carry it on: the tile goes on the open list, or up in it.
+  template <typename Rank>
+  void offer(std::int64_t tile, Real cost, unsigned sweeps, const Rank &rank) {
+    State &state = states_[static_cast<std::size_t>(tile)];
     if (!(cost < kFar)) return;
-    state.pending |= pending;
-    if (!(cost < state.cost)) return;
-    const bool is_first = state.cost == kFar;
-    state.cost = cost;
-    const Real rank = order(row_of(square), col_of(square), cost);
-    if (rank < state.rank) {
-      state.rank = rank;
-      waiting_.push_back({rank, square});
-      std::push_heap(waiting_.begin(), waiting_.end());
-    } else if (is_first && !(rank < kFar)) {
-      held_.push_back(square);
+    state.sweeps |= sweeps;
+    if (!(cost < state.offered)) return;
+    const bool is_first = state.offered == kFar;
+    state.offered = cost;
+    const Real new_rank = rank(first_row(tile), first_col(tile), cost);
+    if (new_rank < state.rank) {
+      state.rank = new_rank;
+      open_.push({new_rank, tile});
+    } else if (is_first && !(new_rank < kFar)) {
+      deferred_.push_back(tile);
     }
   }
 
-  template <typename Fill, typename Order>
-  void settle(std::int64_t square, const Fill &fill, const Order &order) {
-    const std::int64_t s = across_;
-    const std::int64_t around[kSides] = {square - s,     square + s,     square - 1,     square + 1,
-                                         square - s - 1, square - s + 1, square + s - 1, square + s + 1};
-    const Square *beside[kSides];
-    for (int k = 0; k < kSides; ++k) {
-      touch(around[k], fill);
-      beside[k] = &squares_[static_cast<std::size_t>(around[k])];
+  // Sweeps what was offered to a tile through it, and offers the neighbours what comes of it.
+  template <typename Load, typename Rank>
+  void settle(std::int64_t tile, const Load &load, const Rank &rank) {
+    settled_ += kCells;
+    std::int64_t around[kSides];
+    const Tile *neighbours[kSides];
+    for (int side = 0; side < kSides; ++side) {
+      around[side] = tile + kRowStep[side] * stride_ + kColStep[side];
+      make_tile_ready(around[side], load);
+      neighbours[side] = &tiles_[static_cast<std::size_t>(around[side])];
     }
-    Square &own = squares_[static_cast<std::size_t>(square)];
-    frame(own, beside, &Square::cost, work_.upright.cost, work_.turned.cost);
-    frame(own, beside, &Square::quarter, work_.upright.quarter, work_.turned.quarter);
-    Work::turn(work_.upright.quarter, work_.turned.quarter);
+    Tile &own = tiles_[static_cast<std::size_t>(tile)];
+    copy_with_frame(own, neighbours, &Tile::cost, sweeper_.by_rows.cost, sweeper_.by_cols.cost);
+    copy_with_frame(own, neighbours, &Tile::quarter, sweeper_.by_rows.quarter, sweeper_.by_cols.quarter);
+    Sweeper::transpose(sweeper_.by_rows.quarter, sweeper_.by_cols.quarter);
 
-    State &state = states_[static_cast<std::size_t>(square)];
-    const unsigned pending = state.pending;
-    state.pending = 0, state.rank = state.cost = kFar;
-    Real gains[kSides];
-    if (!between_) {
-      run<false, true>(pending, gains);
-    } else if (work_.has_walls()) {
-      run<true, true>(pending, gains);
+    State &state = states_[static_cast<std::size_t>(tile)];
+    const unsigned sweeps = state.sweeps;
+    state.sweeps = 0, state.rank = state.offered = kFar;
+    Real offers[kSides];
+    if (!interpolate_) {
+      sweep<false, true>(sweeps, offers);
+    } else if (sweeper_.has_walls()) {
+      sweep<true, true>(sweeps, offers);
     } else {
-      run<true, false>(pending, gains);
+      sweep<true, false>(sweeps, offers);
     }
     for (int row = 0; row < kSide; ++row) {
-      std::memcpy(own.cost + kSide * row, &work_.upright.cost[row + 1][Work::kFrom], kSide * sizeof(Real));
+      std::memcpy(own.cost + kSide * row, &sweeper_.by_rows.cost[row + 1][Sweeper::kFirst], kSide * sizeof(Real));
     }
-    constexpr unsigned kPending[kSides] = {Work::kDown,
-                                           Work::kUp,
-                                           Work::kLeft,
-                                           Work::kRight,
-                                           Work::kDown | Work::kLeft,
-                                           Work::kDown | Work::kRight,
-                                           Work::kUp | Work::kLeft,
-                                           Work::kUp | Work::kRight};
-    for (int k = 0; k < kSides; ++k) tell(around[k], gains[k], kPending[k], order);
+    for (int side = 0; side < kSides; ++side) offer(around[side], offers[side], kOnward[side], rank);
   }
 
-  // A square's cells and those around it, upright, and of the turned plane the frame alone.
-  static void frame(const Square &own, const Square *const *beside, Real (Square::*part)[kCells],
-                    typename Work::Rows &upright, typename Work::Rows &turned) {
-    constexpr int kFirst = Work::kFrom, kBeyond = Work::kFrom + kSide, kTop = kSide + 1;
+  template <bool kInterpolate, bool kWalls>
+  __attribute__((noinline)) void sweep(unsigned sweeps, Real *offers) {
+    sweeper_.template settle<kInterpolate, kWalls>(sweeps);
+    offers[kSouth] = sweeper_.template offer_to_row<kInterpolate, kWalls, -1>(sweeper_.by_rows);
+    offers[kNorth] = sweeper_.template offer_to_row<kInterpolate, kWalls, 1>(sweeper_.by_rows);
+    offers[kWest] = sweeper_.template offer_to_row<kInterpolate, kWalls, -1>(sweeper_.by_cols);
+    offers[kEast] = sweeper_.template offer_to_row<kInterpolate, kWalls, 1>(sweeper_.by_cols);
+    for (int side = kSouthWest; side < kSides; ++side) {
+      offers[side] = sweeper_.template offer_to_corner<kInterpolate>(kRowStep[side], kColStep[side]);
+    }
+  }
+
+  // A tile's cells and the frame of its neighbours' cells around them, row by row; and column by column the frame alone.
+  static void copy_with_frame(const Tile &own, const Tile *const *neighbours, Real (Tile::*part)[kCells],
+                              typename Sweeper::Rows &by_rows, typename Sweeper::Rows &by_cols) {
+    constexpr int kFirst = Sweeper::kFirst, kBeyond = Sweeper::kFirst + kSide, kTop = kSide + 1;
     constexpr std::size_t kRow = kSide * sizeof(Real), kLastRow = kCells - kSide;
-    const auto at = [&](Side side) -> const Real * { return beside[side]->*part; };
-    for (int row = 0; row < kSide; ++row) std::memcpy(&upright[row + 1][kFirst], own.*part + kSide * row, kRow);
-    std::memcpy(&upright[0][kFirst], at(kSouth) + kLastRow, kRow);
-    std::memcpy(&upright[kTop][kFirst], at(kNorth), kRow);
+    const auto cells_of = [&](Side side) -> const Real * { return neighbours[side]->*part; };
+    for (int row = 0; row < kSide; ++row) std::memcpy(&by_rows[row + 1][kFirst], own.*part + kSide * row, kRow);
+    std::memcpy(&by_rows[0][kFirst], cells_of(kSouth) + kLastRow, kRow);
+    std::memcpy(&by_rows[kTop][kFirst], cells_of(kNorth), kRow);
     for (int k = 0; k < kSide; ++k) {
-      upright[k + 1][kFirst - 1] = turned[0][kFirst + k] = at(kWest)[kSide * k + kSide - 1];
-      upright[k + 1][kBeyond] = turned[kTop][kFirst + k] = at(kEast)[kSide * k];
-      turned[k + 1][kFirst - 1] = at(kSouth)[kLastRow + static_cast<std::size_t>(k)];
-      turned[k + 1][kBeyond] = at(kNorth)[k];
+      by_rows[k + 1][kFirst - 1] = by_cols[0][kFirst + k] = cells_of(kWest)[kSide * k + kSide - 1];
+      by_rows[k + 1][kBeyond] = by_cols[kTop][kFirst + k] = cells_of(kEast)[kSide * k];
+      by_cols[k + 1][kFirst - 1] = cells_of(kSouth)[kLastRow + static_cast<std::size_t>(k)];
+      by_cols[k + 1][kBeyond] = cells_of(kNorth)[k];
     }
-    upright[0][kFirst - 1] = turned[0][kFirst - 1] = at(kSouthWest)[kCells - 1];
-    upright[0][kBeyond] = turned[kTop][kFirst - 1] = at(kSouthEast)[kLastRow];
-    upright[kTop][kFirst - 1] = turned[0][kBeyond] = at(kNorthWest)[kSide - 1];
-    upright[kTop][kBeyond] = turned[kTop][kBeyond] = at(kNorthEast)[0];
+    by_rows[0][kFirst - 1] = by_cols[0][kFirst - 1] = cells_of(kSouthWest)[kCells - 1];
+    by_rows[0][kBeyond] = by_cols[kTop][kFirst - 1] = cells_of(kSouthEast)[kLastRow];
+    by_rows[kTop][kFirst - 1] = by_cols[0][kBeyond] = cells_of(kNorthWest)[kSide - 1];
+    by_rows[kTop][kBeyond] = by_cols[kTop][kBeyond] = cells_of(kNorthEast)[0];
   }
 
-  template <bool kBetween, bool kWalls>
-  __attribute__((noinline)) void run(unsigned pending, Real *gains) {
-    work_.template settle<kBetween, kWalls>(pending);
-    gains[kSouth] = work_.template gain<kBetween, kWalls, -1>(work_.upright);
-    gains[kNorth] = work_.template gain<kBetween, kWalls, 1>(work_.upright);
-    gains[kWest] = work_.template gain<kBetween, kWalls, -1>(work_.turned);
-    gains[kEast] = work_.template gain<kBetween, kWalls, 1>(work_.turned);
-    gains[kSouthWest] = work_.template corner_gain<kBetween>(-1, -1);
-    gains[kSouthEast] = work_.template corner_gain<kBetween>(-1, 1);
-    gains[kNorthWest] = work_.template corner_gain<kBetween>(1, -1);
-    gains[kNorthEast] = work_.template corner_gain<kBetween>(1, 1);
-  }
-
-  ZeroedTable<Square> squares_;
+  ZeroedTable<Tile> tiles_;
   ZeroedTable<State> states_;
-  Work work_{};
+  Sweeper sweeper_{};
   std::uint32_t stamp_ = 0;
-  bool between_ = true;
-  std::vector<Entry> waiting_;  // a heap; those that wait no more are left in it
-  std::vector<std::int64_t> held_;
-  std::int64_t across_ = 0;
+  bool interpolate_ = true;
+  OpenList<Entry> open_;  // with stale entries
+  std::vector<std::int64_t> deferred_;
+  std::int64_t stride_ = 0;  // tiles from one row of tiles to the next
   std::uint64_t settled_ = 0;
 };
 

@@ -69,7 +69,10 @@ class Interrupt {
 };
 
 // When to give up: a moment, a byte that somebody else may set, and an interrupt.
+struct Patience;
+using SearchLimits = Patience;
 struct Patience {
+  SearchStatus check() const { return left(); }
   std::optional<std::chrono::steady_clock::time_point> deadline;
   const std::uint8_t *cancel = nullptr;
   Interrupt *interrupt = nullptr;
