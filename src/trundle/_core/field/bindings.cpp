@@ -15,7 +15,7 @@ struct Task {
 // The costs to go in `out`; `fits` is whether the numbers hold them.
 template <typename Number, typename Cost>
 static SearchStatus solve(const Grid<Cost> &grid, const Task &task, float *out, bool &fits) {
-  Field<Cost, Number> field(grid, out, task.patience);
+  TiledField<Cost, Number> field(grid, out, task.patience);
   for (std::size_t k = 0; k < task.goals.shape(0); ++k) field.add_goal(task.goals(k, 0), task.goals(k, 1));
   const SearchStatus status = field.solve(task.threads);
   fits = field.fits();

@@ -11,7 +11,7 @@
 
 namespace trundle {
 
-// The costs of so many cells of a row as the caller counts them, infinity where there is no way, and the largest
+// Writes the costs of `count` cells of a row in the caller's unit, infinity where they are not reached. Returns the largest
 // number.
 template <int kBytes, typename Number>
 TRUNDLE_INLINE auto write_row(const Number (&values)[kTile], int count, float *out) {
@@ -46,7 +46,7 @@ TRUNDLE_INLINE auto write_row(const Number (&values)[kTile], int count, float *o
   return largest;
 }
 
-// The same of the rows of a tile that changed.
+// The same for the rows of a tile that changed.
 template <int kBytes, typename Number>
 TRUNDLE_INLINE Number write(const Number (*values)[kTile], std::uint64_t changed, int cols, float *out,
                             std::int64_t stride) {
@@ -60,36 +60,35 @@ TRUNDLE_INLINE Number write(const Number (*values)[kTile], std::uint64_t changed
   return joined<kLaneCount<decltype(largest)> / 2>(largest, more)[0];
 }
 
-
-// What a thread works with.
+// What a thread works with: a tile, and where its numbers are if they are not kept.
 template <typename Cost, typename Number>
-struct Work {
+struct Workspace {
   Tile<Cost, Number> tile;
   alignas(64) Number value[kTile + 2][kTile];  // for tiles whose numbers are not to be kept
   Number largest;
 };
 
 template <int kBytes, typename Cost, typename Number>
-TRUNDLE_INLINE void settle_any(const Place<Cost> &place, float *out, Work<Cost, Number> &work) {
-  const Grid<Cost> &grid = place.grid;
+TRUNDLE_INLINE void settle_any(const TileView<Cost> &view, float *out, Workspace<Cost, Number> &work) {
+  const Grid<Cost> &grid = view.grid;
   Tile<Cost, Number> &tile = work.tile;
-  tile.template settle<kBytes>(place);
-  const auto wide = static_cast<int>(std::min<std::int64_t>(kTile, grid.cols - place.x));
-  const auto high = static_cast<int>(std::min<std::int64_t>(kTile, grid.rows - place.y));
+  tile.template settle<kBytes>(view);
+  const auto wide = static_cast<int>(std::min<std::int64_t>(kTile, grid.cols - view.x));
+  const auto high = static_cast<int>(std::min<std::int64_t>(kTile, grid.rows - view.y));
   std::uint64_t rows = (std::uint64_t{2} << high) - 2;
-  if (tile.known) rows &= tile.changed;
-  work.largest = write<kBytes>(tile.value, rows, wide, out + place.y * grid.cols + place.x, grid.cols);
+  if (tile.is_kept) rows &= tile.changed;
+  work.largest = write<kBytes>(tile.value, rows, wide, out + view.y * grid.cols + view.x, grid.cols);
 }
 
 template <typename Cost, typename Number>
-void settle_portable(const Place<Cost> &place, float *out, Work<Cost, Number> &work) {
-  settle_any<16>(place, out, work);
+void settle_portable(const TileView<Cost> &view, float *out, Workspace<Cost, Number> &work) {
+  settle_any<16>(view, out, work);
 }
 
 #ifdef TRUNDLE_AVX2
 template <typename Cost, typename Number>
-TRUNDLE_TARGET("avx2") void settle_avx2(const Place<Cost> &place, float *out, Work<Cost, Number> &work) {
-  settle_any<32>(place, out, work);
+TRUNDLE_TARGET("avx2") void settle_avx2(const TileView<Cost> &view, float *out, Workspace<Cost, Number> &work) {
+  settle_any<32>(view, out, work);
 }
 #endif
 

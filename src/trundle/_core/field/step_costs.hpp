@@ -22,14 +22,14 @@ struct Grid {
   }
 };
 
-// A tile of a grid, by its first cell.
+// The costs of a tile's cells, where they are in the grid; the tile is that from (y, x) on.
 template <typename Cost>
-struct Place {
+struct TileView {
   const Grid<Cost> &grid;
   std::int64_t y, x;
 
-  // The costs of a row of its cells, where they are, or copied to `buffer` where some lie outside the grid; −1 and
-  // kTile are the rows beyond it.
+  // The costs of a row of its cells, in the grid, or copied to `buffer` where some lie outside it; −1 and kTile are the
+  // rows beyond the tile.
   TRUNDLE_INLINE const Cost *row(int r, Cost (&buffer)[kTile]) const {
     const bool inside = y + r >= 0 && y + r < grid.rows;
     if (inside && x + kTile <= grid.cols) return grid.costs + (y + r) * grid.cols + x;
@@ -47,8 +47,8 @@ struct Place {
     return buffer;
   }
 
-  // Read a cost of each piece of memory that the rows lie in: all at once come in the time of a few one after the
-  // other. Prefetching does not: where the system has the map in small pages, it is often dropped.
+  // Reads a cost of each cache line that the rows lie in: all at once arrive in the time of a few one after the other. A
+  // prefetch does not do that: where the system has the map in small pages, it is often dropped.
   TRUNDLE_INLINE Cost touch() const {
     constexpr std::int64_t kApart = 64 / sizeof(Cost);
     const std::int64_t first = std::max<std::int64_t>(x - 1, 0), last = std::min(x + kTile, grid.cols - 1);
@@ -81,7 +81,7 @@ struct HalfSteps {
         straight[k] = cost * Scale<Number>::kStraight + wall[k];
         diagonal[k] = cost * Scale<Number>::kDiagonal + wall[k];
       } else {
-        const Vector counted = cost > 0 ? cost : Vector{};  // of costs below 0 and of NaN there would be no end
+        const Vector counted = cost > 0 ? cost : Vector{};  // costs below 0, and NaN, would fall for ever
         straight[k] = cost == kNumberOfWall ? wall[k] : counted * Scale<Number>::kStraight;
         diagonal[k] = cost == kNumberOfWall ? wall[k] : counted * Scale<Number>::kDiagonal;
       }
@@ -121,7 +121,7 @@ TRUNDLE_INLINE void make_steps(const HalfSteps<kBytes, Number> &low, const HalfS
     on[k] = high.diagonal[k] + low.wall[k];
     straight.part[k] = low.straight[k] + high.straight[k];
   });
-  const Vector below_first = turned_up(off[kLast]), beyond_last = turned_down(off[0]);
+  const Vector below_first = rotated_up(off[kLast]), beyond_last = rotated_down(off[0]);
   each<kParts>(TRUNDLE_LAMBDA(auto k) {
     left.part[k] = on[k] + (k > 0 ? off[(k + kLast) % kParts] : below_first);
     right.part[k] = on[k] + (k < kLast ? off[(k + 1) % kParts] : beyond_last);
@@ -141,7 +141,7 @@ template <int kBytes, typename Number>
 TRUNDLE_INLINE void make_steps_along(const HalfSteps<kBytes, Number> &half, Number (&steps)[kTile]) {
   using R = Row<Number, kBytes>;
   constexpr int kParts = R::kParts, kLast = kParts - 1;
-  const auto below_first = turned_up(half.straight[kLast]);
+  const auto below_first = rotated_up(half.straight[kLast]);
   R step;
   each<kParts>(TRUNDLE_LAMBDA(auto k) {
     const auto both = half.straight[k] + (k > 0 ? half.straight[(k + kLast) % kParts] : below_first);
@@ -162,55 +162,55 @@ class TileSteps {
 
   void begin() { ready_ = 0; }
 
-  // See that steps are there: all of them, or those of a row.
+  // Make steps where they are not made yet: all of them, or those of a row.
   template <int kBytes>
-  TRUNDLE_INLINE void need_all(const Place<Cost> &place) {
+  TRUNDLE_INLINE void make_all(const TileView<Cost> &view) {
     alignas(64) Cost buffer[kTile];
-    touched_ = place.touch();
+    touched_ = view.touch();
     HalfSteps<kBytes, Number> halves[2];
-    halves[0].load(place.row(-1, buffer));
+    halves[0].load(view.row(-1, buffer));
     for (int row = 0; row <= kTile; ++row) {
       HalfSteps<kBytes, Number> &low = halves[row % 2], &high = halves[1 - row % 2];
-      high.load(place.row(row, buffer));
-      make_steps(low, high, place.grid.diagonals, up[row]);
+      high.load(view.row(row, buffer));
+      make_steps(low, high, view.grid.diagonals, up[row]);
       make_steps_along(high, along[row + 1]);
     }
     ready_ |= kUp;
   }
 
   template <int kBytes>
-  TRUNDLE_INLINE void need(const Place<Cost> &place, int row) {
+  TRUNDLE_INLINE void make(const TileView<Cost> &view, int row) {
     if (ready_ >> row & 1) return;
     ready_ |= std::uint64_t{1} << row;
     alignas(64) Cost buffer[kTile];
     HalfSteps<kBytes, Number> low, high;
-    low.load(place.row(row - 1, buffer));
-    high.load(place.row(row, buffer));
-    make_steps(low, high, place.grid.diagonals, up[row]);
+    low.load(view.row(row - 1, buffer));
+    high.load(view.row(row, buffer));
+    make_steps(low, high, view.grid.diagonals, up[row]);
     make_steps_along(low, along[row]);
     make_steps_along(high, along[row + 1]);
   }
 
-  // Those between the column beyond the tile and its own beside it, as if they were rows: on the left, or the right.
+  // Those between the column beyond the tile and its own next to it, as if they were rows: on the left, or the right.
   template <int kBytes, bool kRightSide>
-  TRUNDLE_INLINE const Steps<Number> &beside(const Place<Cost> &place) {
+  TRUNDLE_INLINE const Steps<Number> &between_columns(const TileView<Cost> &view) {
     constexpr std::uint64_t kBit = (kUp + 1) << kRightSide;
     if (!(ready_ & kBit)) {
       ready_ |= kBit;
       constexpr int kFirst = kRightSide ? kTile - 1 : -1;
       alignas(64) Cost buffer[kTile];
       HalfSteps<kBytes, Number> low, high;
-      low.load(place.col(kFirst, buffer));
-      high.load(place.col(kFirst + 1, buffer));
-      make_steps(low, high, place.grid.diagonals, sides_[kRightSide]);
+      low.load(view.col(kFirst, buffer));
+      high.load(view.col(kFirst + 1, buffer));
+      make_steps(low, high, view.grid.diagonals, sides_[kRightSide]);
     }
     return sides_[kRightSide];
   }
 
-  // That across a corner of the tile, to the row and the column beyond it: by the directions of both.
-  static TRUNDLE_INLINE Number across(const Place<Cost> &place, int rows, int cols) {
-    const Grid<Cost> &grid = place.grid;
-    const std::int64_t row = place.y + (rows < 0 ? 0 : kTile - 1), col = place.x + (cols < 0 ? 0 : kTile - 1);
+  // The step across a corner of the tile, to the row and the column beyond it: by the directions of both.
+  static TRUNDLE_INLINE Number across(const TileView<Cost> &view, int rows, int cols) {
+    const Grid<Cost> &grid = view.grid;
+    const std::int64_t row = view.y + (rows < 0 ? 0 : kTile - 1), col = view.x + (cols < 0 ? 0 : kTile - 1);
     const Cost own = grid.at(row, col), other = grid.at(row + rows, col + cols);
     const Cost beside[2] = {grid.at(row + rows, col), grid.at(row, col + cols)};
     if (!grid.diagonals || std::max({own, other, beside[0], beside[1]}) == kWall<Cost>) return Scale<Number>::kFar;

@@ -1,8 +1,9 @@
 // One tile of a cost field: a square of cells with a frame of the neighbours' cells around it, settled by sweeps.
 //
-// A sweep takes the rows one after the other, upward or downward. Each is relaxed from the row before it, straight
-// and along both diagonals, and then along itself, a register of cells at a time; it stays in registers for the next.
-// Only rows next to one that changed are done again, until none changes.
+// A sweep (fast sweeping: Zhao 2005) takes the rows one after the other, upward or downward. Each is relaxed from the row
+// before it, straight and along both diagonals, and then along itself, a register of cells at a time; it stays in registers
+// for the next. Only rows next to one that changed are done again, until none changes: then each cell costs what its
+// neighbours and the step from them say.
 #pragma once
 
 #include "field/step_costs.hpp"
@@ -34,119 +35,119 @@ class Tile {
   static constexpr Number kFar = Scale<Number>::kFar;
 
   // Given: the costs to go, of which the tile's own rows are 1 to kTile, and whether they are those that it was left
-  // with; its edges and those of the tiles beside it; which sides bring something, a bit for each; and its goals,
+  // with; its edges and those of the tiles around it; the sides that offer something, a bit for each; and its goals,
   // counted row by row.
   Number (*value)[kTile];
-  bool known;
+  bool is_kept;
   Edges<Number> *edges;
-  const Edges<Number> *beside[kSides];
-  std::uint32_t told;
+  const Edges<Number> *neighbours[kSides];
+  std::uint32_t offering;
   std::vector<std::int32_t> goals;
 
-  // What comes of it: which rows changed, a bit for each; and the least cost that each side gets by a step from here,
-  // where that is less than it has, else kFar.
+  // What comes of it: the rows that changed, a bit for each; and the least cost that a cell beyond each side gets by a step
+  // from here, where that is less than it has, else kFar.
   std::uint64_t changed;
-  Number gain[kSides];
+  Number offers[kSides];
 
   template <int kBytes>
-  TRUNDLE_INLINE void settle(const Place<Cost> &place) {
+  TRUNDLE_INLINE void settle(const TileView<Cost> &view) {
     Number corners[4];
-    for (int k = 0; k < 4; ++k) corners[k] = known ? corner(kCorner + k) : kFar;
-    begin<kBytes>(place);
-    relax<kBytes>(place);
-    find_gains<kBytes>(place, corners);
+    for (int k = 0; k < 4; ++k) corners[k] = is_kept ? corner(kCorner + k) : kFar;
+    take_offers<kBytes>(view);
+    relax<kBytes>(view);
+    find_offers<kBytes>(view, corners);
   }
 
  private:
   Number &corner(int side) { return value[kSideRow[side] < 0 ? 1 : kTile][kSideCol[side] < 0 ? 0 : kTile - 1]; }
 
   Number beyond_corner(int side) const {
-    const Edges<Number> &there = *beside[side];
+    const Edges<Number> &there = *neighbours[side];
     return (kSideRow[side] < 0 ? there.high : there.low)[kSideCol[side] < 0 ? kTile - 1 : 0];
   }
 
-  bool brings(int side, const Number (&edge)[kTile]) const {
+  bool is_offering(int side, const Number (&edge)[kTile]) const {
     Number nearest = kFar;
     for (const Number cost : edge) nearest = std::min(nearest, cost);
-    return told >> side & 1 && nearest < kFar;
+    return offering >> side & 1 && nearest < kFar;
   }
 
-  // With what the sides bring, and the goals.
+  // Lowers the cells that the sides offer something, and the goals.
   template <int kBytes>
-  TRUNDLE_INLINE void begin(const Place<Cost> &place) {
-    up_ = down_ = loose_ = changed = 0;
+  TRUNDLE_INLINE void take_offers(const TileView<Cost> &view) {
+    up_ = down_ = entered_ = changed = 0;
     steps_.begin();
-    if (!known) {
+    if (!is_kept) {
       std::fill_n(value[1], kTile * kTile, kFar);
       edges->clear();
-      told = (1 << kSides) - 1;
-      steps_.template need_all<kBytes>(place);
+      offering = (1 << kSides) - 1;
+      steps_.template make_all<kBytes>(view);
     }
-    if (brings(kLow, beside[kLow]->high)) {
-      std::copy_n(beside[kLow]->high, kTile, value[0]);
+    if (is_offering(kLow, neighbours[kLow]->high)) {
+      std::copy_n(neighbours[kLow]->high, kTile, value[0]);
       up_ = 1;
     }
-    if (brings(kHigh, beside[kHigh]->low)) {
-      std::copy_n(beside[kHigh]->low, kTile, value[kTile + 1]);
+    if (is_offering(kHigh, neighbours[kHigh]->low)) {
+      std::copy_n(neighbours[kHigh]->low, kTile, value[kTile + 1]);
       down_ = std::uint64_t{1} << (kTile + 1);
     }
-    if (brings(kLeft, beside[kLeft]->right)) {
-      enter<kBytes, 1>(beside[kLeft]->right, steps_.template beside<kBytes, false>(place), 0);
+    if (is_offering(kLeft, neighbours[kLeft]->right)) {
+      enter<kBytes, 1>(neighbours[kLeft]->right, steps_.template between_columns<kBytes, false>(view), 0);
     }
-    if (brings(kRight, beside[kRight]->left)) {
-      enter<kBytes, -1>(beside[kRight]->left, steps_.template beside<kBytes, true>(place), kTile - 1);
+    if (is_offering(kRight, neighbours[kRight]->left)) {
+      enter<kBytes, -1>(neighbours[kRight]->left, steps_.template between_columns<kBytes, true>(view), kTile - 1);
     }
     for (int side = kCorner; side < kSides; ++side) {
-      if (!(told >> side & 1) || beyond_corner(side) == kFar) continue;
-      const Number cost = beyond_corner(side) + steps_.across(place, kSideRow[side], kSideCol[side]);
+      if (!(offering >> side & 1) || beyond_corner(side) == kFar) continue;
+      const Number cost = beyond_corner(side) + steps_.across(view, kSideRow[side], kSideCol[side]);
       improve(kSideRow[side] < 0 ? 1 : kTile, corner(side), cost);
     }
     for (const std::int32_t goal : goals) {
       const int row = goal / kTile + 1;
-      improve(row, value[row][Row<Number, kBytes>::place(goal % kTile)], 0);
+      improve(row, value[row][Row<Number, kBytes>::index_of(goal % kTile)], 0);
     }
   }
 
   TRUNDLE_INLINE void improve(int row, Number &own, Number cost) {
-    loose_ |= std::uint64_t{cost < own} << row;
+    entered_ |= std::uint64_t{cost < own} << row;
     own = std::min(own, cost);
   }
 
-  // From a column beyond the tile to its own beside it.
+  // From a column beyond the tile to its own next to it.
   template <int kBytes, int kStep>
   TRUNDLE_INLINE void enter(const Number (&edge)[kTile], const Steps<Number> &between, int col) {
     using R = Row<Number, kBytes>;
     R beyond;
     beyond.load(edge);
-    alignas(64) Number brought[kTile];
-    step_from<kStep>(beyond, between).store(brought);
-    for (int row = 1; row <= kTile; ++row) improve(row, value[row][col], brought[R::place(row - 1)]);
+    alignas(64) Number costs[kTile];
+    step_from<kStep>(beyond, between).store(costs);
+    for (int row = 1; row <= kTile; ++row) improve(row, value[row][col], costs[R::index_of(row - 1)]);
   }
 
-  // Until nothing changes.
+  // Sweeps until nothing changes.
   template <int kBytes>
-  TRUNDLE_INLINE void relax(const Place<Cost> &place) {
-    for (std::uint64_t rows = loose_; rows != 0; rows &= rows - 1) {
+  TRUNDLE_INLINE void relax(const TileView<Cost> &view) {
+    for (std::uint64_t rows = entered_; rows != 0; rows &= rows - 1) {
       const int row = __builtin_ctzll(rows);
-      steps_.template need<kBytes>(place, row);
+      steps_.template make<kBytes>(view, row);
       Row<Number, kBytes> own;
       own.load(value[row]);
       relax_along(steps_.along[row], own);
       own.store(value[row]);
     }
-    up_ |= loose_;
-    down_ |= loose_;
-    changed |= loose_;
+    up_ |= entered_;
+    down_ |= entered_;
+    changed |= entered_;
     while (up_ || down_) {
-      if (up_) sweep<kBytes, 1>(place);
-      if (down_) sweep<kBytes, -1>(place);
+      if (up_) sweep<kBytes, 1>(view);
+      if (down_) sweep<kBytes, -1>(view);
     }
   }
 
-  // Relax every row that follows a changed one; what changes is noted for the other way. Most often the next row
+  // Relaxes every row that follows a changed one; what changes is noted for the other direction. Most often the next row
   // changes as the last one did: where the processor guesses that it does not, it need not wait for this one.
   template <int kBytes, int kStep>
-  TRUNDLE_INLINE void sweep(const Place<Cost> &place) {
+  TRUNDLE_INLINE void sweep(const TileView<Cost> &view) {
     using R = Row<Number, kBytes>;
     constexpr std::uint64_t kSources = ((std::uint64_t{1} << kTile) - 1) << (kStep > 0 ? 0 : 2);
     std::uint64_t open = (kStep > 0 ? up_ : down_) & kSources, lower = 0;
@@ -158,7 +159,7 @@ class Tile {
     // Rows between changed ones are relaxed too: to pass them by would take longer.
     do {
       const int low = kStep > 0 ? row : row - 1;
-      steps_.template need<kBytes>(place, low);
+      steps_.template make<kBytes>(view, low);
       R next = step_from<kStep>(own, steps_.up[low]);
       row += kStep;
       old.load(value[row]);
@@ -177,41 +178,41 @@ class Tile {
     changed |= lower;
   }
 
-  // Bring the edges up to date; those that changed, and corners that cost less than they did, may bring something.
+  // Brings the edges up to date; those that changed, and corners that cost less than they did, may offer something.
   template <int kBytes>
-  TRUNDLE_INLINE void find_gains(const Place<Cost> &place, const Number (&corners)[4]) {
+  TRUNDLE_INLINE void find_offers(const TileView<Cost> &view, const Number (&corners)[4]) {
     using R = Row<Number, kBytes>;
-    std::fill_n(gain, int{kSides}, kFar);
+    std::fill_n(offers, int{kSides}, kFar);
     if (changed >> 1 & 1) {
-      steps_.template need<kBytes>(place, 0);
-      gain[kLow] = gain_of<kBytes, -1>(value[1], steps_.up[0], beside[kLow]->high, edges->low);
+      steps_.template make<kBytes>(view, 0);
+      offers[kLow] = offer_of<kBytes, -1>(value[1], steps_.up[0], neighbours[kLow]->high, edges->low);
     }
     if (changed >> kTile & 1) {
-      steps_.template need<kBytes>(place, kTile);
-      gain[kHigh] = gain_of<kBytes, 1>(value[kTile], steps_.up[kTile], beside[kHigh]->low, edges->high);
+      steps_.template make<kBytes>(view, kTile);
+      offers[kHigh] = offer_of<kBytes, 1>(value[kTile], steps_.up[kTile], neighbours[kHigh]->low, edges->high);
     }
     alignas(64) Number left[kTile], right[kTile];
     for (int row = 0; row < kTile; ++row) {
-      left[R::place(row)] = value[row + 1][0];
-      right[R::place(row)] = value[row + 1][kTile - 1];
+      left[R::index_of(row)] = value[row + 1][0];
+      right[R::index_of(row)] = value[row + 1][kTile - 1];
     }
     if (std::memcmp(left, edges->left, sizeof left) != 0) {
-      const auto &between = steps_.template beside<kBytes, false>(place);
-      gain[kLeft] = gain_of<kBytes, -1>(left, between, beside[kLeft]->right, edges->left);
+      const auto &between = steps_.template between_columns<kBytes, false>(view);
+      offers[kLeft] = offer_of<kBytes, -1>(left, between, neighbours[kLeft]->right, edges->left);
     }
     if (std::memcmp(right, edges->right, sizeof right) != 0) {
-      const auto &between = steps_.template beside<kBytes, true>(place);
-      gain[kRight] = gain_of<kBytes, 1>(right, between, beside[kRight]->left, edges->right);
+      const auto &between = steps_.template between_columns<kBytes, true>(view);
+      offers[kRight] = offer_of<kBytes, 1>(right, between, neighbours[kRight]->left, edges->right);
     }
     for (int side = kCorner; side < kSides; ++side) {
       if (corner(side) == corners[side - kCorner]) continue;
-      const Number cost = corner(side) + steps_.across(place, kSideRow[side], kSideCol[side]);
-      if (cost < beyond_corner(side)) gain[side] = cost;
+      const Number cost = corner(side) + steps_.across(view, kSideRow[side], kSideCol[side]);
+      if (cost < beyond_corner(side)) offers[side] = cost;
     }
   }
 
   template <int kBytes, int kStep>
-  static TRUNDLE_INLINE Number gain_of(const Number (&edge)[kTile], const Steps<Number> &between,
+  static TRUNDLE_INLINE Number offer_of(const Number (&edge)[kTile], const Steps<Number> &between,
                                        const Number (&frame)[kTile], Number (&kept)[kTile]) {
     using R = Row<Number, kBytes>;
     using Vector = typename R::Vector;
@@ -229,7 +230,7 @@ class Tile {
 
   TileSteps<Cost, Number> steps_;
   std::uint64_t up_, down_;  // rows that changed since they were last relaxed from, upward and downward
-  std::uint64_t loose_;      // rows that changed from the sides, and are to be relaxed along themselves
+  std::uint64_t entered_;    // rows that changed from the sides, and are to be relaxed along themselves
 };
 
 }  // namespace trundle

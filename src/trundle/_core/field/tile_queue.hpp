@@ -1,7 +1,8 @@
-// Which tile of a cost field has its turn next.
+// The open list of a cost field: which tile is settled next.
 //
-// Each tile that could gain by a settled neighbour waits, and the one that gains the least cost comes first, as in
-// Dijkstra's algorithm but with a tile for a cell. Tiles that touch have no turn at the same time.
+// A tile is open while a settled neighbour offers one of its cells less than that has. The tile with the least offer comes
+// first, as in Dijkstra's algorithm with a tile for a cell. Several threads may have a tile each, but never two that touch:
+// a settled tile's edges are its neighbours' frames.
 #pragma once
 
 #include "field/tile.hpp"
@@ -13,60 +14,63 @@
 namespace trundle {
 
 template <typename Number>
-class Turns {
+class TileQueue {
  public:
-  Turns(std::int64_t tile_rows, std::int64_t tile_cols)
+  TileQueue(std::int64_t tile_rows, std::int64_t tile_cols)
       : tile_rows_(tile_rows), tile_cols_(tile_cols), states_(static_cast<std::size_t>(tile_rows * tile_cols)) {}
 
-  // A side of a tile brings a cost.
-  void wait(std::int64_t tile, int side, Number cost) {
+  // A cost comes to a tile from one of its sides.
+  void offer(std::int64_t tile, int side, Number cost) {
     State &state = states_[tile];
-    state.told |= static_cast<std::uint8_t>(1 << side);
-    if (cost >= state.waiting && state.waiting != kFar) return;
-    state.waiting = cost;
-    queue_.push({cost, tile});
+    state.offering |= static_cast<std::uint8_t>(1 << side);
+    if (cost >= state.least_offer && state.least_offer != kFar) return;
+    state.least_offer = cost;
+    open_.push({cost, tile});
   }
 
-  // The next tile whose neighbours are all at rest, or −1. It is busy then.
+  // The tile of the least offer none of whose neighbours is busy, or −1. It is busy then.
   std::int64_t take() {
     std::int64_t found = -1;
-    while (!queue_.empty() && found < 0) {
-      const Waiting first = queue_.top();
-      queue_.pop();
-      if (states_[first.second].waiting != first.first) continue;  // it had its turn since, or waits for less
-      if (busy_ > 0 && beside_busy(first.second)) {
-        held_.push_back(first);
+    while (!open_.empty() && found < 0) {
+      const Entry first = open_.top();
+      open_.pop();
+      const auto &[cost, tile] = first;
+      if (states_[tile].least_offer != cost) continue;  // it was taken since, or has a lower offer
+      if (busy_ > 0 && is_beside_busy(tile)) {
+        set_aside_.push_back(first);
       } else {
-        found = first.second;
+        found = tile;
       }
     }
-    for (const Waiting &one : held_) queue_.push(one);
-    held_.clear();
+    for (const Entry &entry : set_aside_) open_.push(entry);
+    set_aside_.clear();
     if (found < 0) return found;
     ++busy_;
-    states_[found].waiting = kFar;
+    states_[found].least_offer = kFar;
     states_[found].busy = true;
     return found;
   }
 
-  // Which sides brought a busy tile something since its last turn, a bit for each.
-  std::uint32_t told(std::int64_t tile) { return std::exchange(states_[tile].told, std::uint8_t{0}); }
+  // The sides from which something was offered to a busy tile since it was taken before, a bit for each.
+  std::uint32_t take_offering(std::int64_t tile) { return std::exchange(states_[tile].offering, std::uint8_t{0}); }
 
-  // The turn of a tile is over, and its neighbours gain by it.
-  void end(std::int64_t tile, const Number (&gain)[kSides]) {
+  // A busy tile is settled, and offers costs to its neighbours.
+  void settle(std::int64_t tile, const Number (&offers)[kSides]) {
     --busy_;
     states_[tile].busy = false;
     states_[tile].settled = true;
     for (int side = 0; side < kSides; ++side) {
-      if (gain[side] < kFar) wait(tile + kSideRow[side] * tile_cols_ + kSideCol[side], opposite(side), gain[side]);
+      if (offers[side] < kFar) {
+        offer(tile + kSideRow[side] * tile_cols_ + kSideCol[side], opposite(side), offers[side]);
+      }
     }
   }
 
   bool any_busy() const { return busy_ > 0; }
-  bool settled(std::int64_t tile) const { return states_[tile].settled; }
+  bool is_settled(std::int64_t tile) const { return states_[tile].settled; }
 
   // The tile on a side of another, or −1.
-  std::int64_t beside(std::int64_t tile, int side) const {
+  std::int64_t neighbour(std::int64_t tile, int side) const {
     const std::int64_t row = tile / tile_cols_ + kSideRow[side], col = tile % tile_cols_ + kSideCol[side];
     return row >= 0 && row < tile_rows_ && col >= 0 && col < tile_cols_ ? row * tile_cols_ + col : -1;
   }
@@ -75,16 +79,16 @@ class Turns {
   static constexpr Number kFar = Scale<Number>::kFar;
 
   struct State {
-    Number waiting = kFar;  // the least cost that a neighbour brings; kFar where none waits
-    std::uint8_t told = 0;
+    Number least_offer = kFar;  // kFar where the tile is not open
+    std::uint8_t offering = 0;
     bool busy = false, settled = false;
   };
 
-  using Waiting = std::pair<Number, std::int64_t>;
+  using Entry = std::pair<Number, std::int64_t>;
 
-  bool beside_busy(std::int64_t tile) const {
+  bool is_beside_busy(std::int64_t tile) const {
     for (int side = 0; side < kSides; ++side) {
-      const std::int64_t other = beside(tile, side);
+      const std::int64_t other = neighbour(tile, side);
       if (other >= 0 && states_[other].busy) return true;
     }
     return states_[tile].busy;
@@ -92,8 +96,8 @@ class Turns {
 
   const std::int64_t tile_rows_, tile_cols_;
   std::vector<State> states_;
-  std::priority_queue<Waiting, std::vector<Waiting>, std::greater<Waiting>> queue_;
-  std::vector<Waiting> held_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open_;  // with stale entries
+  std::vector<Entry> set_aside_;
   int busy_ = 0;
 };
 

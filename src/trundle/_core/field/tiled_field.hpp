@@ -1,8 +1,11 @@
 // A cost field tile by tile, by one thread or several.
 //
-// The result is the one smallest fixed point, whatever the order. Of a settled tile the cells along its edges are
-// kept, which are its neighbours' frames, and for a while all of its numbers; where those are lost they are found
-// again from its frame when that changes.
+// A tile is taken from the open list, settled with what its neighbours offer, and offers them what comes of it, until no
+// tile is open (tile_queue.hpp, tile.hpp). Costs only fall, and the result is the one smallest fixed point of all steps,
+// whatever the order: the same for any number of threads.
+//
+// The cells along the edges of a settled tile are kept: they are its neighbours' frames. All of its numbers are kept for a
+// while. Where those are lost, the tile is settled again from its frame when that changes.
 #pragma once
 
 #include "field/result.hpp"
@@ -20,31 +23,31 @@
 namespace trundle {
 
 template <typename Cost, typename Number>
-class Field {
+class TiledField {
  public:
-  Field(const Grid<Cost> &grid, float *out, const Patience &patience)
+  TiledField(const Grid<Cost> &grid, float *out, const Patience &patience)
       : grid_(grid),
         patience_(patience),
         tile_rows_((grid.rows + kTile - 1) / kTile),
         tile_cols_((grid.cols + kTile - 1) / kTile),
         settle_(choose_settle<Cost, Number>()),
         out_(out),
-        turns_(tile_rows_, tile_cols_),
+        queue_(tile_rows_, tile_cols_),
         edges_(allocate<Edges<Number>>(static_cast<std::size_t>(tile_rows_ * tile_cols_))),
         slot_rows_(std::min(tile_rows_, kSlots)),
         slot_cols_(std::min(tile_cols_, kSlots)),
         slots_(static_cast<std::size_t>(slot_rows_ * slot_cols_)),
         kept_(allocate<Numbers>(slots_.size())) {
-    none_.clear();
+    unreached_.clear();
   }
 
   void add_goal(std::int64_t row, std::int64_t col) {
     const std::int64_t tile = row / kTile * tile_cols_ + col / kTile;
     goals_.push_back({tile, static_cast<std::int32_t>(row % kTile * kTile + col % kTile)});
-    turns_.wait(tile, kLow, 0);
+    queue_.offer(tile, kLow, 0);
   }
 
-  // Whether it came to the end. What is in the result else, or where the numbers did not fit, is of no use.
+  // Found, or why it was stopped. Then, and where the numbers do not fit, the result is of no use.
   SearchStatus solve(int threads) {
     std::sort(goals_.begin(), goals_.end());
     threads = static_cast<int>(std::min<std::int64_t>(threads, tile_rows_ * tile_cols_));
@@ -58,7 +61,7 @@ class Field {
     return status_;
   }
 
-  // Whether every way was small enough for the numbers.
+  // Whether the numbers hold every cost.
   bool fits() const { return fits_; }
 
  private:
@@ -70,7 +73,8 @@ class Field {
     bool operator<(const Goal &other) const { return tile < other.tile; }
   };
 
-  // Where the numbers of a tile's cells are kept for its next turn: by place, so that those of a front find room.
+  // Where the numbers of a tile's cells are kept until it is taken again: by position, so that those of a wavefront find
+  // room.
   struct Slot {
     std::int64_t tile = -1;
     bool busy = false;
@@ -95,7 +99,7 @@ class Field {
     }
   }
 
-  // All threads do the same work, this one too; what one throws is thrown here.
+  // All threads run the same task, this one too; what one throws is thrown here.
   template <typename Task>
   static void run(int threads, Task task) {
     std::exception_ptr failure;
@@ -111,7 +115,7 @@ class Field {
     std::vector<std::thread> others;
     try {
       for (int n = 1; n < threads; ++n) others.emplace_back(guarded);
-    } catch (const std::system_error &) {  // no more to be had: those that there are do the work
+    } catch (const std::system_error &) {  // no more threads to be had: fewer do the work
     }
     guarded();
     for (auto &other : others) other.join();
@@ -120,7 +124,7 @@ class Field {
 
   void settle_tiles() {
     try {
-      settle_while_any_waits();
+      settle_while_any_is_open();
     } catch (...) {
       const std::lock_guard<std::mutex> lock(mutex_);
       failed_ = true;
@@ -129,13 +133,13 @@ class Field {
     }
   }
 
-  void settle_while_any_waits() {
-    const auto work = std::make_unique<Work<Cost, Number>>();
+  void settle_while_any_is_open() {
+    const auto work = std::make_unique<Workspace<Cost, Number>>();
     std::unique_lock<std::mutex> lock(mutex_);
     while (status_ == SearchStatus::kFound && fits_ && !failed_) {
-      const std::int64_t index = turns_.take();
+      const std::int64_t index = queue_.take();
       if (index < 0) {
-        if (!turns_.any_busy()) break;
+        if (!queue_.any_busy()) break;
         freed_.wait(lock);
         continue;
       }
@@ -150,33 +154,33 @@ class Field {
       if (keep) slots_[slot].busy = false;
       if (left != SearchStatus::kFound) status_ = left;
       if (!all_fit(work->largest)) fits_ = false;
-      turns_.end(index, work->tile.gain);
+      queue_.settle(index, work->tile.offers);
       freed_.notify_all();
     }
     freed_.notify_all();
   }
 
-  // Hand a tile what it needs for its turn.
+  // Hands a tile what it needs to be settled.
   void begin(std::int64_t index, Number (*value)[kTile], Tile<Cost, Number> &tile) {
     const Slot &slot = slots_[slot_of(index)];
     tile.value = value;
-    tile.known = !slot.busy && slot.tile == index;
-    tile.told = turns_.told(index);
+    tile.is_kept = !slot.busy && slot.tile == index;
+    tile.offering = queue_.take_offering(index);
     tile.edges = &edges_[index];
     for (int side = 0; side < kSides; ++side) {
-      const std::int64_t other = turns_.beside(index, side);
-      tile.beside[side] = other >= 0 && turns_.settled(other) ? &edges_[other] : &none_;
+      const std::int64_t other = queue_.neighbour(index, side);
+      tile.neighbours[side] = other >= 0 && queue_.is_settled(other) ? &edges_[other] : &unreached_;
     }
     tile.goals.clear();
-    if (tile.known) return;
+    if (tile.is_kept) return;
     auto goal = std::lower_bound(goals_.begin(), goals_.end(), Goal{index, 0});
     for (; goal != goals_.end() && goal->tile == index; ++goal) tile.goals.push_back(goal->cell);
   }
 
-  // Tiles of a row of them that no way reaches.
+  // Tiles of a row of tiles that are not reached.
   void fill_unreached(std::int64_t row) {
     for (std::int64_t col = 0; col < tile_cols_; ++col) {
-      if (turns_.settled(row * tile_cols_ + col)) continue;
+      if (queue_.is_settled(row * tile_cols_ + col)) continue;
       const std::int64_t x = col * kTile, wide = std::min<std::int64_t>(kTile, grid_.cols - x);
       for (std::int64_t y = row * kTile; y < std::min(row * kTile + kTile, grid_.rows); ++y) {
         std::fill_n(out_ + y * grid_.cols + x, wide, std::numeric_limits<float>::infinity());
@@ -187,11 +191,11 @@ class Field {
   const Grid<Cost> grid_;
   const Patience patience_;
   const std::int64_t tile_rows_, tile_cols_;
-  void (*const settle_)(const Place<Cost> &, float *, Work<Cost, Number> &);
+  void (*const settle_)(const TileView<Cost> &, float *, Workspace<Cost, Number> &);
   float *const out_;
-  Turns<Number> turns_;
+  TileQueue<Number> queue_;
   std::unique_ptr<Edges<Number>[], Freed> edges_;
-  Edges<Number> none_;  // those of tiles that were not settled yet, and beyond the map
+  Edges<Number> unreached_;  // those of tiles not settled yet, and beyond the map
   std::vector<Goal> goals_;
   const std::int64_t slot_rows_, slot_cols_;
   std::vector<Slot> slots_;

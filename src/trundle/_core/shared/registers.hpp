@@ -50,13 +50,13 @@ constexpr auto counted(std::integer_sequence<int, k...>) {
 
 // Every lane so many places up, or down; what falls off one end comes in at the other.
 template <int kBy = 1, typename Vector>
-TRUNDLE_INLINE Vector turned_up(Vector lanes) {
+TRUNDLE_INLINE Vector rotated_up(Vector lanes) {
   constexpr int kLanes = kLaneCount<Vector>;
   return pick(lanes, lanes, counted<kLanes - kBy>(std::make_integer_sequence<int, kLanes>{}));
 }
 
 template <int kBy = 1, typename Vector>
-TRUNDLE_INLINE Vector turned_down(Vector lanes) {
+TRUNDLE_INLINE Vector rotated_down(Vector lanes) {
   return pick(lanes, lanes, counted<kBy>(std::make_integer_sequence<int, kLaneCount<Vector>>{}));
 }
 
