@@ -1,9 +1,12 @@
-// Another course for a path: curves that a robot can drive, clear of costs, where its footprint has room.
+// `PathSmoother` as Python sees it: a path's course made of curves that the robot can drive, clear of costs, with room for its
+// footprint.
+//
+// Two rounds: the first replaces parts of the path by shorter curves, the second by curves along an elastic band beside it.
 #include "curves/segments.hpp"
 #include "shared/arrays.hpp"
 #include "shared/memory_pool.hpp"
-#include "smoothing/band.hpp"
-#include "smoothing/chain.hpp"
+#include "smoothing/elastic_band.hpp"
+#include "smoothing/lazy_chain.hpp"
 
 #include <nanobind/stl/optional.h>
 
@@ -22,7 +25,7 @@ constexpr int kBands = 1;
 struct Request {
   footprint::Costs costs;
   double resolution;
-  const double *outline, *inner;  // what is looked at, and what of it has to be free where that is not all; null else
+  const double *outline, *inner;  // the padded outline, and the one that has to be free where that is another, or null
   std::size_t corners;
   const double *poses;
   const std::uint8_t *backward;
@@ -35,7 +38,7 @@ struct Smoothed {
   std::vector<std::uint8_t> backward;
   std::vector<std::int32_t> source;  // for each pose that of the request that it is, or -1
   std::vector<std::uint8_t> kept;    // for each leg whether it is one of the request's, or lies on one
-  Price before, after;               // the whole in the planners' unit
+  PathCost before, after;            // the total in the planners' unit
 };
 
 // The legs of poses, turns in place among them.
@@ -47,20 +50,20 @@ std::vector<Piece> read(const double *poses, const std::uint8_t *backward, std::
     const double turn = std::remainder(b[2] - a[2], 2.0 * kPi);
     const bool stays = length <= kSamePlace;
     if (stays && std::fabs(turn) <= kSamePlace) continue;
-    const double way = backward[i] != 0 ? -1.0 : 1.0;
-    pieces.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {stays ? 0.0 : way * length, turn},
+    const double sign = backward[i] != 0 ? -1.0 : 1.0;
+    pieces.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {stays ? 0.0 : sign * length, turn},
                       static_cast<std::int32_t>(i)});
   }
   return pieces;
 }
 
-Price total(const std::vector<Piece> &legs, const Prices &prices) {
-  Price sum;
+PathCost total(const std::vector<Piece> &legs, const CostModel &model) {
+  PathCost sum;
   int last = 0;
   for (const Piece &leg : legs) {
-    const Price price = prices.plain(leg);
-    sum.line += price.line, sum.whole += price.whole;
-    if (last * leg.direction() < 0) sum.whole += prices.settings().model.change_cost;
+    const PathCost price = model.planner_cost(leg);
+    sum.line += price.line, sum.total += price.total;
+    if (last * leg.direction() < 0) sum.total += model.settings().model.change_cost;
     last = leg.direction();
   }
   return sum;
@@ -94,7 +97,7 @@ Smoothed write(const Request &request, const std::vector<Piece> &pieces) {
       for_each_pose(from, joined, request.spacing,
                     [&](const PlanarPose &pose, bool back) { add(pose, back, false, -1); });
       if (joined.empty()) add(to, false, false, -1);
-      // The sum of what was rounded along the parts.
+      // Without what rounding added up along the parts.
       out.poses[out.poses.size() - 3] = to.x, out.poses[out.poses.size() - 2] = to.y;
       out.poses[out.poses.size() - 1] = to.yaw;
     }
@@ -109,14 +112,14 @@ Smoothed smooth(const Request &request, const Settings &settings, PoseChecker &c
   if (pieces.empty()) return {};
   checker.begin(request.costs.data, request.costs.rows, request.costs.cols, request.resolution, request.outline,
                 request.corners, request.step, request.inner);
-  Prices prices(settings, request.costs, checker, request.resolution, request.spacing);
+  CostModel costs(settings, request.costs, checker, request.resolution, request.spacing);
   int highest = 0;
-  for (const Piece &piece : pieces) highest = std::max(highest, prices.highest(piece));
-  prices.set_ceiling(highest);
-  const Price before = total(pieces, prices);
+  for (const Piece &piece : pieces) highest = std::max(highest, costs.highest(piece));
+  costs.set_ceiling(highest);
+  const PathCost before = total(pieces, costs);
   double length = 0.0;
   for (const Piece &piece : pieces) length += std::fabs(piece.stretch.length);
-  // A few hundred metres of path have stations as far apart as their number would be too large otherwise.
+  // On paths of many hundred metres stations lie further apart: there are about 4000 at most.
   const double apart = std::max(std::clamp(settings.model.radius, 0.25, 1.0), length / 4000.0);
   // Each round may use its share of the tolerance.
   const double tolerance = std::pow(1.0 + settings.cost_tolerance, 1.0 / (1 + kBands)) - 1.0;
@@ -124,16 +127,16 @@ Smoothed smooth(const Request &request, const Settings &settings, PoseChecker &c
   std::vector<std::vector<Piece>> rounds{std::move(pieces)};
   for (int round = 0; round <= kBands; ++round) {
     std::vector<Piece> cut = rounds.back();
-    const std::vector<Station> stations = lay_stations(cut, prices, apart);
-    std::vector<std::optional<PlanarPose>> beside(stations.size());
-    if (round > 0) beside = lay_beside(cut, stations, 0.4 * apart, settings.curve_weight, slope, checker);
-    rounds.push_back(Chain(cut, stations, beside, prices, tolerance).cheapest(checker));
+    const std::vector<Station> stations = lay_stations(cut, costs, apart);
+    std::vector<std::optional<PlanarPose>> band(stations.size());
+    if (round > 0) band = band_poses(cut, stations, 0.4 * apart, settings.curve_weight, slope, checker);
+    rounds.push_back(LazyChain(cut, stations, band, costs, tolerance).find(checker));
   }
-  // The chords that are given back are others than those that were priced, which where cells differ much may tell.
+  // The chords returned are not those that were costed, which matters where cells differ much: drop rounds that fail.
   for (;; rounds.pop_back()) {
     Smoothed out = write(request, rounds.back());
     out.before = before;
-    out.after = total(read(out.poses.data(), out.backward.data(), out.source.size()), prices);
+    out.after = total(read(out.poses.data(), out.backward.data(), out.source.size()), costs);
     if (rounds.size() == 1 || out.after.line <= (1.0 + settings.cost_tolerance) * before.line) return out;
   }
 }
@@ -198,7 +201,7 @@ nb::tuple PathSmoother::smooth(In<std::uint8_t, 2> costs, double resolution, In<
   const std::size_t count = out.poses.size() / 3, legs = out.kept.size();
   return nb::make_tuple(to_numpy(std::move(out.poses), {count, 3}), to_numpy(std::move(out.backward), {legs}),
                         to_numpy(std::move(out.source), {count}), to_numpy(std::move(out.kept), {legs}),
-                        nb::make_tuple(out.before.line, out.before.whole, out.after.line, out.after.whole));
+                        nb::make_tuple(out.before.line, out.before.total, out.after.line, out.after.total));
 }
 
 }  // namespace trundle

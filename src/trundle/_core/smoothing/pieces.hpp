@@ -1,4 +1,4 @@
-// A path in pieces, and the stations along it between which it may be given another course.
+// A path in pieces, and the stations along it between which curves may replace them.
 #pragma once
 
 #include <algorithm>
@@ -6,23 +6,23 @@
 #include <cstdint>
 #include <vector>
 
-#include "smoothing/piece_costs.hpp"
+#include "smoothing/cost_model.hpp"
 
 namespace trundle::smoothing {
 
-// A place on the path, before a piece of it, with sums from the start to there.
+// A point on the path, before a piece of it, with sums from the start to there.
 struct Station {
   PlanarPose pose;
   std::size_t piece;
-  Price sum;            // of the pieces
-  double bend;          // of the angles that they turn by
+  PathCost sum;            // of the pieces
+  double bend;          // of the angles by which they turn
   int changes;          // of direction
   int forward, back;    // pieces
   bool fixed;           // an end, or the path stops there
 };
 
-// Cuts pieces that are longer than `spacing`, and lays stations about as far apart; every stop has one.
-inline std::vector<Station> lay_stations(std::vector<Piece> &pieces, const Prices &prices, double spacing) {
+// Cuts pieces that are longer than `spacing`, and sets stations about as far apart; every stop has one.
+inline std::vector<Station> lay_stations(std::vector<Piece> &pieces, const CostModel &costs, double spacing) {
   std::vector<Piece> cut;
   for (const Piece &piece : pieces) {
     const int parts = std::max(1, static_cast<int>(std::ceil(std::fabs(piece.stretch.length) / spacing - 1e-9)));
@@ -38,10 +38,10 @@ inline std::vector<Station> lay_stations(std::vector<Piece> &pieces, const Price
   int last_direction = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece &piece = pieces[i];
-    const Price price = prices.of(piece);
+    const PathCost price = costs.of(piece);
     if (last_direction * piece.direction() < 0) ++now.changes;
     last_direction = piece.direction();
-    now.sum.line += price.line, now.sum.whole += price.whole;
+    now.sum.line += price.line, now.sum.total += price.total;
     now.bend += std::fabs(piece.stretch.turn);
     now.forward += piece.direction() > 0, now.back += piece.direction() < 0;
     driven += std::fabs(piece.stretch.length);

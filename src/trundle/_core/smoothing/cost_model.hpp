@@ -1,8 +1,8 @@
 // Pieces of a path, and what they cost.
 //
-// The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, on a border the dearer
-// cell's, as `line_costs` has it. Arcs are measured along chords as close to them as those of the path given back. To
-// choose among curves, samples half a cell apart are enough.
+// The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, with the higher weight
+// on a border, as in `line_costs`. Arcs are measured along chords as close to them as those of the path returned. To choose
+// among curves, samples half a cell apart are enough.
 #pragma once
 
 #include <algorithm>
@@ -17,13 +17,13 @@ namespace trundle::smoothing {
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// A pose by the direction it looks in, so that going on from it needs the sines of turns alone.
+// A pose by its direction, so that a step from it needs the sine and cosine of its turn alone.
 struct Heading {
   double x, y, cos, sin;
 
   static Heading of(const PlanarPose &pose) { return {pose.x, pose.y, std::cos(pose.yaw), std::sin(pose.yaw)}; }
 
-  Heading turned_round() const { return {x, y, -cos, -sin}; }
+  Heading reversed() const { return {x, y, -cos, -sin}; }
 
   Heading go(const Stretch &s) const {
     if (s.turn == 0.0) return {x + cos * s.length, y + sin * s.length, cos, sin};
@@ -33,7 +33,7 @@ struct Heading {
     return on({along, across, turn_cos, turn_sin});
   }
 
-  // Of a heading as seen from this one.
+  // A heading that is given relative to this one.
   Heading on(const Heading &step) const {
     return {x + cos * step.x - sin * step.y, y + sin * step.x + cos * step.y, cos * step.cos - sin * step.sin,
             sin * step.cos + cos * step.sin};
@@ -41,17 +41,17 @@ struct Heading {
 };
 
 struct Settings {
-  MotionModel model;      // of it the radius and the prices
-  double cost_weight;     // how much dearer than a free cell one of cost 252 is, less 1
+  MotionModel model;      // its radius and its costs
+  double cost_weight;     // weight of a cell of cost 252, less that of a free cell, which is 1
   double curve_weight;    // of the square of the curvature, integrated along the path [m]
   double cost_tolerance;  // share by which the line integral of the cost may rise
 };
 
-// A line, an arc or a turn in place. Of one that the path had before, the robot drives the chord while its yaw turns.
+// A line, an arc or a turn in place. Of a piece of the given path the robot drives the chord while its yaw turns.
 struct Piece {
   PlanarPose from, to;
   Stretch stretch;
-  std::int32_t leg = -1;  // of the path as it came, on which it lies; -1 where it is new
+  std::int32_t leg = -1;  // of the given path, on which it lies; -1 where it is new
 
   bool is_kept() const { return leg >= 0; }
   bool is_turn() const { return stretch.length == 0.0; }
@@ -70,36 +70,36 @@ struct Piece {
   }
 };
 
-// What pieces cost. `line` is the integral of the cells' weight along the way; `whole` what is made small.
-struct Price {
-  double line = 0.0, whole = 0.0;
+// What pieces cost: `line` is the integral of the cells' weight along them, `total` is what the smoother minimises.
+struct PathCost {
+  double line = 0.0, total = 0.0;
 };
 
-class Prices {
+class CostModel {
  public:
   // `spacing` is that of poses along the tightest arcs.
-  Prices(const Settings &settings, const footprint::Costs &costs, const PoseChecker &checker, double resolution,
+  CostModel(const Settings &settings, const footprint::Costs &costs, const PoseChecker &checker, double resolution,
          double spacing)
       : settings_(settings), costs_(costs), checker_(checker), resolution_(resolution), spacing_(spacing) {
-    for (int cost = 0; cost < 256; ++cost) kept_[cost] = 1.0 + settings.cost_weight * std::min(cost, 252) / 252.0;
+    for (int cost = 0; cost < 256; ++cost) path_weights_[cost] = 1.0 + settings.cost_weight * std::min(cost, 252) / 252.0;
     set_ceiling(PoseChecker::kInscribed - 1);
   }
 
-  Prices(const Prices &) = delete;
-  Prices &operator=(const Prices &) = delete;
+  CostModel(const CostModel &) = delete;
+  CostModel &operator=(const CostModel &) = delete;
 
-  // What is new may lie in no cell that costs more.
+  // New curves may lie in no cell that costs more.
   void set_ceiling(int highest) {
     const int most = std::min(highest, PoseChecker::kInscribed - 1);
     for (int cost = 0; cost < 256; ++cost) {
-      fresh_[cost] = cost <= most ? kept_[cost] : 0.0;
-      sampled_[cost] = cost <= most ? kept_[cost] : kInfinite;
+      new_weights_[cost] = cost <= most ? path_weights_[cost] : 0.0;
+      sample_weights_[cost] = cost <= most ? path_weights_[cost] : kInfinite;
     }
   }
 
   const Settings &settings() const { return settings_; }
 
-  // The highest cost of a cell under a piece that the path had before, which is looked at every quarter of a cell.
+  // The highest cost of a cell under a piece of the given path, sampled every quarter of a cell.
   int highest(const Piece &piece) const {
     int most = checker_.cost_at(piece.to.x, piece.to.y);
     const double parts = std::ceil(4.0 * std::fabs(piece.stretch.length) / resolution_);
@@ -110,30 +110,30 @@ class Prices {
     return most;
   }
 
-  // How many times dearer a metre driven is.
-  double dearer(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
+  // What a metre driven costs, besides the weight of its cell; lengths backwards are negative.
+  double driving_factor(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
 
-  // Of a piece that the path has.
-  Price of(const Piece &piece) const {
+  // Of a piece of the path.
+  PathCost of(const Piece &piece) const {
     const double turn = std::fabs(piece.stretch.turn), length = std::fabs(piece.stretch.length);
-    if (piece.is_turn()) return {0.0, plain(piece).whole + (piece.is_kept() ? kOutOfBounds : 0.0)};
-    const double sum = plain(piece).line;
+    if (piece.is_turn()) return {0.0, planner_cost(piece).total + (piece.is_kept() ? kOutOfBounds : 0.0)};
+    const double sum = planner_cost(piece).line;
     const bool out_of_bounds =
         piece.is_kept() && 2.0 * settings_.model.radius * std::sin(0.5 * std::min(turn, kPi)) > 1.001 * length;
-    return {sum, dearer(piece.stretch.length) * sum + bending(piece.stretch) + (out_of_bounds ? kOutOfBounds : 0.0)};
+    return {sum, driving_factor(piece.stretch.length) * sum + bending(piece.stretch) + (out_of_bounds ? kOutOfBounds : 0.0)};
   }
 
-  // About the line integral along a new stretch, to the end of which `at` goes; infinite where a sample is blocked, or where
-  // it is above `limit`.
-  double about(Heading &at, const Stretch &stretch, double limit) const {
+  // The line integral along a new stretch, by samples; infinite where a sample is blocked, or the integral is above `limit`.
+  // `at` moves to the end of the stretch.
+  double sampled_line(Heading &at, const Stretch &stretch, double limit) const {
     const double parts = std::clamp(std::ceil(2.0 * std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
     const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
     const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
     const auto weight = [&](double x, double y) {
-      // What is below 0 comes out as a large number, but for the last cell before 0, where nothing is laid.
+      // What is below 0 comes out as a large number, but for the last cell before 0, where no curve lies.
       const auto col = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x));
       const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
-      return col < cols && row < rows ? sampled_[costs_.data[row * cols + col]] : kInfinite;
+      return col < cols && row < rows ? sample_weights_[costs_.data[row * cols + col]] : kInfinite;
     };
     const Stretch part{stretch.length / parts, stretch.turn / parts};
     Heading middle = at.go({0.5 * part.length, 0.5 * part.turn});
@@ -154,31 +154,31 @@ class Prices {
   }
 
   // The line integral along a new stretch, to the end of which `at` goes; infinite where it is blocked, or above `limit`.
-  double line(Heading &at, const Stretch &stretch, double limit) const { return along(fresh_, at, stretch, limit); }
+  double line(Heading &at, const Stretch &stretch, double limit) const { return along(new_weights_, at, stretch, limit); }
 
   // The least that a new stretch can cost.
-  double least(const Stretch &stretch) const { return dearer(stretch.length) * std::fabs(stretch.length) + bending(stretch); }
+  double lower_bound(const Stretch &stretch) const { return driving_factor(stretch.length) * std::fabs(stretch.length) + bending(stretch); }
 
-  // In the planners' unit: without the price of bending.
-  Price plain(const Piece &piece) const {
+  // In the planners' unit: without the cost of bending.
+  PathCost planner_cost(const Piece &piece) const {
     if (piece.is_turn()) {
-      const double weight = kept_[checker_.cost_at(piece.from.x, piece.from.y)];
+      const double weight = path_weights_[checker_.cost_at(piece.from.x, piece.from.y)];
       return {0.0, settings_.model.turn_cost * std::fabs(piece.stretch.turn) * weight};
     }
     double sum = 0.0;
     if (piece.is_kept()) {
-      sum = line(kept_, piece.from.x, piece.from.y, piece.to.x, piece.to.y, kInfinite);
+      sum = line(path_weights_, piece.from.x, piece.from.y, piece.to.x, piece.to.y, kInfinite);
     } else {
       Heading at = Heading::of(piece.from);
-      sum = along(kept_, at, piece.stretch, kInfinite);
+      sum = along(path_weights_, at, piece.stretch, kInfinite);
     }
-    // What leaves the map is as dear as can be all along.
-    if (sum == kInfinite) sum = std::fabs(piece.stretch.length) * kept_[252];
-    return {sum, dearer(piece.stretch.length) * sum};
+    // Off the map every cell counts as the most expensive.
+    if (sum == kInfinite) sum = std::fabs(piece.stretch.length) * path_weights_[252];
+    return {sum, driving_factor(piece.stretch.length) * sum};
   }
 
  private:
-  // Price of a piece of the path that bends more than it may, so that it stays only where nothing else is possible [m].
+  // Cost of a piece of the path that bends more than it may, so that it stays only where nothing else is possible [m].
   static constexpr double kOutOfBounds = 10.0;
 
   double bending(const Stretch &s) const {
@@ -192,7 +192,7 @@ class Prices {
            lines::line_cost(grid, {x * scale, y * scale}, {to_x * scale, to_y * scale}, limit * scale, 1.0);
   }
 
-  // `at` goes to the end.
+  // `at` moves to the end of the stretch.
   double along(const double *weights, Heading &at, const Stretch &stretch, double limit) const {
     double parts = 1.0;
     if (stretch.turn != 0.0) {
@@ -214,7 +214,7 @@ class Prices {
   const footprint::Costs costs_;
   const PoseChecker &checker_;
   const double resolution_, spacing_;
-  double kept_[256], fresh_[256], sampled_[256];
+  double path_weights_[256], new_weights_[256], sample_weights_[256];  // by cost of a cell; 0 blocks, infinity in samples
 };
 
 }  // namespace trundle::smoothing

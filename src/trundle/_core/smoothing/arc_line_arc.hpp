@@ -1,15 +1,15 @@
-// The curves of an arc, a line and an arc that lead forward from one heading to another, as Dubins (1957) has them.
+// Curves of an arc, a line and an arc that lead forward from one heading to another: Dubins (1957).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
-#include "smoothing/piece_costs.hpp"
+#include "smoothing/cost_model.hpp"
 
 namespace trundle::smoothing {
 
-// Visits those whose arcs turn by half a circle at most, in units of the radius. No angle but that of such an arc has to be
-// worked out: directions and tangents are enough to tell.
+// Visits those whose arcs turn by half a circle at most, in units of the radius. Directions and tangents tell which those
+// are: no other angle has to be computed.
 template <typename Visit>
 void for_each_smooth_curve(const Heading &from, const Heading &to, double radius, Visit &&visit) {
   constexpr double kRounding = 1e-9;

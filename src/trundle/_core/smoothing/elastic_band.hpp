@@ -1,10 +1,10 @@
-// A course beside a path's own that is cheaper and bends less: an elastic band.
+// An elastic band: a course beside a path's own that costs less and bends less.
 //
-// Points at even distances h on a stretch that is driven in one go, its ends and its directions there held fast, go down
-// the slope of ∫ (w + b κ²) ds with the cells' weight w: Kass, Witkin and Terzopoulos, "Snakes: active contour models"
-// (1988), whose inner forces are taken from the next step, which makes one system with five diagonals of it. The inner
-// tension is w, so that it and the slope of w across the band balance exactly where the line integral has its least
-// (Caselles, Kimmel and Sapiro, "Geodesic active contours", 1997).
+// Points at even distances h along a part of the path without stops descend ∫ (w + b κ²) ds, with the cells' weight w; its
+// ends and its directions there stay. Kass, Witkin and Terzopoulos, "Snakes: active contour models" (1988): the inner forces
+// are implicit, taken at the next step, so that a step solves one system of five diagonals. The tension is w, so that it
+// balances the slope of w across the band exactly where the line integral is least (Caselles, Kimmel and Sapiro, "Geodesic
+// active contours", 1997).
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct BandPoint {
   double x, y;
 };
 
-// The cells' weights as a smooth field: even between the centres of four cells, with its slope from a cell to each side.
+// The cells' weights as a smooth field: bilinear between the centres of four cells, with its slope from a cell to each side.
 class Slope {
  public:
   Slope(const footprint::Costs &costs, const PoseChecker &checker, double cost_weight, double resolution)
@@ -88,14 +88,14 @@ class Band {
 
  private:
   static constexpr double kStill = 1e-3, kFarthest = 0.1;  // a step [m]
-  static constexpr double kHeld = 0.3, kHeldBySlope = 4.0;  // what holds a point where it is, alone and by the slope
+  static constexpr double kHeld = 0.3, kHeldBySlope = 4.0;  // what holds a point at its place, alone and by the slope
 
   // Of the factors L D Lᵀ, by what the next row and the one after take of this one, and of the moves.
   struct Row {
     double once, twice, x, y;
   };
 
-  // Solves (held + tension + bending) move = pull for the inner points. Gives how far a point moved at most.
+  // Solves (held + tension + bending) move = pull for the inner points. Returns how far a point moved at most.
   double step() {
     Row last{}, second_last{};  // with the right side in place of the moves
     double under_last = 0.0;    // of the diagonal, what the last row's factor was before it was divided
@@ -153,14 +153,14 @@ class Band {
   const PoseChecker &checker_;
 };
 
-// Where the bands of a path lead past those of its stations that they may move; the others have none.
-inline std::vector<std::optional<PlanarPose>> lay_beside(const std::vector<Piece> &pieces,
+// The poses at which the bands of a path pass its stations; none where a band does not move it.
+inline std::vector<std::optional<PlanarPose>> band_poses(const std::vector<Piece> &pieces,
                                                          const std::vector<Station> &stations, double spacing,
                                                          double curve_weight, const Slope &slope,
                                                          const PoseChecker &checker) {
-  constexpr double kMoved = 1e-3;  // [m, rad]; less is not worth another course
+  constexpr double kMoved = 1e-3;  // [m, rad]; less is not worth a curve
   constexpr int kSteps = 12;
-  std::vector<std::optional<PlanarPose>> beside(stations.size());
+  std::vector<std::optional<PlanarPose>> band_pose(stations.size());
   for (std::size_t first = 0, last = 1; last < stations.size(); first = last++) {
     while (!stations[last].fixed) ++last;
     double length = 0.0;
@@ -184,7 +184,7 @@ inline std::vector<std::optional<PlanarPose>> lay_beside(const std::vector<Piece
     while (static_cast<int>(points.size()) <= parts) points.push_back({end.x, end.y});
     Band band(std::move(points), h, curve_weight, slope, checker);
     const std::vector<BandPoint> &moved = band.relax(kSteps);
-    const double turned = pieces[stations[first].piece].direction() < 0 ? kPi : 0.0;
+    const double reversed = pieces[stations[first].piece].direction() < 0 ? kPi : 0.0;
     double along = 0.0;
     for (std::size_t k = first + 1; k < last; ++k) {
       for (std::size_t i = stations[k - 1].piece; i < stations[k].piece; ++i) {
@@ -197,15 +197,15 @@ inline std::vector<std::optional<PlanarPose>> lay_beside(const std::vector<Piece
       const double dx = mix([&](std::size_t i) { return moved[i + 1].x - moved[i - 1].x; });
       const double dy = mix([&](std::size_t i) { return moved[i + 1].y - moved[i - 1].y; });
       const PlanarPose pose{mix([&](std::size_t i) { return moved[i].x; }),
-                            mix([&](std::size_t i) { return moved[i].y; }), std::atan2(dy, dx) + turned};
+                            mix([&](std::size_t i) { return moved[i].y; }), std::atan2(dy, dx) + reversed};
       const PlanarPose &now = stations[k].pose;
       if (std::hypot(pose.x - now.x, pose.y - now.y) > kMoved ||
           std::fabs(std::remainder(pose.yaw - now.yaw, 2.0 * kPi)) > kMoved) {
-        beside[k] = pose;
+        band_pose[k] = pose;
       }
     }
   }
-  return beside;
+  return band_pose;
 }
 
 }  // namespace trundle::smoothing
