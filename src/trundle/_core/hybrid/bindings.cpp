@@ -1,6 +1,6 @@
 // `HybridAStar` and `flood_poses` as Python sees them: paths of an oriented footprint between poses.
 #include "curves/segments.hpp"
-#include "hybrid/pose_flood.hpp"
+#include "hybrid/kernels.hpp"
 #include "hybrid/search.hpp"
 #include "shared/arrays.hpp"
 #include "shared/call_limits.hpp"

@@ -6,7 +6,7 @@
 // continuous path cannot leave a region of boxes but over a face of one of them that is left, too. So if the flood ends
 // without the other end, no path joins the two (approximate cell decomposition: Zhu and Latombe, "New heuristic
 // algorithms for efficient hierarchical path planning", IEEE Transactions on Robotics and Automation 7(1), 1991).
-#include "hybrid/pose_flood.hpp"
+#include "hybrid/kernels.hpp"
 
 #include "costmap/pose_checker.hpp"
 #include "hybrid/search_memory.hpp"
