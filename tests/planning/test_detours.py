@@ -43,7 +43,7 @@ def test_the_first_round_closes_the_cells_around_the_hits():
     costmap, line = with_door(20)
     detours = Detours(costmap, ENDS, 20, wide=True)
     fit = hits_of(costmap, line)
-    assert detours.avoid(*fit)
+    assert detours.close(*fit)
     rows, cols = np.nonzero(closed(detours, costmap))
     assert len(rows) > 0
     assert set(cols.tolist()) <= {91, 92, 93, 94}
@@ -56,18 +56,18 @@ def test_repeated_hits_close_what_is_too_narrow_for_half_and_then_for_any_turn()
     detours = Detours(costmap, ENDS, 20, wide=True)
     fit = hits_of(costmap, line)
     middle = (101, slice(90, 110))
-    assert detours.avoid(*fit)
-    assert detours.avoid(*fit)
+    assert detours.close(*fit)
+    assert detours.close(*fit)
     assert 0 < (detours.costs[middle] < LETHAL).sum() < 8  # a strip in the middle of the door is left
-    assert detours.avoid(*fit)
+    assert detours.close(*fit)
     assert (detours.costs[middle] == LETHAL).all()  # the robot cannot turn all round in a door of 1 m
     assert not closed(detours, costmap)[:60].any()  # far from the hits nothing is closed
-    assert detours.give_back()
+    assert detours.reopen()
     assert np.array_equal(detours.costs, costmap.data)
-    assert detours.avoid(*fit)
-    assert detours.avoid(*hits_of(costmap, np.add(line, (0.05, 0.0))))
+    assert detours.close(*fit)
+    assert detours.close(*hits_of(costmap, np.add(line, (0.05, 0.0))))
     assert (detours.costs[middle] < LETHAL).sum() > 8
-    assert not detours.give_back()
+    assert not detours.reopen()
 
 
 def test_the_ends_stay_open_and_what_is_near_them_is_not_widened():
@@ -75,7 +75,7 @@ def test_the_ends_stay_open_and_what_is_near_them_is_not_widened():
     keep = ((104, 94), (180, 180))
     detours = Detours(costmap, keep, 20, wide=True)
     for _ in range(3):
-        assert detours.avoid(*hits_of(costmap, line))
+        assert detours.close(*hits_of(costmap, line))
     assert detours.costs[104, 94] == costmap.data[104, 94]
     assert (detours.costs[106, 94:106] < LETHAL).any()
 
@@ -87,13 +87,13 @@ def test_rounds_are_bounded():
         detours = Detours(costmap, ENDS, most, wide=wide)
         rounds = 0
         for k in range(20):
-            if not detours.avoid(motions, np.add(hits, (0.0, 0.3 * k, 0.0)), owners):
+            if not detours.close(motions, np.add(hits, (0.0, 0.3 * k, 0.0)), owners):
                 break
             rounds += 1
         assert rounds == expected
     detours = Detours(costmap, ENDS, 8, wide=True)
     rounds = 0
-    while detours.avoid(motions, np.add(hits, (0.0, 0.05 * rounds, 0.0)), owners):
+    while detours.close(motions, np.add(hits, (0.0, 0.05 * rounds, 0.0)), owners):
         rounds += 1
     assert 8 < rounds <= 1 + 6 + 8
 
@@ -104,7 +104,7 @@ def test_a_path_is_led_through_the_middle_of_a_door(number):
     bent = np.concatenate([line[:1] - [1.5, 0.0], line, np.add(line[1:], (1.0, 0.5))])
     hits = hits_of(costmap, bent)[1]
     assert len(hits) > 0
-    led = TightPlaces().lead_past(costmap, costmap.data, bent, hits, number, PATIENCE)
+    led = TightPlaces().reroute(costmap, costmap.data, bent, hits, number, PATIENCE)
     assert led[0] == pytest.approx(bent[0])
     assert led[-1] == pytest.approx(bent[-1])
     in_door = np.interp(5.05, led[:, 1], led[:, 0])
@@ -116,7 +116,7 @@ def test_a_path_is_led_through_the_middle_of_a_door(number):
 def test_a_path_of_one_place_stays():
     costmap, line = with_door(20)
     assert np.array_equal(
-        TightPlaces().lead_past(costmap, costmap.data, line[:1], np.zeros((1, 3)), 0, PATIENCE), line[:1]
+        TightPlaces().reroute(costmap, costmap.data, line[:1], np.zeros((1, 3)), 0, PATIENCE), line[:1]
     )
 
 
@@ -124,7 +124,7 @@ def test_a_path_stays_where_there_is_no_other():
     costmap, line = with_door(20)
     nothing = np.full_like(costmap.data, LETHAL)
     hits = hits_of(costmap, line)[1]
-    led = TightPlaces().lead_past(costmap, nothing, line, hits, 0, PATIENCE)
+    led = TightPlaces().reroute(costmap, nothing, line, hits, 0, PATIENCE)
     assert np.hypot(*np.diff(led, axis=0).T).sum() == pytest.approx(4.0)
     assert led[[0, -1]] == pytest.approx(line)
 

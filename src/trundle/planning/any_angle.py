@@ -33,7 +33,7 @@ class AnyAnglePlanner(BinaryPlanner):
     def __init__(self, **options: Unpack[FootprintOptions]) -> None:
         super().__init__("jps", **options)
 
-    def _find_way(
+    def _find_path(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
         with self._search(costmap, costs) as search:

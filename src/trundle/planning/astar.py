@@ -38,7 +38,7 @@ class AStarPlanner(BinaryPlanner):
     def __init__(self, *, method: str = "auto", **options: Unpack[FootprintOptions]) -> None:
         super().__init__(check_method(method), **options)
 
-    def _find_way(
+    def _find_path(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
         # Searched from the lower cell to the higher, so that both directions give the same path.

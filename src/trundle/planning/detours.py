@@ -30,13 +30,13 @@ class Detours:
     shows that the room is too narrow there, and from the second round on all cells nearby are closed that are closer to
     an obstacle than a distance: halfway from the inscribed to the circumscribed radius, then the circumscribed radius,
     with which the footprint fits at every yaw. That may close a passage which the robot can get through at some yaw, so
-    nothing follows from a search that finds no path then: `give_back` opens all of it again, and from there on only the
+    nothing follows from a search that finds no path then: `reopen` opens all of it again, and from there on only the
     cells around the hits are closed.
 
     Args:
         costmap: Where it is planned.
         keep: Cells that stay as they are, e.g. those of the start and the goal. Near them nothing is widened.
-        most: How many rounds there may be; those that `give_back` took back do not count.
+        most: How many rounds there may be; those that `reopen` took back do not count.
         wide: Whether to close more than the cells around the hits.
 
     Attributes:
@@ -49,10 +49,10 @@ class Detours:
         self._round = 0
         self.costs: Costs = costmap.data
 
-    def avoid(self, motions: list[Motion], hits: FloatArray, owners: list[int]) -> bool:
+    def close(self, motions: list[Motion], hits: FloatArray, owners: list[int]) -> bool:
         """Close where motions hit something, as of `fit_motions`; false where no round is left or nothing to close."""
         if self._round == (min(self._most, _WIDE_ROUNDS) if self.wide else self._most):
-            return self.give_back()
+            return self.reopen()
         places = places_to_avoid(motions, hits, owners)
         costs = self.costs.copy()
         rows, cols = self._costmap.world_to_cell(places[:, 0], places[:, 1])
@@ -65,11 +65,11 @@ class Detours:
             costs[cell] = self._costmap.data[cell]
         self._round += 1
         if np.array_equal(costs, self.costs):
-            return self.give_back()
+            return self.reopen()
         self.costs = costs
         return True
 
-    def give_back(self) -> bool:
+    def reopen(self) -> bool:
         """Open again what was closed while `wide`, and close cells around hits alone; false if that is so already."""
         if not self.wide or self._round == 0:
             return False

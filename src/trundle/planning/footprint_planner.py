@@ -1,10 +1,25 @@
-"""What grid planners share: search, shortcut, the check with the oriented footprint, and planning again on a hit."""
+"""`FootprintPlanner`: a grid search for a point, and what is done so that the footprint fits along its path.
+
+A plan is a short list of attempts, made in order until one finds a path (`FootprintPlanner._plan_to`):
+
+1. as asked: between the start and the goal;
+2. straight ends: straight out of a start and into a goal where the robot cannot turn;
+3. roomier goal: the goal moved, within its tolerance, to where there is more room;
+4. roomier goal and straight ends.
+
+With `allow_partial`, a path to near the goal is planned after these (`_plan_near`).
+
+An attempt searches, fits the footprint, and has three remedies for a collision, also in order (`_search_and_fit`):
+
+1. reroute: replace the stretches that collide by ones with more room nearby (`TightPlaces`), without a new search;
+2. close: close what is too narrow (`Detours.close`), and search again;
+3. reopen: where closing left no path, open it again and close only the cells that are hit (`Detours.reopen`).
+"""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypedDict
 
@@ -59,7 +74,7 @@ class FootprintOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class _Failure:
-    """Why an attempt gave no path, and how often it was planned again until then."""
+    """Why an attempt found no path, and how many replans there had been by then."""
 
     error: PlanningError
     replans: int
@@ -67,24 +82,40 @@ class _Failure:
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
-    """The motions along a path, where they hit something as of `fit_motions`, and what it took."""
+    """The motions along a path, where they collide as of `fit_motions`, its cost, and how often it was rerouted."""
 
     motions: list[Motion]
     hits: FloatArray
     owners: list[int]
     cost: float
-    replans: int
+    reroutes: int
+
+
+@dataclass(slots=True)
+class _Plan:
+    """One plan in progress.
+
+    Attributes:
+        query: What is asked.
+        goal: The goal as it was given, before it was moved to where the footprint fits.
+        patience: When to give up.
+        roomier: The query of attempt 3, for attempt 4.
+    """
+
+    query: Query
+    goal: Pose2D
+    patience: Patience
+    roomier: Query | None = None
 
 
 class FootprintPlanner(PosePlanner):
-    """A way for a point, and a check of every pose with the footprint.
+    """A path for a point, checked with everything that the oriented footprint sweeps.
 
-    A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. The
-    path is checked with all that the oriented footprint sweeps over, with the turns at its vertices and both ends,
-    where the long way round is tried too. On a hit, planners of shortest paths first take stretches with more room
-    there; what is hit all the same is closed for this query, and it is planned again. Where that finds nothing and the
-    robot cannot turn round at the start or the goal, it first drives straight on to where it can, and into the goal
-    from such a place behind it.
+    A cell costs its weight per length; cells of 253 and more are blocked: the inscribed radius is a hard limit. Turns
+    at the vertices and at both ends are checked too, in both directions of rotation at the ends. Where the footprint
+    collides, planners of shortest paths first reroute through more room nearby; what still collides is closed for this
+    query, and it is planned again. Where that finds no path and the robot cannot turn at the start or the goal, it
+    drives straight out of the start, and straight into the goal.
 
     A planner may be used by several threads at once.
 
@@ -94,8 +125,8 @@ class FootprintPlanner(PosePlanner):
         max_replans: How often to close what is too narrow and search again; 0 means one search alone.
         spacing: Largest distance between two poses of the path [m].
         allow_partial: Where the goal cannot be reached, or the robot does not fit there, plan to near it: to the place
-            nearest to it that the inscribed circle can get to, or as far towards that as the footprint fits. It ends
-            with the yaw with which the robot arrives. `Path.status` is "partial" then.
+            nearest to it that the inscribed circle can reach, or as far towards that as the footprint fits. Such a path
+            ends with the yaw of arrival. `Path.status` is "partial" then.
         deadline_s: Give up after this time [s]; none means as long as it takes.
 
     Raises:
@@ -106,7 +137,7 @@ class FootprintPlanner(PosePlanner):
     """Of the planner, for `Path.planner`."""
 
     _tight_places: TightPlaces | None = None
-    """Other stretches where the footprint hits something, for planners whose cost is the length."""
+    """Reroutes stretches where the footprint collides, for planners whose cost is the length."""
 
     _line_weights: FloatArray = cell_weights(1.0, 0.0)
     """What a length costs in a cell, by its cost, shape (256,)."""
@@ -131,35 +162,85 @@ class FootprintPlanner(PosePlanner):
         self._spacing = check_number("spacing", spacing, 1e-3, 1e6, "metres")
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        failure, replans = None, 0
-        for variant in self._variants(query, goal, patience):
-            outcome = self._attempt(variant, replans, patience)
+        plan = _Plan(query, goal, patience)
+        error: PlanningError | None = None
+        replans = 0
+        for attempt in (self._as_asked, self._straight_ends, self._roomier_goal, self._roomier_goal_and_straight_ends):
+            tried = attempt(plan)
+            if tried is None:
+                continue
+            outcome = self._search_and_fit(tried, replans, patience)
             if isinstance(outcome, Path):
                 return outcome
-            if failure is None or variant.goal == query.goal:
-                failure = outcome
+            if tried.goal == query.goal:
+                error = outcome.error
             replans = outcome.replans + 1
-        if failure is not None and not self._allow_partial:
-            raise failure.error
+        if error is not None and not self._allow_partial:
+            raise error
         return self._plan_near(query.costmap, query.start, goal, patience, replans)
 
-    def _variants(self, query: Query, goal: Pose2D, patience: Patience) -> Iterator[Query]:
-        """What to try one after the other: the query, and with a goal where there is more room.
+    # The attempts. Each gives the query to search, or none where that would be one that was searched before.
 
-        Each is tried as it is, and then straight out of a start and into a goal where the robot cannot turn.
-        """
-        yield from query.both_ways_out()
-        roomy = self._move_goal(query, goal, patience)
-        if roomy is not None:
-            yield from roomy.both_ways_out()
+    def _as_asked(self, plan: _Plan) -> Query | None:
+        return plan.query
 
-    def _move_goal(self, query: Query, goal: Pose2D, patience: Patience) -> Query | None:
-        """The query with its goal moved, within its tolerance, from where the footprint cannot arrive to more room."""
-        costs, cell = query.costmap.data, query.goal.cell
-        if self._goal_tolerance == 0.0 or self._nearest_reachable(query.costmap, costs, query.start.cell, cell) != cell:
+    def _straight_ends(self, plan: _Plan) -> Query | None:
+        """Straight out of a start and into a goal where the robot cannot turn."""
+        return plan.query.with_straight_ends()
+
+    def _roomier_goal(self, plan: _Plan) -> Query | None:
+        """With the goal moved, within its tolerance, from where the footprint cannot arrive to where there is room."""
+        query, costmap = plan.query, plan.query.costmap
+        if self._goal_tolerance == 0.0:
             return None
-        place = place_with_room(query.costmap, goal, self._goal_tolerance, query.start, patience)
-        return None if place is None or place.cell == cell else replace(query, goal=place, enter=place)
+        if self._nearest_reachable(costmap, costmap.data, query.start.cell, query.goal.cell) != query.goal.cell:
+            return None  # not even the inscribed circle gets there: room at the goal is of no help
+        place = place_with_room(costmap, plan.goal, self._goal_tolerance, query.start, plan.patience)
+        if place is not None and place.cell != query.goal.cell:
+            plan.roomier = replace(query, goal=place, enter=place)
+        return plan.roomier
+
+    def _roomier_goal_and_straight_ends(self, plan: _Plan) -> Query | None:
+        """Both of these."""
+        return None if plan.roomier is None else plan.roomier.with_straight_ends()
+
+    def _search_and_fit(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
+        """Search for a point and fit the footprint; where it collides, close what is too narrow and search again.
+
+        `replans` is how many there were in earlier attempts.
+        """
+        keep = (query.leave.cell, query.enter.cell)
+        detours = Detours(query.costmap, keep, self._max_replans, wide=self._tight_places is not None)
+        collision: FloatArray | None = None
+        while True:
+            patience.check()
+            found = self._find_path(query.costmap, detours.costs, query.leave, query.enter, patience)
+            if found is None:
+                changed = detours.reopen()
+            else:
+                fit = self._fit(query, detours, *found, patience)
+                replans += fit.reroutes
+                if len(fit.hits) == 0:
+                    return self._path(query, fit.motions, fit.cost, replans)
+                collision = fit.hits[0]
+                changed = detours.close(fit.motions, fit.hits, fit.owners)
+            if not changed:
+                error = no_path(query, patience) if collision is None else none_found(query, collision, replans)
+                return _Failure(error, replans)
+            replans += 1
+
+    def _fit(self, query: Query, detours: Detours, vertices: FloatArray, cost: float, patience: Patience) -> _Fit:
+        """The motions along a path for a point, rerouted where the footprint collides and there is more room nearby."""
+        places = self._tight_places if detours.wide and self._max_replans > 0 else None
+        reroutes = 0
+        while True:
+            patience.check()
+            motions, hits, owners = fit_motions(query.costmap, query.motions(vertices))
+            if len(hits) == 0 or places is None or reroutes == places.tries:
+                return _Fit(motions, hits, owners, cost, reroutes)
+            vertices = places.reroute(query.costmap, detours.costs, vertices, hits, reroutes, patience)
+            cost = float(np.hypot(*np.diff(vertices, axis=0).T).sum())
+            reroutes += 1
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience, replans: int = 0) -> Path:
         near = self._approach(costmap, start, start, goal, replans, patience)
@@ -170,60 +251,17 @@ class FootprintPlanner(PosePlanner):
         return near
 
     def is_near_enough(self, path: Path, costmap: Costmap, start: End, goal: Pose2D) -> bool:
-        """Whether a partial path ends about as near to a goal as the inscribed circle can get."""
+        """Whether a partial path ends about as near to a goal as the inscribed circle can."""
         least = self._place_near(costmap, costmap.data, start, goal).pose.distance_to(goal)
         return path.remaining_m <= least + _overhang(costmap)
-
-    def _attempt(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:
-        """Search a path for a point and fit the footprint to it; close what it does not fit through, and search again.
-
-        1. `_find_way` gives the best path for a point past what is closed.
-        2. `_fit` makes motions of it, with other stretches where the footprint hits something, if the planner has some.
-        3. What is hit all the same is too narrow: `Detours` closes it for the next search.
-
-        `replans` is what came before.
-        """
-        keep = (query.leave.cell, query.enter.cell)
-        detours = Detours(query.costmap, keep, self._max_replans, wide=self._tight_places is not None)
-        hit: FloatArray | None = None
-        while True:
-            patience.check()
-            way = self._find_way(query.costmap, detours.costs, query.leave, query.enter, patience)
-            if way is None:
-                goes_on = detours.give_back()
-            else:
-                fit = self._fit(query, detours, way, patience)
-                replans += fit.replans
-                if len(fit.hits) == 0:
-                    return self._path(query, fit.motions, fit.cost, replans)
-                hit = fit.hits[0]
-                goes_on = detours.avoid(fit.motions, fit.hits, fit.owners)
-            if not goes_on:
-                error = no_path(query, patience) if hit is None else none_found(query, hit, replans)
-                return _Failure(error, replans)
-            replans += 1
-
-    def _fit(self, query: Query, detours: Detours, way: tuple[FloatArray, float], patience: Patience) -> _Fit:
-        """The motions along a path for a point, led past what the footprint hits where there is more room nearby."""
-        vertices, cost = way
-        replans = 0
-        while True:
-            patience.check()
-            motions, hits, owners = fit_motions(query.costmap, query.motions(vertices))
-            places = self._tight_places if detours.wide and self._max_replans > 0 else None
-            if len(hits) == 0 or places is None or replans == places.tries:
-                return _Fit(motions, hits, owners, cost, replans)
-            vertices = places.lead_past(query.costmap, detours.costs, vertices, hits, replans, patience)
-            cost = float(np.hypot(*np.diff(vertices, axis=0).T).sum())
-            replans += 1
 
     def _approach(
         self, costmap: Costmap, start: End, leave: End, goal: Pose2D, replans: int, patience: Patience
     ) -> Path:
-        """A way that leads as near to a goal as it can; `replans` is what came before.
+        """The path that ends nearest to a goal; `replans` is how many there were in earlier attempts.
 
-        Each attempt is cut off where the footprint hits something. The next one avoids that place, and is only made if
-        it may end nearer by more than the footprint reaches past its inscribed circle.
+        Each path is cut off where the footprint collides. The next one avoids that place, and is only searched if it
+        may end nearer by more than the footprint reaches past its inscribed circle.
         """
         detours = Detours(costmap, (leave.cell,), self._max_replans)
         overhang = _overhang(costmap)
@@ -234,8 +272,8 @@ class FootprintPlanner(PosePlanner):
             least = target.pose.distance_to(goal)
             if best is not None and best.remaining_m <= least:
                 return best
-            way = self._find_way(costmap, detours.costs, leave, target, patience)
-            vertices = np.array([[leave.pose.x, leave.pose.y]]) if way is None else way[0]
+            found = self._find_path(costmap, detours.costs, leave, target, patience)
+            vertices = np.array([[leave.pose.x, leave.pose.y]]) if found is None else found[0]
             query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
             path = self._partial_path(query, motions_before(costmap, motions), goal, replans)
@@ -243,12 +281,12 @@ class FootprintPlanner(PosePlanner):
                 best = path
             if best.remaining_m <= least + overhang or len(hits) == 0:
                 return best
-            if not detours.avoid(motions, hits, owners):
+            if not detours.close(motions, hits, owners):
                 return best
             replans += 1
 
     def _place_near(self, costmap: Costmap, costs: npt.NDArray[np.uint8], leave: End, goal: Pose2D) -> End:
-        """The place nearest to a goal that the inscribed circle can get to."""
+        """The place nearest to a goal that the inscribed circle can reach."""
         row, col = (int(index) for index in costmap.world_to_cell(goal.x, goal.y))
         cell = self._nearest_reachable(costmap, costs, leave.cell, (row, col))
         x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
@@ -261,12 +299,12 @@ class FootprintPlanner(PosePlanner):
         return GridSearch(costs >= INSCRIBED, method="astar").nearest_reachable(start, goal)
 
     @abstractmethod
-    def _find_way(
+    def _find_path(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
-        """Vertices (x, y) [m] of the best way, and its cost; none where there is none.
+        """Vertices (x, y) [m] of the best path for a point, and its cost; none where there is no path.
 
-        `costs` are the costmap's own at first, and where the footprint hit something a copy of them with more blocked.
+        `costs` are the costmap's own at first, and after a collision a copy of them with more cells blocked.
         """
 
     def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
@@ -292,7 +330,7 @@ class FootprintPlanner(PosePlanner):
             last = np.array([*motions[-1].end, motions[-1].yaw + motions[-1].turn])
             lines = np.array([(*motion.start, *motion.end) for motion in motions])
             starts, ends = (np.ascontiguousarray(to_grid(costmap, part)) for part in (lines[:, :2], lines[:, 2:]))
-            # Out of a start where it cannot turn the robot may drive through cells of 253.
+            # Out of a start where it cannot turn, the robot may drive through cells of 253.
             costs = _core.line_costs(costmap.data, self._line_weights, starts, ends)
             lengths = np.hypot(*(ends - starts).T)
             cost = float(np.where(np.isfinite(costs), costs, lengths * self._line_weights[0]).sum())

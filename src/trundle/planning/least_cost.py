@@ -53,7 +53,7 @@ class LeastCostPlanner(FootprintPlanner):
         self._line_weights = cell_weights(neutral_cost, cost_weight)
         self._kernel = _core.LeastCost(self._line_weights)
 
-    def _find_way(
+    def _find_path(
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
     ) -> tuple[FloatArray, float] | None:
         ends = to_grid(costmap, np.array([[end.pose.x, end.pose.y] for end in (start, goal)]))

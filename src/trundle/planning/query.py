@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,18 +48,12 @@ class Query:
         start, goal = self.start.pose, self.goal.pose
         return f"from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f})"
 
-    def with_straight_ends(self) -> Query:
-        """The same, straight out of a start and into a goal where the robot cannot turn round."""
+    def with_straight_ends(self) -> Query | None:
+        """The same, straight out of a start and into a goal where the robot cannot turn; none where it can."""
         leave = place_to_turn(self.costmap, self.start, 1.0)
         enter = self.goal if self.goal_yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
-        return replace(self, leave=leave, enter=enter)
-
-    def both_ways_out(self) -> Iterator[Query]:
-        """The query as it is, and with straight ends where those are others."""
-        yield self
-        straight = self.with_straight_ends()
-        if straight != self:
-            yield straight
+        straight = replace(self, leave=leave, enter=enter)
+        return None if straight == self else straight
 
 
 def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:

@@ -37,7 +37,7 @@ class TightPlaces:
         """How many tries there are."""
         return len(_TRIES)
 
-    def lead_past(
+    def reroute(
         self,
         costmap: Costmap,
         costs: npt.NDArray[np.uint8],
