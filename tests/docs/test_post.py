@@ -107,7 +107,7 @@ def test_with_the_right_track_the_posts_path_still_leads_into_the_forklift(right
     assert right.outcome is Outcome.COLLIDED
     assert right.metrics.contacts == ("forklift_2_counterweight",)
     assert right.metrics.time_s == printed("hits the fork-lift after {} s")
-    assert right.metrics.max_cross_track_error_m == printed("it {} m off that path")
+    assert right.metrics.max_cross_track_error_m == printed("takes it {} m off that path")
 
 
 def test_trundle_arrives_clear_of_everything(own) -> None:
@@ -133,8 +133,8 @@ def test_a_square_becomes_a_triangle(post) -> None:
     turned = np.degrees(np.unwrap(over[:, 2]))[-1] / 4.0
     assert turned == printed("becomes one of {}°")
     assert turned / 90.0 - 1.0 == pytest.approx(quoted("°, {} % too far") / 100.0, abs=0.005)
-    assert np.hypot(*over[-1, :2]) == printed("the robot ends {} m from where")
-    assert np.hypot(*true[-1, :2]) == pytest.approx(quoted("it ends {} mm from there") / 1000.0, abs=0.005)
+    assert np.hypot(*over[-1, :2]) == printed("the robot ends {} m from its start")
+    assert np.hypot(*true[-1, :2]) == pytest.approx(quoted("it ends {} mm from its start") / 1000.0, abs=0.005)
 
 
 def test_the_robot_check_names_the_wheel_base_in_the_words_of_the_page(post) -> None:
