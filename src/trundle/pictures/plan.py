@@ -128,8 +128,8 @@ class Plan:
         """Where the pixels of the drawing are before it is averaged [m]: x of the columns, y of the rows."""
         wide, high = self._image.size
         return (
-            self._west + (np.arange(wide) + 0.5) / self.inner_scale,
-            self._north - (np.arange(high) + 0.5) / self.inner_scale,
+            self._west + (np.arange(wide, dtype=np.float64) + 0.5) / self.inner_scale,
+            self._north - (np.arange(high, dtype=np.float64) + 0.5) / self.inner_scale,
         )
 
     def paste(self, pixels: npt.NDArray[np.uint8], covered: npt.NDArray[np.bool_]) -> None:
