@@ -5,7 +5,7 @@ from types import TracebackType
 import pytest
 
 from support.command_line import Trundle
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.mission import Step
 from trundle.navigation import NavigationStatus
 from trundle.robots import WheelSpeeds
@@ -21,6 +21,7 @@ class FakeWindow:
         self.looks = looks
         self.look = 0
         self.shown: list[Pose2D] = []
+        self.routes: list[tuple[FloatArray | None, Pose2D | None]] = []
 
     @property
     def is_open(self) -> bool:
@@ -32,6 +33,9 @@ class FakeWindow:
     def show(self, pose: Pose2D, wheel_positions: WheelSpeeds) -> None:
         self.shown.append(pose)
         self.look += 1
+
+    def mark_route(self, path: FloatArray | None, goal: Pose2D | None) -> None:
+        self.routes.append((path, goal))
 
     def __enter__(self) -> "FakeWindow":
         return self
@@ -74,6 +78,9 @@ def test_a_run_is_watched(trundle: Trundle, room_map: Path, monkeypatch: pytest.
     assert done.code == 0, done.err
     assert done.json["outcome"] == "arrived"
     assert window.shown[0] == Pose2D(0.5, 0.5)
+    ((path, goal),) = window.routes
+    assert path is not None
+    assert goal == Pose2D(1.5, 0.5)
     assert len(window.shown) == 4
 
 

@@ -33,7 +33,7 @@ def view(
     *,
     world: str | None = None,
     start: options.Pose = None,
-    camera: Literal["chase", "robot", "overview", "top"] | None = None,
+    camera: Literal["chase", "robot", "overview", "top"] = "robot",
     size: Annotated[str, Parameter(metavar="WIDTHxHEIGHT")] = "1280x720",
     seed: options.Seed = 0,
     settings: options.Settings = None,
@@ -53,7 +53,7 @@ def view(
     Args:
         robot: A robot by name, or the path of its YAML.
         world: Where it stands: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
-        camera: Where the picture is taken from; left out: robot, or overview in a world.
+        camera: Where the picture is taken from: close to the robot's front, from behind it, or of the whole world.
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
@@ -63,7 +63,6 @@ def view(
     given = isaac.simulator_options(isaac_options, backend)
     machine = Robot.load(robot, paths=options.join_paths(paths))
     width, height = parse_size(size)
-    camera = camera or ("robot" if world is None else "overview")
     if backend == "mujoco":
         import_engine()
     kept = sources.read_settings(world, settings, exclude, paths, robot=robot)

@@ -87,9 +87,9 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
         case "robot":
             return _first_clear(_portraits(robot, pose), _sides(robot, pose), is_clear)
         case "overview":
-            return _fit(*_extent(world, pose), math.radians(70.0), math.radians(-42.0), _NARROW, aspect)
+            return _fit(*_extent(world, robot, pose), math.radians(70.0), math.radians(-42.0), _NARROW, aspect)
         case "top":
-            return _fit(*_extent(world, pose), math.pi / 2.0, -math.pi / 2.0, _NARROW, aspect)
+            return _fit(*_extent(world, robot, pose), math.pi / 2.0, -math.pi / 2.0, _NARROW, aspect)
         case _:
             raise UnknownNameError("camera", name, CAMERAS)
 
@@ -138,12 +138,15 @@ def _camera_at(
     return Camera((float(eye[0]), float(eye[1]), float(eye[2])), target, fovy_deg)
 
 
-def _extent(world: World, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
-    """Bounds [m] of what an overview shows: the world, or some floor around the robot where there is none."""
-    low, high = world.bounds
-    if not world.solids:
-        low, high = np.array([pose.x - 3.0, pose.y - 3.0, 0.0]), np.array([pose.x + 3.0, pose.y + 3.0, 1.0])
-    return low, high
+def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
+    """Bounds [m] of what an overview shows: the world, or the robot with some floor around it where there is none."""
+    if world.solids:
+        return world.bounds
+    around = 1.5 * _reach(robot)
+    return (
+        np.array([pose.x - around, pose.y - around, 0.0]),
+        np.array([pose.x + around, pose.y + around, robot.body.height]),
+    )
 
 
 def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fovy_deg: float, aspect: float) -> Camera:

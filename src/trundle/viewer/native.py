@@ -13,11 +13,13 @@ from collections.abc import Sequence
 from typing import Any, Self
 
 import mujoco
+import numpy.typing as npt
 
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D
 from trundle.robots import Robot, WheelSpeeds
 from trundle.viewer.cameras import Camera
+from trundle.viewer.route import goal_radius, mark_route
 from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
 from trundle.worlds import World
 
@@ -25,6 +27,8 @@ _KEYS = {265: "up", 264: "down", 263: "left", 262: "right", 32: "stop"}
 """GLFW's codes of the keys that drive. Letters are taken: the window switches what it shows by them."""
 
 _CLOSING_S = 10.0  # how long a window may take to close
+_SHADOWS_M = 40.0
+"""Half the width of the shadow map [m], beyond which the floor is speckled."""
 
 
 def has_screen() -> bool:
@@ -52,7 +56,7 @@ class NativeWindow:
         world: What stands on the floor.
         robot: Who is shown.
         pose: Where it stands, map frame; none means at the world's first seed point, or at the origin.
-        chase: Keep the camera behind the robot; else it stays, and the mouse moves it.
+        chase: Keep the camera behind the robot; else it starts close to its front, and the mouse moves it.
 
     Raises:
         SimulationError: If there is no screen.
@@ -71,7 +75,8 @@ class NativeWindow:
         self._stage = Stage(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
         self._stage.place(pose)
         self._chase = chase
-        camera = self._stage.aim("chase", pose)
+        self._stage.model.vis.map.shadowclip = _SHADOWS_M / self._stage.model.stat.extent
+        camera = self._stage.aim("chase" if chase else "robot", pose)
         self._keys: queue.SimpleQueue[str] = queue.SimpleQueue()
         model, data = self._stage.model, self._stage.data
         others = set(threading.enumerate())
@@ -96,6 +101,13 @@ class NativeWindow:
                 self._stage.place(pose, wheel_positions)
                 if self._chase:
                     self._point(self._stage.aim("chase", pose))
+            self._handle.sync()
+
+    def mark_route(self, path: npt.ArrayLike | None, goal: Pose2D | None) -> None:
+        """Show a path (waypoints [m], map frame, shape (N, 2) or more columns) and a goal on the floor, or none."""
+        if self.is_open:
+            with self._handle.lock():
+                mark_route(self._handle.user_scn, path, goal, goal_radius(self._stage.robot.circumscribed_radius))
             self._handle.sync()
 
     def read_keys(self) -> list[str]:

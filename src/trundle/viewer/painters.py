@@ -19,6 +19,9 @@ from trundle.viewer.stage import SHOWN_GROUPS
 RendererKind = Literal["egl", "osmesa", "software"]
 Pixels = npt.NDArray[np.uint8]
 
+_SUN_ASIDE = 0.8
+"""How far to the left of the camera's line of sight the sun shines [rad]."""
+
 _logger = logging.getLogger(__name__)
 
 
@@ -104,11 +107,17 @@ class GlPainter:
         return np.ascontiguousarray(pixels[::-1])
 
     def _aim_shadows(self, data: mujoco.MjData, camera: Camera) -> None:
-        """Spread the shadow map over what the camera looks at, instead of over the whole model."""
-        # Half its width; where it ends, speckles appear, so it ends out of the picture.
-        reach = 3.0 * camera.distance + 2.0
+        """Spread the shadow map over what the camera looks at, and let the sun shine the way that the camera looks.
+
+        Beyond the shadow map the floor is speckled, but only towards the sun: so that is kept behind the camera.
+        """
+        reach = 3.0 * camera.distance + 2.0  # half the width of the shadow map [m]
         self._mjr.shadowClip = reach
+        azimuth, _ = camera.angles()
         for light in range(self._model.nlight):
+            slant = math.hypot(*data.light_xdir[light][:2])
+            towards = azimuth + _SUN_ASIDE
+            data.light_xdir[light][:2] = slant * math.cos(towards), slant * math.sin(towards)
             data.light_xpos[light] = np.asarray(camera.target) - reach * data.light_xdir[light]
 
     def close(self) -> None:

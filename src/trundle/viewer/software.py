@@ -179,7 +179,9 @@ class SoftwarePainter:
         normals = np.where(facing[:, None] > 0.0, -normal[hit], normal[hit])
         base = self._base_colors[surface[hit]]
         floor = np.isin(surface[hit], self._planes)
-        base[floor] *= _floor_lines(points[floor], depth[hit][floor] * pixel)[:, None]
+        # Seen at a slant, a pixel covers more of the floor; by how much depends on the line's direction.
+        covered = depth[hit][floor] * pixel / np.sqrt(np.maximum(np.abs(facing[floor]), 0.02))
+        base[floor] *= _floor_lines(points[floor], covered)[:, None]
         light = 0.46 + 0.10 * normals[:, 2] + 0.14 * np.abs(facing) + 0.46 * shadows.lit(points, normals)
         light += self._glow[surface[hit]]
         fog = np.clip(depth[hit] / _FOG_AT, 0.0, 1.0)[:, None] ** 2

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from trundle.errors import InputError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.world_parts import FLOOR
 from trundle.solids import Solid
 from trundle.viewer.cameras import Camera, aim
+from trundle.viewer.route import (
+    GOAL_COLOR,
+    GOAL_HALF_HEIGHT_M,
+    PATH_COLOR,
+    PATH_HEIGHT_M,
+    PATH_RADIUS_M,
+    goal_radius,
+    path_pieces,
+)
 from trundle.worlds import World
 
 SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
@@ -24,9 +31,6 @@ SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
 AT_REST = WheelSpeeds(0.0, 0.0)
 
 _GROUP_MARKS = 4
-_PATH_COLOR = (0.05, 0.55, 0.95, 1.0)
-_GOAL_COLOR = (0.10, 0.72, 0.35, 1.0)
-_MAX_MARKS = 500
 _CLEAR = 1.1  # how much farther than the camera nothing may stand in its line of sight
 _AT_EDGE = 0.35  # how far from the edge of its world a wall still is an outer one [m]
 
@@ -68,7 +72,7 @@ class Stage:
         spec.visual.quality.numquads = 1
         spec.visual.map.zfar = 100.0  # shadows are drawn to this depth: nearer or farther, the floor gets speckles
         if path is not None:
-            _add_path(spec, np.asarray(path, dtype=np.float64))
+            _add_path(spec, path)
         if goal is not None:
             _add_goal(spec, goal, robot)
         _lay_slab(spec, world)
@@ -148,34 +152,17 @@ def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
     slab.pos = (*((high + low)[:2] / 2.0), 0.001)
 
 
-def _add_path(spec: mujoco.MjSpec, path: FloatArray) -> None:
-    """Draw a line on the floor, of at most `_MAX_MARKS` pieces; a straight part is one piece, which draws faster."""
-    if path.ndim != 2 or path.shape[1] < 2 or not np.isfinite(path[:, :2]).all():
-        raise InputError(f"a path to draw needs finite waypoints of shape (N, 2), got {path.shape}")
-    points = _corners(path[:, :2])
-    keep = np.linspace(0, len(points) - 1, min(len(points), _MAX_MARKS)).round().astype(int)
-    for start, end in itertools.pairwise(points[keep]):
-        geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CAPSULE, _PATH_COLOR)
-        geom.size = (0.02, 0.0, 0.0)
-        geom.fromto = (*start, 0.012, *end, 0.012)
-
-
-def _corners(points: FloatArray) -> FloatArray:
-    """Points [m] of a line without repeated ones and those on a straight part, shape (N, 2)."""
-    steps = np.diff(points, axis=0)
-    moved = np.hypot(steps[:, 0], steps[:, 1]) > 1e-6
-    points = np.concatenate([points[:1], points[1:][moved]])
-    steps = np.diff(points, axis=0)
-    before, after = steps[:-1], steps[1:]
-    bent = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > 1e-6 * np.hypot(*before.T)
-    back = (before * after).sum(axis=1) < 0.0
-    ends = np.ones(1, dtype=np.bool_)
-    return points if len(points) < 3 else points[np.concatenate([ends, bent | back, ends])]
+def _add_path(spec: mujoco.MjSpec, path: npt.ArrayLike) -> None:
+    """Draw a line on the floor; a straight part is one piece, which draws faster."""
+    for start, end in path_pieces(path):
+        geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CAPSULE, PATH_COLOR)
+        geom.size = (PATH_RADIUS_M, 0.0, 0.0)
+        geom.fromto = (*start, PATH_HEIGHT_M, *end, PATH_HEIGHT_M)
 
 
 def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
-    geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CYLINDER, _GOAL_COLOR)
-    geom.size = (max(0.08, 0.5 * robot.circumscribed_radius), 0.004, 0.0)
+    geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CYLINDER, GOAL_COLOR)
+    geom.size = (goal_radius(robot.circumscribed_radius), GOAL_HALF_HEIGHT_M, 0.0)
     geom.pos = (goal.x, goal.y, 0.005)
 
 

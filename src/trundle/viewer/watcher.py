@@ -6,10 +6,11 @@ import time
 from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
+from trundle.geometry import Pose2D
 
 if TYPE_CHECKING:
-    from trundle.geometry import Pose2D
     from trundle.mission import Episode, RunInfo, Step
+    from trundle.path import Path
     from trundle.robots import Robot
     from trundle.viewer.native import NativeWindow
     from trundle.worlds import World
@@ -29,21 +30,37 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
 
 
 class Watcher:
-    """Shows a run in a window, no faster than real time. Closing the window lets the run go on unseen."""
+    """Shows a run in a window, with its path and its goal, no faster than real time.
+
+    Closing the window lets the run continue unseen.
+    """
 
     def __init__(self, window: NativeWindow) -> None:
         self._window = window
         self._began = 0.0
+        self._run: RunInfo | None = None
+        self._shown: tuple[Path | None, int] = (None, -1)
 
     def on_start(self, run: RunInfo) -> None:
         """Start the clock."""
+        self._run, self._shown = run, (None, -1)
         self._began = time.monotonic()
 
     def on_step(self, step: Step) -> None:
         """Show the robot, and wait until it is due there."""
         if self._window.is_open:
+            self._mark(step)
             self._window.show(step.state.pose, step.state.wheel_positions)
             time.sleep(max(0.0, self._began + step.state.time - time.monotonic()))
 
     def on_end(self, episode: Episode) -> None:
         """Leave the last picture as it is."""
+
+    def _mark(self, step: Step) -> None:
+        """Show the path that it follows and the goal that it drives to, where these have changed."""
+        if self._run is None or (self._shown[0] is step.path and self._shown[1] == step.goal):
+            return
+        self._shown = (step.path, step.goal)
+        goals = self._run.goals
+        goal = Pose2D.of(goals[min(step.goal, len(goals) - 1)])
+        self._window.mark_route(None if step.path is None else step.path.poses, goal)
