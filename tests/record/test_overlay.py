@@ -166,3 +166,21 @@ def test_a_legend_of_many_entries_goes_on_below_and_loses_none(costmap, robot):
     several = draw_paths(costmap, robot, {mark.text: single for mark in marks})
     assert several.width == few.width
     assert several.height > few.height
+
+
+def test_paths_on_each_other_are_all_seen(costmap, robot):
+    """Striped: of five equal paths and one that leaves them, every colour is seen over a fair part of the length."""
+    common = Path(np.array([[1.0, 1.0, 0.0], [2.5, 1.2, 0.0], [2.5, 3.5, 0.0]]))
+    away = Path(np.array([[1.0, 1.0, 0.0], [2.5, 1.2, 0.0], [2.7, 3.5, 0.0], [4.0, 3.5, 0.0]]))
+    paths = {str(number): common for number in range(5)} | {"away": away}
+    pixels = np.asarray(draw_paths(costmap, robot, paths))[120:900]
+    counts = [int((pixels == color).all(axis=-1).sum()) for color in colors.SEVERAL[:6]]
+    assert min(counts[:5]) > 0.5 * max(counts[:5]) > 100
+    assert counts[5] > counts[4]
+    alone = np.asarray(draw_paths(costmap, robot, {"one": common}))[120:900]
+    assert (alone == colors.SEVERAL[0]).all(axis=-1).sum() > sum(counts[:5])
+
+
+def test_paths_that_end_outside_the_map_or_have_one_pose_are_drawn(costmap, robot):
+    one, far = Path(np.array([[1.5, 1.5, 0.0]])), Path(np.array([[1.5, 1.5, 0.0], [-3.0, 1.5, 0.0], [-3.0, 9.0, 0.0]]))
+    assert has(draw_paths(costmap, robot, {"one": one, "far": far}), colors.SEVERAL[1], 100)

@@ -3,10 +3,10 @@ import builtins
 import av
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from trundle.errors import InputError, OutputError
-from trundle.record.video import MAX_FRAMES, DrawnFrames, encode, pick_rows, write_video
+from trundle.record.video import MAX_FRAMES, DrawnFrames, caption, encode, pick_rows, playing_rate, write_video
 
 
 def pictures(count=5, shape=(48, 64)):
@@ -90,8 +90,35 @@ def test_pictures_may_come_from_elsewhere_and_the_source_is_closed(told, tmp_pat
             Grey.closed = True
 
         def render(self, pose):
-            return np.full((32, 32, 3), 128, dtype=np.uint8)
+            return np.full((360, 640, 3), 128, dtype=np.uint8)
 
     write_video(tmp_path / "v.mp4", told.info, told.episode, lambda run, episode: Grey())
     assert Grey.closed
-    assert frames(tmp_path / "v.mp4")[0].mean() == pytest.approx(128, abs=3)
+    first, *_, last = frames(tmp_path / "v.mp4")
+    assert first[60:].mean() == pytest.approx(128, abs=3)
+    light = (first[:40] > 200).all(axis=-1)
+    assert 0.1 < light.mean() < 0.8  # the caption's field
+    assert (np.abs(first[:40].astype(int) - last[:40]) > 60).any()  # another time
+
+
+def test_frames_say_time_speed_and_how_fast_they_play(monkeypatch):
+    said = []
+    write = ImageDraw.ImageDraw.text
+    monkeypatch.setattr(
+        ImageDraw.ImageDraw, "text", lambda self, at, text, **more: (said.append(text), write(self, at, text, **more))
+    )
+    frame = np.zeros((540, 960, 3), dtype=np.uint8)
+    captioned = caption(frame, 12.34, 0.617, 4.04)
+    caption(frame, 0.0, -0.001, 1.0)
+    assert said == ["12.3 s", "0.62 m/s", "4.0x speed", "0.0 s", "0.00 m/s", "real time"]
+    assert not frame.any()  # a source may give the same frame again
+    rows = np.flatnonzero(captioned.any(axis=(1, 2)))
+    assert rows.max() - rows.min() > 25  # large enough to be read
+    assert caption(np.zeros((8, 8, 3), dtype=np.uint8), 1.0, 1.0, 1.0).shape == (8, 8, 3)
+
+
+def test_how_fast_a_video_plays_follows_from_its_frames():
+    assert playing_rate(np.arange(0.0, 5.0, 0.05), 20) == pytest.approx(1.0)
+    times = np.linspace(0.0, 100.0, 2001)[pick_rows(2001)]
+    assert playing_rate(times, 30) == pytest.approx(10.0, rel=0.01)
+    assert playing_rate(np.array([3.0]), 30) == 1.0

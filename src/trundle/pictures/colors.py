@@ -34,14 +34,14 @@ WARNING: Rgb = (180, 83, 9)
 
 # P. Tol's "bright" and "vibrant" schemes, which the colour-blind can tell apart, for things side by side.
 SEVERAL: tuple[Rgb, ...] = (
-    (187, 187, 187),
-    (204, 187, 68),
-    (102, 204, 238),
-    (170, 51, 119),
-    (34, 136, 51),
-    (238, 119, 51),
     (68, 119, 170),
+    (238, 119, 51),
+    (34, 136, 51),
+    (170, 51, 119),
+    (102, 204, 238),
     (204, 51, 17),
+    (204, 187, 68),
+    (187, 187, 187),
 )
 
 # Anchors of matplotlib's "plasma" (S. van der Walt, N. Smith, 2015, CC0), which reads well in grey and for the

@@ -15,6 +15,7 @@ from trundle.pictures.text import font, plain
 
 _SMOOTH = 2
 _LEFT, _RIGHT, _TOP, _BOTTOM = 66, 20, 34, 30
+_LEAST_X = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,12 +45,15 @@ class Chart:
         curves: At least one, drawn in order.
         square: Whether both axes have one scale.
         zero: Whether 0 is always seen.
+        least: The shortest span of y that is shown, in its unit, so that rounding does not look like a difference;
+            with `square` of both axes.
     """
 
     title: str
     curves: Sequence[Curve]
     square: bool = False
     zero: bool = False
+    least: float = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +95,8 @@ def round_marks(low: float, high: float, about: int = 5) -> list[float]:
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * 0.999)
     first = math.ceil(low / step - 1e-9)
-    return [round(index * step, 12) for index in range(first, math.floor(high / step + 1e-9) + 1)]
+    # Rounded, and 0.0 added: no mark reads -0.
+    return [round(index * step, 12) + 0.0 for index in range(first, math.floor(high / step + 1e-9) + 1)]
 
 
 def _letter(picture: Image.Image, chart: Chart, axes: _Axes) -> None:
@@ -121,9 +126,12 @@ def _frame(chart: Chart, size: tuple[int, int]) -> _Axes:
         y = (min(0.0, y[0]), max(0.0, y[1]))
     if chart.square:
         wide, high = size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
-        scale = 1.1 * max((x[1] - x[0]) / wide, (y[1] - y[0]) / high, 1e-3 / wide)
+        scale = 1.1 * max((x[1] - x[0]) / wide, (y[1] - y[0]) / high, chart.least / min(wide, high))
         return _Axes(_around(x, scale * wide), _around(y, scale * high), size)
-    return _Axes(_around(x, max(x[1] - x[0], 1e-9)), _around(y, max(1.08 * (y[1] - y[0]), 1e-9)), size)
+    tall = y[1] - y[0]
+    if chart.zero and tall < chart.least and y[0] == 0.0:
+        return _Axes(_around(x, max(x[1] - x[0], _LEAST_X)), (-0.04 * chart.least, 1.04 * chart.least), size)
+    return _Axes(_around(x, max(x[1] - x[0], _LEAST_X)), _around(y, 1.08 * max(tall, chart.least)), size)
 
 
 def _around(span: tuple[float, float], length: float) -> tuple[float, float]:

@@ -97,16 +97,19 @@ def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Co
 def draw_comparison(comparison: Comparison, names: tuple[str, str]) -> Image.Image:
     """Draw both ways from above, their distance over time, and their speeds beside what was commanded."""
     one, other, time = comparison.first, comparison.second, comparison.time
+    distance = [Curve(time, 1000.0 * comparison.position_error, BAD, "")]
+    yaw = [Curve(time, np.degrees(comparison.yaw_error), BAD, "")]
     charts = [
         Chart(
             "from above [m]",
             [Curve(one.x, one.y, START, names[0], 5), Curve(other.x, other.y, GOAL, names[1], 2)],
             square=True,
+            least=0.1,
         ),
-        Chart("distance [mm] over time [s]", [Curve(time, 1000.0 * comparison.position_error, BAD, "")], zero=True),
-        Chart("yaw difference [°] over time [s]", [Curve(time, np.degrees(comparison.yaw_error), BAD, "")], zero=True),
-        Chart("v [m/s]", _speed_curves(time, one.commanded_v, one.v, other.v, names), zero=True),
-        Chart("w [rad/s]", _speed_curves(time, one.commanded_w, one.w, other.w, names), zero=True),
+        Chart("distance [mm] over time [s]", distance, zero=True, least=1.0),
+        Chart("yaw difference [°] over time [s]", yaw, zero=True, least=0.1),
+        Chart("v [m/s]", _speed_curves(time, one.commanded_v, one.v, other.v, names), zero=True, least=0.1),
+        Chart("w [rad/s]", _speed_curves(time, one.commanded_w, one.w, other.w, names), zero=True, least=0.1),
     ]
     head, high, wide, side = 84, 210, 620, 620
     page = Image.new("RGB", (side + wide, head + 4 * high + 16), PAGE)

@@ -33,6 +33,7 @@ from trundle.pictures.colors import (
 )
 from trundle.record.map_view import MapView
 from trundle.record.page import Mark, compose_page, draw_tag
+from trundle.record.stripes import draw_striped
 from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
 
@@ -101,18 +102,15 @@ def draw_paths(
     Args:
         costmap: What they were planned on.
         robot: Whose footprint is drawn at both ends.
-        paths: At least one, by name; later ones lie on top.
+        paths: At least one, by name; where they lie on each other, they are striped.
         title: Headline; none means the robot's name.
         speed_mask: Where speed is limited, or none.
     """
     zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]), zones=zones)
-    legend: list[Mark] = []
-    for index, (name, path) in enumerate(paths.items()):
-        color = SEVERAL[index % len(SEVERAL)]
-        # The first ones are wider, so that they are seen where others follow the same way.
-        view.line(path.poses[:, :2], color, 4.0 + 1.5 * (len(paths) - 1 - index))
-        legend.append(Mark("line", color, name))
+    colors = [SEVERAL[index % len(SEVERAL)] for index in range(len(paths))]
+    draw_striped(view, [(path.poses[:, :2], color) for path, color in zip(paths.values(), colors, strict=True)])
+    legend = [Mark("line", color, name) for name, color in zip(paths, colors, strict=True)]
     first = next(iter(paths.values()))
     for pose, color in ((first.start, START), (first.goal, GOAL)):
         _draw_robot(view, robot, pose, color)

@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 
 from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
-from trundle.geometry import Pose2D
+from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
 from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
 from trundle.pictures.text import font
@@ -25,7 +25,8 @@ from trundle.record.zones import speed_zones
 
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300
-DRAWN_SIDE = 540  # least longer side of a drawn frame [px]; the largest is twice that
+DRAWN_SIDE = 840  # least longer side of a drawn frame [px], where the map has fewer cells
+MAX_DRAWN_SIDE = 1280  # more cells than this share pixels
 
 Pixels: TypeAlias = npt.NDArray[np.uint8]
 Report: TypeAlias = Callable[[str, int, int], None]
@@ -53,6 +54,8 @@ def write_video(
 ) -> str:
     """Write a time-lapse of a run, of at most 300 frames; as an animated GIF where PyAV is missing.
 
+    Each frame says the time, the robot's speed and how fast the video plays.
+
     Args:
         path: The .mp4 to write.
         run: What ran.
@@ -69,17 +72,46 @@ def write_video(
     rows = pick_rows(len(episode.trajectory))
     lapse = len(rows) < len(episode.trajectory)
     fps = FRAMES_PER_SECOND if lapse else max(1, round(1.0 / run.dt))
-    poses = episode.trajectory.poses
+    trajectory = episode.trajectory
+    rate = playing_rate(trajectory.time[rows], fps)
 
     def pictures(source: FrameSource) -> Iterator[Pixels]:
         for number, row in enumerate(rows):
-            yield source.render(Pose2D(*poses[row].tolist()))
+            frame = source.render(Pose2D(*trajectory.poses[row].tolist()))
+            yield caption(frame, float(trajectory.time[row]), float(trajectory.v[row]), rate)
             if report is not None:
                 report("video", number + 1, len(rows))
 
     make = frames or DrawnFrames
     with make(run, episode) as source:
         return encode(path, pictures(source), fps=fps)
+
+
+def playing_rate(times: FloatArray, fps: int) -> float:
+    """How many seconds of the run a second of the video shows, for frames at these times [s]."""
+    return float(times[-1] - times[0]) * fps / max(1, len(times) - 1) if len(times) > 1 else 1.0
+
+
+def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
+    """Write the time [s], the speed [m/s] and how fast the video plays into the upper left corner of a frame."""
+    size = max(13, frame.shape[0] // 26)
+    letters = font(size)
+    speed = round(speed, 2) + 0.0  # never -0.00
+    texts = (f"{time_s:.1f} s", f"{speed:.2f} m/s", f"{rate:.1f}x speed" if rate >= 1.05 else "real time")
+    widths = [letters.getlength(text) for text in ("8888.8 s", "-88.88 m/s", "888.8x speed")]
+    room = (round(sum(widths)) + size, round(1.7 * size))
+    # Drawn on a copy of the corner alone: a frame may be shown more than once.
+    corner = Image.fromarray(np.ascontiguousarray(frame[: room[1] + size // 2, : room[0] + size // 2]))
+    draw = ImageDraw.Draw(corner, "RGBA")
+    left, top = size // 2, size // 2
+    draw.rectangle((left, top, corner.width, corner.height), fill=(*PAGE, 225))
+    x = left + size // 2
+    for text, wide in zip(texts, widths, strict=True):
+        draw.text((x, top + room[1] // 2), text, font=letters, fill=INK, anchor="lm")
+        x += round(wide)
+    captioned = frame.copy()
+    captioned[: corner.height, : corner.width] = np.asarray(corner)
+    return captioned
 
 
 def pick_rows(count: int) -> npt.NDArray[np.intp]:
@@ -156,7 +188,7 @@ class DrawnFrames:
         goals = np.array([goal[:2] for goal in episode.goals])
         seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
         zones = speed_zones(run.speed_mask, run.robot)
-        view = MapView(run.costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=2 * DRAWN_SIDE, zones=zones)
+        view = MapView(run.costmap, np.concatenate(seen), long_side=DRAWN_SIDE, max_side=MAX_DRAWN_SIDE, zones=zones)
         for path in episode.paths:
             view.line(path.poses[:, :2], PLANNED, 6)
         view.disc(episode.start.as_tuple()[:2], 6, START)
@@ -166,7 +198,6 @@ class DrawnFrames:
         self._view = view
         self._picture = view.finish()
         self._last: Pose2D | None = None
-        self._times = iter(episode.trajectory.time[pick_rows(len(episode.trajectory))].tolist())
 
     def __enter__(self) -> Self:
         return self
@@ -183,7 +214,4 @@ class DrawnFrames:
         self._last = pose
         frame = self._picture.copy()
         self._view.stamp(frame, pose, self._robot.outline, START)
-        draw = ImageDraw.Draw(frame)
-        draw.rectangle((8, 8, 92, 36), fill=PAGE)
-        draw.text((50, 22), f"{next(self._times, 0.0):.1f} s", font=font(17), fill=INK, anchor="mm")
         return np.asarray(frame)

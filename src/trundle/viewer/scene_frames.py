@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from trundle.mission import Episode, Mission
     from trundle.viewer.painters import Pixels
 
-QUICK_S = 0.005
+QUICK_S = 0.01
 """A small picture that takes longer than this is drawn by a processor and not by a graphics card."""
 
 STRIDE = 2
@@ -35,7 +35,7 @@ class SceneFrames:
         self._goal = Pose2D.of(episode.goals[-1])
         self._stride = STRIDE
         self._count = 0
-        self._scene = self._open((640, 360), shadow_size=0)
+        self._scene = self._open((960, 540), shadow_size=0)
         if self._is_quick():
             self._scene.close()
             self._stride = 1
