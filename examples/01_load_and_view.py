@@ -1,4 +1,4 @@
-"""Step 1 of 5: load Nova Carter into a world and see it.
+"""Step 1 of 5: load Nova Carter into a world and look at it.
 
 Writes scene.png. On a machine with a screen, `trundle view nova_carter --world warehouse` opens a window instead.
 """
@@ -6,16 +6,16 @@ Writes scene.png. On a machine with a screen, `trundle view nova_carter --world 
 import trundle
 from trundle.viewer.offscreen import render
 
-# A world is a floor with named solids on it. This one is generated: the same seed gives the same warehouse.
+# A world is a floor with named solids. This one is generated: the same seed gives the same warehouse.
 # trundle.World.from_map("map.yaml") makes one from a ROS map.
 world = trundle.World.generate("warehouse", seed=7)
 
-# A robot by name, or from a YAML file of your own: trundle.Robot.load("my_robot.yaml").
+# A robot by name, or from your own YAML file: trundle.Robot.load("my_robot.yaml").
 robot = trundle.Robot.load("nova_carter")
 print(f"{robot.name}: {robot.total_mass:.1f} kg, at most {robot.limits.linear_speed} m/s")
 print(f"{world.name}: {len(world.solids)} solids")
 
-# Rendered with OpenGL where there is a driver, else by a slower renderer of ours; no screen is needed.
+# Rendered with OpenGL if there is a driver, else by a slower software renderer; no screen is needed.
 picture = render(world, robot, camera="chase")
 picture.save("scene.png")
 if picture.advice:

@@ -1,6 +1,6 @@
-"""Step 2 of 5: list the robot's joints, and which ones drive it.
+"""Step 2 of 5: list the robot's joints, and which ones are driven.
 
-Takes the path of an MJCF or URDF too: list_joints("my_robot.urdf").
+`list_joints` also takes the path of an MJCF or URDF file: list_joints("my_robot.urdf").
 """
 
 import trundle

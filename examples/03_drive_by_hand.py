@@ -1,7 +1,7 @@
 """Step 3 of 5: drive it by hand through a differential controller.
 
-You say how fast to go (v, in metres a second) and to turn (w, in radians a second, counter-clockwise); the
-differential drive makes wheel speeds of that, and physics makes a motion of those.
+A command is a forward speed v [m/s] and a turn rate w [rad/s], counter-clockwise. The differential drive converts it
+into wheel speeds, and the simulator into motion.
 """
 
 import trundle
@@ -9,11 +9,11 @@ import trundle
 robot = trundle.Robot.load("nova_carter")
 floor = trundle.World(name="floor", solids=())
 
-# What the differential drive does: two wheel speeds [rad/s] for a twist, clipped as Isaac Sim's controller clips.
-print("wheel speeds for 0.4 m/s straight on:", robot.wheel_command(trundle.Twist2D(0.4, 0.0)))
-print("wheel speeds for turning on the spot:", robot.wheel_command(trundle.Twist2D(0.0, 0.7)))
+# The differential drive: two wheel speeds [rad/s] for a twist, clipped as by Isaac Sim's controller.
+print("wheel speeds for 0.4 m/s driving straight:", robot.wheel_command(trundle.Twist2D(0.4, 0.0)))
+print("wheel speeds for turning in place:", robot.wheel_command(trundle.Twist2D(0.0, 0.7)))
 
-# One step is one control period. The simulator keeps to the robot's limits in speed and acceleration.
+# One step is one control period. The simulator applies the robot's limits of speed and acceleration.
 period = 0.05
 with trundle.simulate(floor, robot, backend="mujoco") as sim:
     sim.reset(trundle.Pose2D(0.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Step 4 of 5: prepare an occupancy map of the world, as ROS 2's Nav2 reads it.
+"""Step 4 of 5: prepare an occupancy map of the world, for ROS 2's Nav2.
 
 Writes warehouse.yaml and its image, warehouse.png.
 """
@@ -8,10 +8,10 @@ import trundle
 robot = trundle.Robot.load("nova_carter")
 world = trundle.World.generate("warehouse", seed=7)
 
-# What stands between these heights is in the robot's way: below 0.10 m it does not count, above 0.62 m it is clear.
-print("heights that count:", robot.z_range)
+# The robot can touch what is between these heights: it drives over what is below 0.10 m and under what is above 0.62 m.
+print("height band:", robot.z_range)
 
-# Cells that cannot be reached from the world's free places, such as the inside of a rack, are unknown.
+# Cells that cannot be reached from the world's free space, such as the inside of a rack, are unknown.
 grid = trundle.OccupancyGrid.from_world(world, resolution=0.05, z_range=robot.z_range)
 grid.save("warehouse.yaml")
 

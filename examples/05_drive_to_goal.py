@@ -1,4 +1,4 @@
-"""Step 5 of 5: plan on the map with A*, put the robot at the start, follow the path until the goal.
+"""Step 5 of 5: plan on the map with A*, place the robot at the start, and follow the path to the goal.
 
 Writes overlay.png: the planned path and the driven one, coloured by speed, over the map.
 """
@@ -10,8 +10,8 @@ world = trundle.World.generate("warehouse", seed=7)
 robot = trundle.Robot.load("nova_carter")
 grid = trundle.OccupancyGrid.from_world(world, resolution=0.05, z_range=robot.z_range)
 
-# The navigator is planner, controller and recovery behind one call. It knows no simulator: in a loop of your own you
-# would send the robot `navigator.update(pose)` in every control period.
+# The navigator combines planner, controller and recovery. It knows no simulator: in your own control loop you would
+# send the robot `navigator.update(pose)` in every control period.
 navigator = trundle.Navigator(grid, robot)
 start, goal = trundle.sample_mission(navigator.costmap, seed=3)
 print("from", start, "to", goal)

@@ -1,4 +1,4 @@
-"""Step 2 of 5 in Isaac Sim: list the robot's joints, and which ones drive it.
+"""Step 2 of 5 in Isaac Sim: list the robot's joints, and which ones are driven.
 
 ./python.sh examples/isaac/02_list_joints.py
 """

@@ -10,7 +10,7 @@ import trundle
 environment = sys.argv[1] if len(sys.argv) > 1 else "warehouse_with_forklifts"
 unknown = trundle.World(name="unknown", solids=())
 
-# One step is one control period: ten steps of physics. The simulator keeps to the robot's limits.
+# One step is one control period: ten steps of physics. The simulator applies the robot's limits.
 period = 0.05
 with trundle.simulate(unknown, "nova_carter", backend="isaac", environment=environment) as sim:
     sim.reset(trundle.Pose2D(-2.5, -1.0, 0.0))

@@ -2,7 +2,7 @@
 
 ./python.sh examples/isaac/04_plan_on_a_map.py MAP.YAML
 
-The map is the occupancy map extension's, or trundle's own: where the asset packs are at hand,
+The map is the occupancy map extension's, or trundle's own: if the asset packs are on this machine,
 `trundle map build warehouse_with_forklifts --assets-root FOLDER --exclude ceiling` makes it without Isaac Sim.
 """
 

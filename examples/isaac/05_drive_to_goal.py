@@ -1,4 +1,4 @@
-"""Step 5 of 5 in Isaac Sim: put the robot at the start, follow the planned path until the goal, draw both.
+"""Step 5 of 5 in Isaac Sim: place the robot at the start, follow the planned path to the goal, draw both.
 
 ./python.sh examples/isaac/05_drive_to_goal.py MAP.YAML [ENVIRONMENT]
 """
@@ -11,7 +11,7 @@ from trundle.record.run_folder import RunFolder
 grid = trundle.OccupancyGrid.load(sys.argv[1])
 environment = sys.argv[2] if len(sys.argv) > 2 else "warehouse_with_forklifts"
 
-# The same navigator, loop and recorder as in MuJoCo: only the backend is another.
+# The same navigator, loop and recorder as in MuJoCo; only the backend differs.
 navigator = trundle.Navigator(grid, "nova_carter")
 start, goal = trundle.sample_mission(navigator.costmap, seed=3)
 world = trundle.World.from_map(grid)
