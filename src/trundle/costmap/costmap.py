@@ -31,8 +31,9 @@ from trundle.costmap.unknown import (
 )
 from trundle.errors import InputError, MapError
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 from trundle.robots import Robot
 from trundle.values import check_kind, is_finite_number
 

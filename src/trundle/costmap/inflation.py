@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.errors import InputError
-from trundle.maps.grid import OCCUPIED
+from trundle.maps.cells import OCCUPIED
 from trundle.values import is_finite_number
 
 FREE_SPACE = 0

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError, MapError
-from trundle.maps.grid import FREE, UNKNOWN
+from trundle.maps.cells import FREE, UNKNOWN
 
 UnknownPolicy = Literal["blocked", "free", "costly"]
 UNKNOWN_POLICIES: tuple[UnknownPolicy, ...] = get_args(UnknownPolicy)

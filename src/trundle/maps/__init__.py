@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.cells import FREE, MAX_CELLS, OCCUPIED, UNKNOWN
+from trundle.maps.grid import OccupancyGrid
 
 if TYPE_CHECKING:
     from trundle.maps.convert import Conversion, convert_grid

@@ -11,7 +11,8 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D
-from trundle.maps.grid import FREE, MAX_CELLS, UNKNOWN, OccupancyGrid
+from trundle.maps.cells import FREE, MAX_CELLS, UNKNOWN
+from trundle.maps.grid import OccupancyGrid
 from trundle.maps.losses import Loss
 from trundle.maps.resample import (
     CellLayout,

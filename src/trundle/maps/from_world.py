@@ -14,7 +14,7 @@ import numpy.typing as npt
 from trundle._core import flood_free, flood_largest
 from trundle.errors import MapError, MapWarning
 from trundle.geometry import FloatArray, Pose2D
-from trundle.maps.grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.cells import MAX_CELLS, OCCUPIED, UNKNOWN, PlacedCells
 from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
@@ -83,8 +83,8 @@ def rasterise_world(
     half_cell_origin: bool = False,
     margin: float = 0.0,
     max_cells: int = MAX_CELLS,
-) -> OccupancyGrid:
-    """Make a world's map; see `OccupancyGrid.from_world`."""
+) -> PlacedCells:
+    """Make the cells of a world's map; see `OccupancyGrid.from_world`."""
     if not isinstance(getattr(world, "solids", None), Sequence):
         raise MapError(
             f"a map is made of a World, got {type(world).__name__}; World.load(path) and World.generate(name) make one"
@@ -120,7 +120,7 @@ def rasterise_world(
     for remark in remarks:
         warnings.warn(remark, MapWarning, stacklevel=3)
     shift = resolution / 2.0 if half_cell_origin else 0.0
-    return OccupancyGrid(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift))
+    return PlacedCells(cells, resolution, Pose2D(layout.corner[0] + shift, layout.corner[1] + shift))
 
 
 def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: float, style: Style) -> float:

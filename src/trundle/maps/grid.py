@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.geometry import Pose2D, format_pose
+from trundle.maps.cells import FREE, MAX_CELLS, MAX_EXTENT, MAX_ORIGIN, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
 from trundle.values import as_number
 
@@ -21,17 +23,6 @@ if TYPE_CHECKING:
     from trundle.maps.from_world import Bounds, Coverage, SolidWorld, Style
     from trundle.maps.height_field import HeightField
     from trundle.maps.occupancy import Compat, Mode
-
-FREE = 0
-OCCUPIED = 100
-UNKNOWN = -1
-MAX_CELLS = 400_000_000
-"""More cells than this are taken for a mistake; 1 km² at 0.05 m has as many."""
-
-MAX_EXTENT = 1e5
-"""Largest width of a map [m]; paths are checked every few centimetres."""
-MAX_ORIGIN = 1e9
-"""Farthest origin of a map [m]; coordinates of surveyors (UTM) are below 1e7."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +111,11 @@ class OccupancyGrid(GridFrame):
         """
         from trundle.maps.ros_reader import load_map
 
-        return load_map(path, compat=compat, allow_outside=allow_outside)
+        found = load_map(path, compat=compat, allow_outside=allow_outside)
+        try:
+            return cls(*found)
+        except MapError as error:
+            raise MapError(f"{Path(path)}: {error}") from error
 
     @classmethod
     def from_world(
@@ -185,7 +180,7 @@ class OccupancyGrid(GridFrame):
         """
         from trundle.maps.from_world import rasterise_world
 
-        return rasterise_world(
+        cells = rasterise_world(
             world,
             resolution=resolution,
             z_range=z_range,
@@ -200,6 +195,7 @@ class OccupancyGrid(GridFrame):
             margin=margin,
             max_cells=max_cells,
         )
+        return cls(*cells)
 
     def save(
         self,

@@ -7,7 +7,7 @@ from pathlib import Path
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
 from trundle.maps import bmp, png_chunks, pnm
-from trundle.maps.grid import MAX_CELLS
+from trundle.maps.cells import MAX_CELLS
 from trundle.maps.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16

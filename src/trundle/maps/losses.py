@@ -8,7 +8,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from trundle.geometry import Pose2D
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Mode
 from trundle.maps.ros_writer import read_back
 from trundle.maps.values import VALUES, count_values, round_trinary

@@ -1,7 +1,7 @@
 """MovingAI benchmark maps (`.map`) and queries (`.scen`).
 
 Formats: https://movingai.com/benchmarks/formats.html; N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012.
-Their first row is the top; ours is the bottom, so rows are flipped here.
+Their first row is the top; ours is the bottom, so rows are flipped.
 """
 
 from __future__ import annotations
@@ -11,17 +11,11 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from trundle.errors import MapError
-from trundle.files.opening import open_file, read_up_to
-from trundle.files.writing import write_bytes
-from trundle.maps.grid import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
-from trundle.maps.values import round_trinary
+from trundle.maps.grid import OccupancyGrid
+from trundle.maps.movingai_cells import read_cells, read_content, write_cells
 from trundle.values import as_path
 
-_FREE_TERRAIN = b".GS"
-_BLOCKED_TERRAIN = b"@OTW"
 _MAX_SCENARIO_BYTES = 200_000_000
 
 
@@ -61,35 +55,7 @@ def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0) -> Occupa
     Raises:
         MapError: If the file cannot be read, is truncated, or holds other terrain.
     """
-    source = Path(path)
-    lines = _read(source, MAX_CELLS + 1_000_000).split(b"\n")
-    if lines and lines[-1] == b"":
-        lines.pop()
-    lines = [line.removesuffix(b"\r") for line in lines]
-    height, width, first = _parse_header(lines, source)
-    if height * width > MAX_CELLS:
-        raise MapError(f"{source}: {width} x {height} cells are more than a map may have ({MAX_CELLS})")
-    rows = lines[first : first + height]
-    if len(rows) < height:
-        raise MapError(f"{source}:{len(lines)}:1: the map ends after {len(rows)} of {height} rows; copy it again")
-    for number, row in enumerate(rows, start=first + 1):
-        if len(row) != width:
-            raise MapError(
-                f"{source}:{number}:{min(len(row), width) + 1}: the row has {len(row)} cells, the header says "
-                f"{width}; correct the row or the header"
-            )
-    terrain = np.frombuffer(b"".join(rows), dtype=np.uint8).reshape(height, width)
-    table = np.full(256, UNKNOWN, dtype=np.int8)
-    table[list(_FREE_TERRAIN)] = FREE
-    table[list(_BLOCKED_TERRAIN)] = OCCUPIED
-    cells = table[terrain]
-    if (cells == UNKNOWN).any():
-        row, col = np.argwhere(cells == UNKNOWN)[0]
-        raise MapError(
-            f"{source}:{first + 1 + row}:{col + 1}: unknown terrain {chr(terrain[row, col])!r}; "
-            "there are . G S (free) and @ O T W (blocked)"
-        )
-    return OccupancyGrid(cells[::-1], resolution)
+    return OccupancyGrid(read_cells(path), resolution)
 
 
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
@@ -100,10 +66,7 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     Raises:
         OutputError: If the file cannot be written. No half file is left.
     """
-    rows, cols = grid.shape
-    text = np.full((rows, cols + 1), ord("\n"), dtype=np.uint8)
-    text[:, :-1] = np.where(round_trinary(grid.data)[::-1] == FREE, ord("."), ord("@"))
-    write_bytes(path, f"type octile\nheight {rows}\nwidth {cols}\nmap\n".encode() + text.tobytes())
+    write_cells(grid.data, path)
 
 
 def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
@@ -114,7 +77,7 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
     """
     source = Path(as_path(path, "a file of scenarios", MapError))
     queries: list[MovingAIQuery] = []
-    for number, raw in enumerate(_read(source, _MAX_SCENARIO_BYTES).split(b"\n"), start=1):
+    for number, raw in enumerate(read_content(source, _MAX_SCENARIO_BYTES).split(b"\n"), start=1):
         try:
             line = raw.decode().strip()
         except UnicodeDecodeError as error:
@@ -124,39 +87,6 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
     if not queries:
         raise MapError(f"{source}: there is no query in this file")
     return queries
-
-
-def _read(source: Path, max_bytes: int) -> bytes:
-    try:
-        with open_file(source) as stream:
-            content = read_up_to(stream, max_bytes + 1)
-    except OSError as error:
-        raise MapError(f"cannot read {source}: {error.strerror or error}") from error
-    if len(content) > max_bytes:
-        raise MapError(f"{source}: larger than {max_bytes} bytes; this is no MovingAI file")
-    return content
-
-
-def _parse_header(lines: list[bytes], source: Path) -> tuple[int, int, int]:
-    """Height, width and the index of the first row of cells."""
-    sizes: dict[bytes, int] = {}
-    for index, line in enumerate(lines[:16]):
-        words = line.split()
-        if words == [b"map"]:
-            missing = [what.decode() for what in (b"height", b"width") if what not in sizes]
-            if missing:
-                raise MapError(f"{source}:{index + 1}:1: the header has no {' and no '.join(missing)}; add it")
-            return sizes[b"height"], sizes[b"width"], index + 1
-        if len(words) == 2 and words[0] in (b"height", b"width"):
-            if not (words[1].isdigit() and len(words[1]) < 10 and int(words[1]) > 0):
-                raise MapError(
-                    f"{source}:{index + 1}:{len(words[0]) + 2}: {words[0].decode()} must be a whole number of at "
-                    f"least 1, got {words[1][:20]!r}; correct it"
-                )
-            sizes[words[0]] = int(words[1])
-        elif words[:1] != [b"type"]:
-            break
-    raise MapError(f"{source}:1:1: not a MovingAI map: it begins with the lines type, height, width and map")
 
 
 def _parse_query(line: str, place: str) -> MovingAIQuery:

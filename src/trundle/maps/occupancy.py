@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.pixels import Pixels, compute_channel_means, compute_greys, compute_transparent
 
 Mode: TypeAlias = Literal["trinary", "scale", "raw"]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from trundle._core import floor_planes, raster_mesh_over_floor, raster_thin_faces_over_floor
 from trundle.geometry import FloatArray, Pose3D
-from trundle.maps.grid import OCCUPIED, UNKNOWN
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.height_field import HeightField
 from trundle.maps.rasterise import CORNERS, HeightBand, mark_pending, run_corners
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere

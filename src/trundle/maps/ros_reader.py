@@ -14,7 +14,8 @@ import numpy as np
 
 from trundle.errors import MapError, MapWarning
 from trundle.files.opening import is_file
-from trundle.maps.grid import FREE, OccupancyGrid
+from trundle.geometry import Pose2D
+from trundle.maps.cells import FREE, PlacedCells
 from trundle.maps.image import read_image
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
 from trundle.maps.pixels import Pixels, compute_greys
@@ -24,28 +25,22 @@ from trundle.values import as_path
 _IMAGE_SUFFIXES = (".png", ".pgm", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg")
 
 
-def load_map(
-    path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
-) -> OccupancyGrid:
-    """Read a map; see `OccupancyGrid.load`."""
+def load_map(path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False) -> PlacedCells:
+    """Read the cells of a map; see `OccupancyGrid.load`."""
     source = Path(as_path(path, "a map's file", MapError))
     if compat not in (None, "humble"):
         raise MapError(f'compat is {compat!r}, it must be "humble" or None')
     suffix = source.suffix.lower()
     if suffix == ".map":
-        from trundle.maps.movingai import load_map as load_movingai_map
+        from trundle.maps.movingai_cells import read_cells
 
-        return load_movingai_map(source)
+        return PlacedCells(read_cells(source), 1.0, Pose2D(0.0, 0.0, 0.0))
     if suffix in _IMAGE_SUFFIXES:
         raise MapError(f"{source} is an image; give the map's YAML file, which names it and says its resolution")
     description = load_description(source)
     pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     _warn_of_unknown_as_free(pixels, description)
-    cells = compute_cells(pixels, description.rule, compat)
-    try:
-        return OccupancyGrid(cells, description.resolution, description.origin)
-    except MapError as error:
-        raise MapError(f"{source}: {error}") from error
+    return PlacedCells(compute_cells(pixels, description.rule, compat), description.resolution, description.origin)
 
 
 def find_image(source: Path, description: RosMapDescription, *, allow_outside: bool) -> Path:

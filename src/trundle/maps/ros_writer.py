@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.files.writing import output_path
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, CellGrid, Cells
 from trundle.maps.map_files import save_pair
 from trundle.maps.occupancy import MODES, UNKNOWN_GREY, Mode, PixelRule, compute_table
-from trundle.maps.values import VALUES, Cells, count_values, round_trinary
+from trundle.maps.values import VALUES, count_values, round_trinary
 
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
@@ -27,7 +27,7 @@ _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 def save_map(
-    grid: OccupancyGrid,
+    grid: CellGrid,
     path: str | os.PathLike[str],
     *,
     mode: Mode = "trinary",
@@ -37,11 +37,11 @@ def save_map(
     target = output_path(path)
     suffix = target.suffix.lower()
     if suffix == ".map":
-        from trundle.maps.movingai import save_map as save_movingai_map
+        from trundle.maps.movingai_cells import write_cells
 
         if mode != "trinary":
             raise MapError(f"{target}: a MovingAI map has no mode {mode}, only free and blocked; save as .yaml")
-        save_movingai_map(grid, target)
+        write_cells(grid.data, target)
         return
     if suffix not in (".yaml", ".yml"):
         raise MapError(
@@ -65,7 +65,7 @@ def save_map(
     save_pair(target, f".{image_format}", content, lambda image: _compose_yaml(grid, image, mode))
 
 
-def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:
+def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
     """8-bit samples of a map's image, top row first: greys (rows, cols), or (rows, cols, 4) in mode scale.
 
     As Nav2's map saver: trinary rounds by its thresholds; scale is bright for free and transparent for unknown; raw
@@ -79,7 +79,7 @@ def compute_samples(grid: OccupancyGrid, mode: Mode) -> npt.NDArray[np.uint8]:
     return np.stack([greys, greys, greys, opacity], axis=-1)
 
 
-def choose_mode(grid: OccupancyGrid) -> Mode:
+def choose_mode(grid: CellGrid) -> Mode:
     """The mode that keeps every cell of a map: trinary where there is nothing between free and occupied, else raw."""
     return "trinary" if count_values(grid.data)[~np.isin(VALUES, (UNKNOWN, FREE, OCCUPIED))].sum() == 0 else "raw"
 
@@ -105,7 +105,7 @@ def _compute_greys(mode: Mode) -> npt.NDArray[np.uint8]:
     return table.astype(np.uint8)
 
 
-def _compose_yaml(grid: OccupancyGrid, image: str, mode: Mode) -> str:
+def _compose_yaml(grid: CellGrid, image: str, mode: Mode) -> str:
     # Full precision: Nav2's saver rounds to three decimals, which moves a map of 0.0125 m cells by metres.
     name = image if _PLAIN_NAME.fullmatch(image) else json.dumps(image)
     x, y, yaw = grid.origin.as_tuple()

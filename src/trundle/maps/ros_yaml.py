@@ -17,7 +17,7 @@ from trundle.errors import InputError, MapError, MapWarning
 from trundle.files.kinds import MAP, describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.geometry import Pose2D, wrap_angle
-from trundle.maps.grid import MAX_ORIGIN
+from trundle.maps.cells import MAX_ORIGIN
 from trundle.maps.occupancy import MODES, Mode, PixelRule
 
 MAX_YAML_BYTES = 100_000

@@ -7,9 +7,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells
 
-Cells: TypeAlias = npt.NDArray[np.int8]
 Ranks: TypeAlias = npt.NDArray[np.uint8]
 
 OCCUPIED_FROM = 65

@@ -8,9 +8,10 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from trundle.costmap import FREE_SPACE, LETHAL, NO_INFORMATION, Costmap
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check import MapReport, Severity
 from trundle.maps.check.grouping import Group, group_findings, tell_small
-from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 from trundle.pictures.colors import BAD, FAINT, GOOD, INK, PAGE, WARNING, Rgb
 from trundle.pictures.colors import OCCUPIED as WALL
 from trundle.pictures.colors import UNKNOWN as DARK

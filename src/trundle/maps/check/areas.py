@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle._core import label_components
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind, Severity
-from trundle.maps.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 
 SPECK_CELLS = 4
 """An area of so many cells at most is noise more often than a thing."""

@@ -14,6 +14,7 @@ from trundle.errors import InputError, MapError
 from trundle.files.opening import is_file
 from trundle.files.yaml_nodes import read_text
 from trundle.geometry import Pose2D
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Chart
 from trundle.maps.check.description import check_description
 from trundle.maps.check.doors import check_doors
@@ -27,7 +28,7 @@ from trundle.maps.check.specks import check_islands, check_speckles
 from trundle.maps.check.unknown import check_unknown
 from trundle.maps.check.wording import apply_match
 from trundle.maps.from_world import SolidWorld
-from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 from trundle.maps.occupancy import Compat
 from trundle.maps.resample import resample_axis_aligned
 from trundle.maps.ros_yaml import MAX_YAML_BYTES

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import FloatArray
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.lattice import Lattice, Phase, WorldCells
 from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
-from trundle.maps.grid import OCCUPIED, UNKNOWN
 
 _COARSE_SIDE = 512  # blocks of cells along the longest side where the search begins
 _PEAKS = 3  # places an orientation that are looked at more closely

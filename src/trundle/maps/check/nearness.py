@@ -12,11 +12,11 @@ import numpy.typing as npt
 
 from trundle._core import inflate
 from trundle.geometry import FloatArray
+from trundle.maps.cells import OCCUPIED
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.lattice import Lattice
 from trundle.maps.check.matching import pad, pyramid
 from trundle.maps.check.orientation import Orientation
-from trundle.maps.grid import OCCUPIED
 
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
 _BLUR_CELLS = 1.5  # standard deviation around walls: what a noisy scan or a turned lattice moves them by

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from trundle.maps.cells import FREE, OCCUPIED
 from trundle.maps.check.areas import Areas, Cells, Chart, Mask, shorten
 from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind
-from trundle.maps.grid import FREE, OCCUPIED
 
 LEAST_AREA = 0.09
 """A smaller area [m²] is no finding: 0.1 m² less what rounding to cells takes off."""

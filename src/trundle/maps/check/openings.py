@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from trundle._core import mark_gaps
+from trundle.maps.cells import OCCUPIED
 from trundle.maps.check.areas import NEIGHBOURS, SPECK_CELLS, Area, Areas, Chart, Mask, shorten
 from trundle.maps.check.finding import MOST_A_KIND, Finding
-from trundle.maps.grid import OCCUPIED
 
 WIDEST_LEAK_M = 3.0
 """A gap in an outer wall; where free and unknown cells meet along more than this [m], a part was not seen."""

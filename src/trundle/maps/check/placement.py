@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from trundle.errors import MapError
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Cells
 from trundle.maps.check.finding import PLACEMENT_KINDS, Finding, Kind
 from trundle.maps.check.lattice import Lattice, WorldCells
@@ -14,7 +15,7 @@ from trundle.maps.check.stretching import Stretch, find_stretch
 from trundle.maps.check.turning import Turning, find_turn
 from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_ways, list_hidden
 from trundle.maps.from_world import SolidWorld
-from trundle.maps.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 
 LEAST_AGREEMENT = 0.5
 """Below this the map is taken for one of another place."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from trundle._core import inflate
 from trundle.geometry import Pose2D
+from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.maps.check.areas import Areas, Chart, Mask
 from trundle.maps.check.finding import Finding
-from trundle.maps.grid import OCCUPIED, UNKNOWN
 from trundle.robots import Robot
 
 

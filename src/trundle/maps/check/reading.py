@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from trundle.errors import MapError
+from trundle.maps.cells import FREE
 from trundle.maps.check.finding import Finding, Kind
-from trundle.maps.grid import FREE, OccupancyGrid
+from trundle.maps.grid import OccupancyGrid
 from trundle.maps.image import read_image
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
 from trundle.maps.pixels import Pixels, compute_greys

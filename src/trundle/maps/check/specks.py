@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from trundle.maps.cells import FREE, UNKNOWN
 from trundle.maps.check.areas import SPECK_CELLS, Areas, Chart
 from trundle.maps.check.finding import Finding
-from trundle.maps.grid import FREE, UNKNOWN
 
 _SPECK_EDGE = 2  # cells: a wider one is a thin thing
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from trundle.maps.cells import FREE, UNKNOWN
 from trundle.maps.check.areas import SPECK_CELLS, Areas, Cells, Chart, Mask
 from trundle.maps.check.finding import Finding
-from trundle.maps.grid import FREE, UNKNOWN
 
 UNSEEN_SHARE = 0.10
 """Unknown space of at least this share of the free space is a large part that was never seen."""
