@@ -10,7 +10,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.solids import Box, OccupancyCells
 from trundle.worlds import World
-from trundle.worlds.from_map import extrude, merge_cells
+from trundle.worlds.walls import extrude, merge_cells
 
 classes = st.builds(
     lambda rows, cols, seed: np.random.default_rng(seed).choice(3, (rows, cols), p=(0.5, 0.3, 0.2)).astype(np.uint8),

@@ -112,7 +112,7 @@ def _read(source: str, settings: dict[str, bool | int | float | str], changes: d
     from trundle.mission import Scenario
     from trundle.mission.choices import MapOptions
     from trundle.worlds import world_names
-    from trundle.worlds.load import check_options
+    from trundle.worlds.options import check_options
 
     if source in world_names():
         return Scenario.make(world={"name": source, "options": settings}, **changes)

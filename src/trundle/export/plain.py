@@ -14,8 +14,8 @@ from trundle.files.writing import make_folder
 from trundle.geometry import Pose3D
 from trundle.solids import Box, OccupancyCells, Solid
 from trundle.worlds import World
-from trundle.worlds.from_map import merge_cells
 from trundle.worlds.shapes import Names
+from trundle.worlds.walls import merge_cells
 
 MOST_BOXES = 100_000
 """Above this many boxes for its blocked cells, a map is refused: no program reads such a file in a useful time."""

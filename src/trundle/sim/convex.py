@@ -29,7 +29,7 @@ from trundle.errors import WorldWarning
 from trundle.geometry import FloatArray, Pose3D
 from trundle.maps.rasterise import HeightBand, SolidRaster
 from trundle.solids import Mesh, Solid
-from trundle.worlds.from_map import merge_cells
+from trundle.worlds.walls import merge_cells
 
 logger = logging.getLogger(__name__)
 

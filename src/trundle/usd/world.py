@@ -22,9 +22,9 @@ from trundle.usd.stage import (
     set_pose,
 )
 from trundle.worlds import World
-from trundle.worlds.from_map import merge_cells
 from trundle.worlds.tessellate import box_mesh
 from trundle.worlds.usd.words import NAME, SEEDS
+from trundle.worlds.walls import merge_cells
 
 _ROOT = "World"
 _FRICTION = 1.0

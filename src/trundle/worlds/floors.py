@@ -23,7 +23,7 @@ from trundle.robots import Robot
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds.ground import LARGE
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
-from trundle.worlds.world import World
+from trundle.worlds.world_like import WorldLike, WorldT
 
 STOREY = 2.0
 """A level that is so far [m] above a floor is a roof, unless something stands on it."""
@@ -72,7 +72,7 @@ class _Column:
 class _Surfaces:
     """The surfaces of a world's solids as triangles, each solid's made once."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: WorldLike) -> None:
         self.solids = world.solids
         self.ground = world.ground_z
         self.lows, self.highs = solids_bounds(world.solids)
@@ -104,7 +104,7 @@ class _Surfaces:
         return [_column(point, corners, normals, rising, owner) for point in points]
 
 
-def find_floor(world: World, robot: Robot, start: Pose2D) -> float:
+def find_floor(world: WorldLike, robot: Robot, start: Pose2D) -> float:
     """Height [m] of the floor that a robot at a pose stands on, in the world's own coordinates.
 
     Where no floor has the robot's height free above all of its footprint, that with the largest free part is taken:
@@ -126,7 +126,7 @@ def find_floor(world: World, robot: Robot, start: Pose2D) -> float:
     return levels[0]
 
 
-def find_common_floor(world: World, robot: Robot) -> float:
+def find_common_floor(world: WorldLike, robot: Robot) -> float:
     """Height [m] of the floor that is under most of a world, where it is not known where the robot starts.
 
     The lowest floor is looked for at 9 x 9 places over the world, and the height that is most frequent is taken. If not
@@ -272,7 +272,7 @@ def _carries(surfaces: _Surfaces, level: float) -> bool | None:
     return bool(stands.any())
 
 
-def lower_world(world: World, floor_z: float) -> World:
+def lower_world(world: WorldT, floor_z: float) -> WorldT:
     """Move a world down so that its floor at a height [m] lies at z = 0, where the floor is that robots drive on.
 
     Raises:
@@ -286,7 +286,7 @@ def lower_world(world: World, floor_z: float) -> World:
     return replace(world, solids=solids, ground_z=None if ground is None else 0.0)
 
 
-def check_floor(world: World, floor_z: float) -> None:
+def check_floor(world: WorldLike, floor_z: float) -> None:
     """Refuse a height [m] of a floor that nothing stands on, or that lies below the ground plane.
 
     Raises:

@@ -6,13 +6,10 @@ import fnmatch
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from trundle.errors import InputError, WorldWarning
 from trundle.solids import Solid
-
-if TYPE_CHECKING:
-    from trundle.worlds.world import World
+from trundle.worlds.world_like import WorldT
 
 _FLOOR_TOP = 0.01
 _CEILING_BOTTOM = 2.0
@@ -93,7 +90,7 @@ def split_words(words: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(words)
 
 
-def leave_out(world: World, words: str | Sequence[str], where: str) -> World:
+def leave_out(world: WorldT, words: str | Sequence[str], where: str) -> WorldT:
     """A world without what the words of a `Filter` say.
 
     Args:

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
 import os
 import warnings
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
-from trundle.errors import InputError, WorldError, WorldWarning
+from trundle.errors import WorldError, WorldWarning
 from trundle.files.opening import check_regular
 from trundle.guard import ReadLimits, read_guarded
 from trundle.maps.from_world import find_outlier
 from trundle.values import as_path
 from trundle.worlds.leave_out import leave_out
-
-if TYPE_CHECKING:
-    from trundle.worlds.world import World
+from trundle.worlds.options import check_options
+from trundle.worlds.world_like import WorldLike
 
 _MAPS = "trundle.worlds.from_map:load_map"
 
@@ -65,7 +62,7 @@ def is_world_file(text: str) -> bool:
     return Path(text).suffix.lower() in LOADERS
 
 
-def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options: Any) -> World:
+def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options: Any) -> WorldLike:
     """Read a world from a file; see `World.load`.
 
     All formats but our own maps are read by libraries, and so in a process of their own: see `trundle.guard`.
@@ -97,7 +94,7 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
     )
 
 
-def read_world(path: str, options: dict[str, Any]) -> World:
+def read_world(path: str, options: dict[str, Any]) -> WorldLike:
     """Read a world in this process; see `load_world`."""
     file = Path(path)
     options = dict(options)
@@ -106,7 +103,7 @@ def read_world(path: str, options: dict[str, Any]) -> World:
     known = _keywords(load)
     check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude", "floor_z"])))
     # Loaders that know what is left out do not read it, so nothing can be missing or wrong there.
-    world = cast("World", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
+    world = cast("WorldLike", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
     if "exclude" not in known:
         world = leave_out(world, exclude, str(file))
     if floor_z is not None:
@@ -124,35 +121,6 @@ def takes_paths(text: str) -> bool:
     return target is not None and "paths" in _keywords(_loader(target))
 
 
-def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
-    """Refuse a value that is not among an option's choices.
-
-    Raises:
-        InputError: If it is not.
-    """
-    if value not in choices:
-        raise InputError(f"{option} is {value!r}; it must be {' or '.join(map(repr, choices))}")
-
-
-def check_options(where: str, owner: str, given: Iterable[str], known: Sequence[str]) -> None:
-    """Refuse options that are not known, with the nearest that is.
-
-    Args:
-        where: What the message begins with.
-        owner: Whose options they are, "a .sdf file".
-        given: Their names.
-        known: Those that there are.
-
-    Raises:
-        InputError: If one is not known.
-    """
-    for name in given:
-        if name not in known:
-            nearest = difflib.get_close_matches(name, known, n=1)
-            hint = f" (did you mean {nearest[0]!r}?)" if nearest else ""
-            raise InputError(f"{where}: {name!r} is no option for {owner}{hint}; there are: {', '.join(known)}")
-
-
 def _loader(target: str) -> Any:
     module, _, name = target.partition(":")
     return getattr(importlib.import_module(module), name)
@@ -164,7 +132,7 @@ def _keywords(load: Any) -> list[str]:
     return [name for name, parameter in parameters if parameter.kind is inspect.Parameter.KEYWORD_ONLY]
 
 
-def _check_extent(file: Path, world: World, advice: str) -> None:
+def _check_extent(file: Path, world: WorldLike, advice: str) -> None:
     if not world.solids:
         here = f"{file}: nothing solid was found in it: the world is an empty floor"
         warnings.warn(f"{here}{'; ' if advice else ''}{advice}", WorldWarning, stacklevel=4)

@@ -14,7 +14,7 @@ from trundle.files.uris import Folders, split_folders
 from trundle.geometry import Pose3D
 from trundle.solids import Box, Color, Cylinder, Mesh, Solid, Sphere
 from trundle.worlds.ground import ENDLESS, LevelPlanes
-from trundle.worlds.load import check_choice
+from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import (
     Names,
     Part,

@@ -15,7 +15,7 @@ from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
-from trundle.worlds.load import check_choice
+from trundle.worlds.options import check_choice
 from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
 from trundle.worlds.sdf_models import find_model_file, is_plain_floor, is_sun, read_plain_floor
 from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry

@@ -6,7 +6,7 @@ import inspect
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
 from trundle.solids import Solid, solids_bounds
-
-Unknown: TypeAlias = Literal["solid", "free"]
+from trundle.worlds.options import Unknown
 
 WORLDS: Registry[World] = Registry(
     "world",
@@ -78,7 +77,7 @@ class World:
             WorldWarning: About words of `exclude` that nothing was left out by.
         """
         from trundle.worlds.leave_out import leave_out
-        from trundle.worlds.load import check_options
+        from trundle.worlds.options import check_options
 
         make = cast("Any", WORLDS.load(name))
         parameters = inspect.signature(make).parameters.values()
@@ -142,7 +141,7 @@ class World:
         from trundle.worlds.load import load_world
 
         limits = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
-        return load_world(path, limits=limits, exclude=exclude, floor_z=floor_z, **options)
+        return cast("World", load_world(path, limits=limits, exclude=exclude, floor_z=floor_z, **options))
 
     @classmethod
     def from_map(
@@ -155,9 +154,9 @@ class World:
             height: Of the walls [m].
             unknown: What cells that nobody has seen are: "solid" (a robot must not drive there) or "free".
         """
-        from trundle.worlds.from_map import extrude
+        from trundle.worlds.walls import extrude
 
-        return extrude(grid, height=height, unknown=unknown)
+        return cls(*extrude(grid, height=height, unknown=unknown))
 
     def __repr__(self) -> str:
         return f"World({self.name!r}, {self._size_text()})"
