@@ -4,7 +4,7 @@ Writes scene.png. On a machine with a screen, `trundle view nova_carter --world 
 """
 
 import trundle
-from trundle.viewer.offscreen import render
+from trundle.viewer import render
 
 # A world is a floor with named solids. This one is generated: the same seed gives the same warehouse.
 # trundle.World.from_map("map.yaml") makes one from a ROS map.

@@ -4,7 +4,7 @@
 """
 
 import trundle
-from trundle.sim.mujoco.joints import list_joints
+from trundle.sim.mujoco import list_joints
 
 for joint in list_joints(trundle.Robot.load("nova_carter")):
     limits = "free" if joint.limits is None else f"{joint.limits[0]:g} to {joint.limits[1]:g}"

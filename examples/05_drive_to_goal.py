@@ -4,7 +4,7 @@ Writes overlay.png: the planned path and the driven one, coloured by speed, over
 """
 
 import trundle
-from trundle.record.overlay import draw_run
+from trundle.record import draw_run
 
 world = trundle.World.generate("warehouse", seed=7)
 robot = trundle.Robot.load("nova_carter")

@@ -1,3 +1,5 @@
+import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -38,3 +40,24 @@ def test_an_example_runs_in_an_empty_folder(example: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_is_short(example: Path) -> None:
     assert len(example.read_text().splitlines()) < 40
+
+
+@pytest.mark.parametrize(
+    "example", [*EXAMPLES, *(EXAMPLES[0].parent / "isaac").glob("*.py")], ids=lambda path: path.stem
+)
+def test_an_example_uses_only_public_names(example: Path) -> None:
+    """What it imports is in a package's `__all__`, and no attribute begins with an underscore."""
+    tree = ast.parse(example.read_text())
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module]
+    for node in imports:
+        if str(node.module).startswith("trundle"):
+            assert {name.name for name in node.names} <= set(importlib.import_module(str(node.module)).__all__)
+    assert not [node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute) and node.attr.startswith("_")]
+
+
+@pytest.mark.parametrize("name", ["trundle", "trundle.record", "trundle.viewer", "trundle.sim.mujoco"])
+def test_names_that_are_imported_on_first_use_are_there(name: str) -> None:
+    module = importlib.import_module(name)
+    assert all(getattr(module, public) is not None for public in module.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'none'"):
+        module.none  # noqa: B018

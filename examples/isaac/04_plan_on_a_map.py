@@ -9,7 +9,7 @@ The map is the occupancy map extension's, or trundle's own: if the asset packs a
 import sys
 
 import trundle
-from trundle.record.overlay import draw_plan
+from trundle.record import draw_plan
 
 navigator = trundle.Navigator(trundle.OccupancyGrid.load(sys.argv[1]), "nova_carter")
 start, goal = trundle.sample_mission(navigator.costmap, seed=3)

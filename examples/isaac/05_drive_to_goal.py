@@ -6,7 +6,7 @@
 import sys
 
 import trundle
-from trundle.record.run_folder import RunFolder
+from trundle.record import RunFolder
 
 grid = trundle.OccupancyGrid.load(sys.argv[1])
 environment = sys.argv[2] if len(sys.argv) > 2 else "warehouse_with_forklifts"

@@ -9,9 +9,15 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.mark.parametrize(
-    ("page", "printed"), [("planning.md", "lies outside the map"), ("planning_reference.md", "found 511.58")]
+    ("page", "printed"),
+    [
+        ("planning.md", "lies outside the map"),
+        ("planning_reference.md", "found 511.58"),
+        ("python.md", ", 1 path, "),
+    ],
 )
-def test_the_python_of_a_page_runs(page, printed, capsys):
+def test_the_python_of_a_page_runs(page, printed, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     blocks = re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(), flags=re.DOTALL)
     assert blocks
