@@ -114,7 +114,7 @@ def drive(job: Job) -> Result:
     if job.place == "roomy warehouse":
         seed, aisle = job.seed, float(np.random.default_rng(job.seed).uniform(1.1, 1.8))
     world, grid = place_of(place, seed, aisle, job.robot, job.map)
-    navigator = trundle.Navigator(grid, job.robot, planning_deadline_s=None)
+    navigator = trundle.Navigator(grid, job.robot, settings=trundle.NavigatorSettings(planning_deadline_s=None))
     planned: set[str] = set()
     by = ""
     if kind == "tight":

@@ -5,11 +5,11 @@ import pytest
 
 import trundle
 from trundle.control import GoalChecker, ProgressChecker, create_controller
-from trundle.costmap import Costmap
+from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import TrundleError
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid
 from trundle.mission import Scenario, Trajectory, sample_mission
-from trundle.navigation import Navigator
+from trundle.navigation import Choice, Navigator, NavigatorSettings
 from trundle.planning import create_planner, create_smoother, planner_names
 from trundle.robots import Robot
 from trundle.sim import simulate
@@ -22,6 +22,9 @@ GRID = OccupancyGrid(CELLS, 0.05)
 COSTMAP = Costmap.from_grid(GRID, CARTER)
 WORLD = World.from_map(GRID)
 HERE, THERE = (1.0, 2.0), (5.0, 2.0)
+
+
+PURSUIT = "regulated_pure_pursuit"
 
 
 def navigator(**options):
@@ -68,7 +71,7 @@ CALLS = {
     "KeepoutMask.load(5)": (lambda: KeepoutMask.load(5), "a mask is loaded from the path of its YAML, got int"),
     "HeightField.load(None)": (lambda: HeightField.load(None), "a height field's file must be a path"),
     "Trajectory.load(5)": (lambda: Trajectory.load(5), "must be a path"),
-    "Scenario.load(None)": (lambda: Scenario.load(None), "a YAML file must be a path"),
+    "Scenario.load(None)": (lambda: Scenario.load(None), "file must be a path"),
     "Scenario.save(5)": (lambda: Scenario.make(world="office").save(5), "to write must be a path"),
     "simulate(None)": (lambda: simulate(None, CARTER), "a simulator's world must be of type World, got NoneType"),
     "simulate(robot=None)": (lambda: simulate(WORLD, None), "a robot must be of type"),
@@ -85,11 +88,14 @@ CALLS = {
     "Navigator(world)": (lambda: Navigator(WORLD, CARTER), "got World; OccupancyGrid.from_world"),
     "Navigator(robot=None)": (lambda: Navigator(GRID, None), "a robot must be of type"),
     "planner=5": (lambda: navigator(planner=5), "a planner is given by its name or as an object"),
-    "planner_options=5": (lambda: navigator(planner_options=5), "planner_options are options by name.* got 5"),
-    "planner_options={1: 2}": (lambda: navigator(planner_options={1: 2}), "planner_options are options by name"),
-    "controller_options": (lambda: navigator(controller_options={"nothing": 1}), "has no option 'nothing'"),
-    "goal_checker=5": (lambda: navigator(goal_checker=5), "goal_checker must be of type GoalChecker, got int"),
-    "progress_checker=0": (lambda: navigator(progress_checker=0), "progress_checker must be of type"),
+    "Choice(options=5)": (lambda: Choice(name="astar", options=5), "options: must be a mapping, got 5"),
+    "Choice(options={1: 2})": (lambda: Choice(name="astar", options={1: 2}), "options.1"),
+    "controller": (lambda: navigator(controller=Choice.of(PURSUIT, nothing=1)), "has no option 'nothing'"),
+    "costmap={}": (lambda: navigator(costmap={}), "costmap must be of type CostmapSettings"),
+    "settings=5": (lambda: navigator(settings=5), "settings must be of type NavigatorSettings"),
+    "CostmapSettings": (lambda: CostmapSettings(inflation_radius=-1), "inflation_radius: -1 is out of range"),
+    "CostmapSettings(x)": (lambda: CostmapSettings(inflation=1), "inflation: unknown key. Did you mean"),
+    "NavigatorSettings": (lambda: NavigatorSettings(goal_tolerance="x"), "goal_tolerance: must be a number, got 'x'"),
     "create_controller": (lambda: create_controller("regulated_pure_pursuit", None), "a controller's robot must be"),
     "create_smoother": (lambda: create_smoother(5), "a smoother is given by its name"),
     "cost_weight": (lambda: create_planner("auto", cost_weight="x"), "cost_weight must be a number .* got 'x'"),

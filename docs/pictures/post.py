@@ -33,6 +33,7 @@ from trundle.sim import RobotState, Simulator
 POST_TRACK = 0.54
 POST_ANGULAR_SPEED = 1.5
 POST_LOOKAHEAD = 0.7
+SETTINGS = trundle.NavigatorSettings(planning_deadline_s=None)
 START_POSE, GOAL = Pose2D(-14.0, -9.0), (14.0, 9.0)
 """A metre and a bit from two corners of the warehouse that lie across."""
 
@@ -113,14 +114,12 @@ def post_robot() -> Robot:
 def drive_as_the_post(track_width: float) -> Episode:
     """Drive with the post's planner and follower, and wheels commanded with some track."""
     place, robot = make_place(), post_robot()
-    options = {"lookahead_dist": POST_LOOKAHEAD}
     navigator = trundle.Navigator(
         place.grid,
         robot,
         planner="manhattan_astar",
-        controller="lookahead",
-        controller_options=options,
-        planning_deadline_s=None,
+        controller=trundle.Choice.of("lookahead", lookahead_dist=POST_LOOKAHEAD),
+        settings=SETTINGS,
     )
     with OtherTrack(place.world, robot, track_width) as simulator:
         name = f"the post's planner and follower, wheel base {track_width:g} m"
@@ -130,7 +129,8 @@ def drive_as_the_post(track_width: float) -> Episode:
 def drive_as_trundle(**controller_options: float) -> Episode:
     """Drive as `trundle run` does by itself, but for options of the controller."""
     place, robot = make_place(), Robot.load("nova_carter")
-    navigator = trundle.Navigator(place.grid, robot, controller_options=controller_options, planning_deadline_s=None)
+    controller = trundle.Choice.of("regulated_pure_pursuit", **controller_options)
+    navigator = trundle.Navigator(place.grid, robot, controller=controller, settings=SETTINGS)
     with trundle.simulate(place.world, robot) as simulator:
         return trundle.run(simulator, navigator, START_POSE, GOAL, name="trundle's own")
 

@@ -9,12 +9,12 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from trundle.costmap import Costmap
+    from trundle.costmap import Costmap, CostmapSettings
     from trundle.errors import InputError, PlanningError, TrundleError
     from trundle.geometry import Pose2D, Twist2D
     from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
-    from trundle.navigation import Navigator
+    from trundle.navigation import Choice, Navigator, NavigatorSettings
     from trundle.path import Path
     from trundle.robots import Robot
     from trundle.sim import RobotState, simulate
@@ -23,11 +23,14 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Choice": "trundle.navigation",
     "Costmap": "trundle.costmap",
+    "CostmapSettings": "trundle.costmap",
     "Episode": "trundle.mission",
     "HeightField": "trundle.maps",
     "InputError": "trundle.errors",
     "Navigator": "trundle.navigation",
+    "NavigatorSettings": "trundle.navigation",
     "OccupancyGrid": "trundle.maps",
     "Outcome": "trundle.mission",
     "Path": "trundle.path",
@@ -45,11 +48,14 @@ _HOMES = {
 }
 
 __all__ = [
+    "Choice",
     "Costmap",
+    "CostmapSettings",
     "Episode",
     "HeightField",
     "InputError",
     "Navigator",
+    "NavigatorSettings",
     "OccupancyGrid",
     "Outcome",
     "Path",

@@ -140,7 +140,7 @@ def test_a_map_becomes_a_world_as_its_options_say(trundle: Trundle, room_map: Pa
     [
         ("hieght=0.3", "did you mean 'height'?"),
         ("height=0", "map_options.height"),
-        ("unknown=wall", "'solid' or 'free'"),
+        ("unknown=wall", "There are: solid, free"),
     ],
 )
 def test_options_that_a_map_does_not_take(trundle: Trundle, room_map: Path, option: str, words: str) -> None:
@@ -174,7 +174,7 @@ def test_a_seed_among_the_settings_is_the_worlds(trundle: Trundle, tmp_path: Pat
         (("warehouse", "--goal", "900,900", "--start", "0,0", "--backend", "kinematic"), "outside"),
         (("warehouse", "--time-limit", "-3"), "time_limit_s"),
         (("warehouse", "--time-limit", "nan"), "time_limit_s"),
-        (("warehouse", "--planning-deadline", "0"), "planning_deadline_s"),
+        (("warehouse", "--planning-deadline", "0"), "--planning-deadline '0' is out of range"),
     ],
 )
 def test_bad_input_leaves_nothing(trundle: Trundle, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:

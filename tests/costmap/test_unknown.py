@@ -8,7 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trundle import Navigator, Robot, run, simulate
-from trundle.costmap import DEFAULT_UNKNOWN_COST, INSCRIBED, LETHAL, NO_INFORMATION, UNKNOWN_POLICIES, Costmap
+from trundle.costmap import (
+    DEFAULT_UNKNOWN_COST,
+    INSCRIBED,
+    LETHAL,
+    NO_INFORMATION,
+    UNKNOWN_POLICIES,
+    Costmap,
+    CostmapSettings,
+)
 from trundle.errors import InputError, MapError, PlanningError, ScenarioError
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask
@@ -101,7 +109,7 @@ def test_with_no_other_way_costly_unknown_space_is_driven_through():
     grid = hall(gap=1)
     with pytest.raises(PlanningError, match="unknown space"):
         Navigator(grid, BURGER).planner.plan(Costmap.from_grid(grid, BURGER), START, GOAL)
-    navigator = Navigator(grid, BURGER, unknown="costly")
+    navigator = Navigator(grid, BURGER, costmap=CostmapSettings(unknown="costly"))
     with simulate(World.from_map(grid, unknown="free"), BURGER, backend="kinematic") as sim:
         episode = run(sim, navigator, start=START, goal=GOAL)
     assert episode.arrived
@@ -156,10 +164,10 @@ def test_other_policies_and_costs_are_refused(options):
         Costmap.from_grid(hall(), SMALL, **{"unknown": "costly", **options})
 
 
-@pytest.mark.parametrize("unknown", [None, "blocked", "free"])
+@pytest.mark.parametrize("unknown", ["blocked", "free"])
 def test_a_price_of_unknown_cells_is_for_those_that_have_one(unknown):
     with pytest.raises(InputError, match='unknown_cost is what unknown cells cost where unknown="costly"'):
-        Navigator(hall(), BURGER, unknown=unknown, unknown_cost=120)
+        Navigator(hall(), BURGER, costmap=CostmapSettings(unknown=unknown, unknown_cost=120))
 
 
 def test_unseen_cells_belong_to_the_policy():
@@ -174,5 +182,5 @@ def test_unseen_cells_belong_to_the_policy():
     unseen[0] = True
     assert not costmap.unknown_cells.any()
     assert LETHAL not in costmap.data
-    with pytest.raises(InputError, match="settled in the costmap"):
-        Navigator(costmap, BURGER, unknown="free")
+    with pytest.raises(InputError, match="made already"):
+        Navigator(costmap, BURGER, costmap=CostmapSettings(unknown="free"))

@@ -10,7 +10,7 @@ from trundle.costmap import LETHAL, Costmap
 from trundle.errors import BlockedPoseError, InputError, MapError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -105,7 +105,7 @@ def test_where_no_other_way_is_left_it_stops_in_front_and_goes_on_when_it_is_fre
 def flips(margin):
     """How often the robot changes its mind about two ways round a block that are as good but for noise."""
     grid = room()
-    navigator = Navigator(grid, CARTER, replan_interval_s=0.5, replan_margin=margin)
+    navigator = Navigator(grid, CARTER, settings=NavigatorSettings(replan_interval_s=0.5, replan_margin=margin))
     base = box(navigator.costmap, 5.0, 2.6, 7.0, 5.4)
     # A speck near one of the ways, then near the other, that costs a little.
     noisy = [box(base, 5.95, y, 6.05, y + 0.1) for y in (0.9, 7.0)]
@@ -136,7 +136,7 @@ def test_replanning_does_not_flip_flop_between_ways_that_are_as_good():
 
 
 def test_a_way_that_becomes_much_cheaper_is_taken():
-    navigator = Navigator(room(), CARTER, replan_interval_s=0.5)
+    navigator = Navigator(room(), CARTER, settings=NavigatorSettings(replan_interval_s=0.5))
     free = navigator.costmap
     navigator.costmap = box(free, 5.0, 0.0, 5.5, 6.0)
     navigator.set_goal(10.5, 1.5, 0.0)
@@ -153,7 +153,7 @@ def test_a_way_that_becomes_much_cheaper_is_taken():
 @pytest.mark.parametrize("options", [{"replan_interval_s": 0.0}, {"replan_margin": 1.0}, {"replan_margin": -0.1}])
 def test_options_of_replanning_out_of_range_are_refused(options):
     with pytest.raises(InputError, match=next(iter(options))):
-        Navigator(room(), CARTER, **options)
+        NavigatorSettings(**options)
 
 
 def test_it_drives_around_a_zone_to_keep_out_of():

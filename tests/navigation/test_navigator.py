@@ -3,12 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from trundle.control import ProgressChecker
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, MapError, NoPathError, UnknownNameError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
-from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation import Choice, NavigationStatus, Navigator, NavigatorSettings
 from trundle.path import Path
 from trundle.planning.constrained_smoother import ConstrainedSmoother
 from trundle.robots import Robot
@@ -147,7 +146,7 @@ def test_a_blocked_robot_replans_backs_up_and_at_last_gives_up_without_touching(
 
 
 def test_a_robot_whose_wheels_slip_is_stuck_after_the_allowance():
-    navigator = Navigator(room(), CARTER, progress_checker=ProgressChecker(movement_time_allowance=2.0))
+    navigator = Navigator(room(), CARTER, settings=NavigatorSettings(movement_time_allowance=2.0))
     navigator.set_goal(3, 0)
     for _ in range(60):
         navigator.update((0, 0, 0), Twist2D(0.3, 0.0))
@@ -179,11 +178,11 @@ def test_unknown_names_and_options_are_refused():
     with pytest.raises(UnknownNameError, match="regulated_pure_pursuit"):
         Navigator(room(), CARTER, controller="pursuit")
     with pytest.raises(InputError, match="lookahead"):
-        Navigator(room(), CARTER, controller_options={"lookahead": 1})
+        Navigator(room(), CARTER, controller=Choice.of("regulated_pure_pursuit", lookahead=1))
     for option in ("control_frequency", "replan_interval_s", "replan_margin"):
-        for value in (-1, math.nan, "1"):
+        for value in (-1, math.nan, "one"):
             with pytest.raises(InputError, match=option):
-                Navigator(room(), CARTER, **{option: value})
+                NavigatorSettings(**{option: value})
     for option in ("keepout", "speed_mask"):
         with pytest.raises(InputError, match="mask is loaded from the path"):
             Navigator(room(), CARTER, **{option: room()})
@@ -226,7 +225,7 @@ def test_a_smoother_takes_the_stops_out_of_a_path():
 def test_the_smoother_takes_its_options_and_says_why_a_path_cannot_be_smoothed():
     grid = room((-0.2, -5, 0.2, 2.5))
     options = {"minimum_turning_radius": 1.0}
-    assert Navigator(grid, "nova_carter", smoother="constrained", smoother_options=options).smoother.settings == (
+    assert Navigator(grid, "nova_carter", smoother=Choice(name="constrained", options=options)).smoother.settings == (
         ConstrainedSmoother(**options).settings
     )
     navigator = Navigator(grid, "nova_carter", planner="manhattan_astar", smoother="constrained")

@@ -5,7 +5,7 @@ import pytest
 
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
-from trundle.navigation import Navigator
+from trundle.navigation import Navigator, NavigatorSettings
 from trundle.sim import simulate
 from trundle.worlds import World
 
@@ -44,7 +44,9 @@ def flips(planner, margin):
     data[[0, -1], :] = data[:, [0, -1]] = 100
     data[52:108, 100:140] = 100
     grid = OccupancyGrid(data, 0.05)
-    navigator = Navigator(grid, "nova_carter", planner=planner, replan_interval_s=0.5, replan_margin=margin)
+    navigator = Navigator(
+        grid, "nova_carter", planner=planner, settings=NavigatorSettings(replan_interval_s=0.5, replan_margin=margin)
+    )
     flicker = Flicker(navigator)
     with simulate(World.from_map(grid), navigator.robot, backend="mujoco") as sim:
         episode = run(sim, navigator, (1.0, 4.0, 0.0), (10.5, 4.0, 0.0), observers=[flicker])

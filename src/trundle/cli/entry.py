@@ -114,8 +114,20 @@ def _dispatch(arguments: Sequence[str]) -> int:
     try:
         code = app(list(arguments), exit_on_error=False, print_error=False)
     except CycloptsError as error:
+        refused = _explain(error)
+        if refused is not None:
+            raise refused from error
         return _fail(f"{error}\nSee: trundle {verb} --help")
     return code if isinstance(code, int) else DONE
+
+
+def _explain(error: Exception) -> TrundleError | None:
+    """What is wrong with the value of an option that settings refuse; none for other errors."""
+    from pydantic import ValidationError
+
+    from trundle.cli.shared import settings
+
+    return settings.explain(error.__cause__) if isinstance(error.__cause__, ValidationError) else None
 
 
 def _overview() -> str:

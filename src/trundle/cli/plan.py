@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import options, output, sources
+from trundle.cli.shared import options, output, settings, sources
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -43,17 +43,20 @@ def plan(
     partial: Annotated[bool, Parameter(negative="")] = False,
     deadline: float | None = None,
     smoother: options.SmootherName = None,
+    smoother_options: options.SmootherOptions = None,
+    controller: Annotated[str, Parameter(help="A controller by name.")] = "regulated_pure_pursuit",
+    controller_options: options.ControllerOptions = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
-    unknown: options.Unknown = None,
-    unknown_cost: options.UnknownCost = None,
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
     out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
+    costmap: settings.CostmapOptions = None,
+    navigation: settings.RunOptions = None,
 ) -> int:
     """Plan a path on a map; print its length, cost and time, and draw it.
 
@@ -67,13 +70,15 @@ def plan(
         deadline: Give up after this time [s]; the same as --planner-option deadline_s=….
         compare: Plan by every planner there is: a table of them, and all their paths in one picture. The times are
             medians of repeated plans on one map.
-        backend: Taken as every step takes it; a plan needs no simulator, and none is started.
+        backend: Taken, and checked, as by trundle run; a plan needs no simulator, and none is started. Likewise the
+            controller and its options, and those of navigation.
         out: The picture, or a folder for overlay.png; left out: overlay.png, here. Where it cannot be written, the rest
             is printed all the same.
     """
     from trundle.geometry import Pose2D
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-    from trundle.navigation import Navigator
+    from trundle.mission import RunSettings
+    from trundle.navigation import Choice, Navigator
     from trundle.record.overlay import draw_plan
     from trundle.record.run_folder import save_png
     from trundle.sim import simulator_names
@@ -84,19 +89,18 @@ def plan(
     last = options.parse_goal("--goal", goal) if goal else None
     target = _find_target(out)
     code = 2 if out is not None and target is None else 0
-    chosen = options.parse_pairs("--planner-option", planner_options, "goal_tolerance=0.5")
-    chosen |= ({"allow_partial": True} if partial else {}) | ({} if deadline is None else {"deadline_s": deadline})
-    if compare and chosen:
+    shorthands = ["allow_partial=true"] * partial + ([] if deadline is None else [f"deadline_s={deadline}"])
+    chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], Choice(name=planner))
+    if compare and chosen.options:
         raise InputError("--compare plans by every planner as it is by default: give it no options of one")
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat),
         robot,
-        planner=planner,
-        planner_options=chosen,
-        unknown=unknown,
-        unknown_cost=unknown_cost,
-        smoother=smoother,
-        planning_deadline_s=None,
+        planner=chosen,
+        controller=settings.choose("controller", controller, controller_options, Choice(name=controller)),
+        smoother=settings.choose("smoother", smoother, smoother_options, None),
+        costmap=costmap,
+        settings=navigation or RunSettings(),
         keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
         speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
     )

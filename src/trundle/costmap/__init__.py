@@ -2,6 +2,7 @@
 
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.inflation import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION
+from trundle.costmap.settings import CostmapSettings
 from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UNKNOWN_POLICIES, UnknownPolicy
 
 __all__ = [
@@ -12,5 +13,6 @@ __all__ = [
     "NO_INFORMATION",
     "UNKNOWN_POLICIES",
     "Costmap",
+    "CostmapSettings",
     "UnknownPolicy",
 ]

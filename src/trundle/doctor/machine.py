@@ -227,11 +227,11 @@ def _check_step(simulator: Any) -> str:
 
 def _check_mission(simulator: Any) -> str:
     from trundle.maps import OccupancyGrid
-    from trundle.mission import run
+    from trundle.mission import RunSettings, run
     from trundle.navigation import Navigator
 
     grid = OccupancyGrid(np.zeros((120, 160), dtype=np.int8), 0.05, Pose2D(-3.0, -3.0))
-    episode = run(simulator, Navigator(grid, simulator.robot, planning_deadline_s=None), Pose2D(0.0, 0.0), (2.0, 1.0))
+    episode = run(simulator, Navigator(grid, simulator.robot, settings=RunSettings()), Pose2D(0.0, 0.0), (2.0, 1.0))
     if not episode.arrived:
         raise TrundleError(f"a mission over 2.2 m of free floor ended as {episode.outcome.value}: {episode.message}")
     return f"2.2 m of free floor in {episode.metrics.time_s:.1f} s"

@@ -6,7 +6,7 @@ import math
 import os
 import warnings
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -23,10 +23,36 @@ Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
-class Config(BaseModel):
-    """Base of everything that a person writes in YAML: no unknown keys, no NaN or infinity, frozen once read."""
+if TYPE_CHECKING:
+    _Model = BaseModel
+else:
+
+    class _TypedErrors(type(BaseModel)):
+        """Raises `InputError` where a model is made by a call, in the words that are used for files."""
+
+        def __call__(cls, *arguments: Any, **given: Any) -> Any:
+            try:
+                return super().__call__(*arguments, **given)
+            except ValidationError as error:
+                problems = error.errors(include_url=False)
+                raise InputError("\n".join(describe_problems(problems, cls, given))) from error
+
+    class _Model(BaseModel, metaclass=_TypedErrors):
+        pass
+
+
+class Config(_Model):
+    """Base of everything that a person writes in YAML: no unknown keys, no NaN or infinity, frozen once read.
+
+    Raises:
+        InputError: Where it is made by a call and a value cannot be used; one line for each.
+    """
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+
+    def part(self, model: type[ModelT]) -> ModelT:
+        """The fields of a model that this one has inherited, as that model alone."""
+        return model.model_construct(**{name: getattr(self, name) for name in model.model_fields})
 
 
 def load_config(path: str | os.PathLike[str], model: type[ModelT], *, kind: str | None = None) -> ModelT:

@@ -4,7 +4,7 @@ from trundle.mission.episode import Episode, Goal, Metrics, Outcome
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer, RunInfo, Step
 from trundle.mission.sampling import sample_mission
-from trundle.mission.scenario import Mission, Scenario, Setting
+from trundle.mission.scenario import Mission, RunSettings, Scenario, Setting
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "Observer",
     "Outcome",
     "RunInfo",
+    "RunSettings",
     "Scenario",
     "Setting",
     "Step",

@@ -1,31 +1,17 @@
-"""`Choice`: a name with options, as a scenario's YAML has them."""
+"""A scenario's world, and how a map becomes one."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from typing import Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, model_validator
 from pydantic_core import PydanticCustomError
 
+from trundle.files.choice import Choice
+from trundle.files.config_fields import Positive
 from trundle.files.yaml_config import Config
 from trundle.registry import Registry
 from trundle.worlds.load import is_world_file
-
-Positive = Annotated[float, Field(gt=0.0)]
-Option: TypeAlias = bool | int | float | str | list[bool | int | float | str] | None
-
-
-class Choice(Config):
-    """A name with options: `least_cost`, or `{name: least_cost, options: {…}}`.
-
-    Attributes:
-        name: What is chosen.
-        options: Passed to it by keyword.
-    """
-
-    name: str
-    options: dict[str, Option] = Field(default_factory=dict)
-
 
 _READING = ("trusted", "time_limit_s", "memory_limit_gb")
 """Options of `World.load` that say how far a file is trusted."""
@@ -83,14 +69,3 @@ def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
         return choice
 
     return AfterValidator(check)
-
-
-def name_alone(value: object) -> object:
-    """Take a name alone as a choice without options."""
-    return {"name": value} if isinstance(value, str) else value
-
-
-def shorten(choice: dict[str, Any]) -> object:
-    """Write a choice without options as its name alone."""
-    kept = {key: value for key, value in choice.items() if value not in (None, {})}
-    return kept["name"] if set(kept) == {"name"} else kept

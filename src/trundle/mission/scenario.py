@@ -13,29 +13,21 @@ import yaml
 from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.control.controller import CONTROLLERS
-from trundle.costmap import UnknownPolicy
+from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, ScenarioError
-from trundle.files.config_fields import PoseNumbers
+from trundle.files.choice import Choice, name_alone, shorten
+from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.files.kinds import SCENARIO
 from trundle.files.writing import output_path, write_text
-from trundle.files.yaml_config import Config, build, load_config
+from trundle.files.yaml_config import build, load_config
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-from trundle.mission.choices import (
-    Choice,
-    MapOptions,
-    Positive,
-    WorldChoice,
-    name_alone,
-    refuse_removed_names,
-    shorten,
-)
+from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
 from trundle.mission.episode import Episode, Goal
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.sampling import sample_mission
-from trundle.navigation import Navigator
-from trundle.navigation.inputs import LEAST_FREQUENCY, MOST_FREQUENCY
+from trundle.navigation import Navigator, NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
@@ -52,8 +44,21 @@ _ROOM = 1.0
 """Around a start or goal that lies outside the world's solids [m]."""
 
 
-class Scenario(Config):
+class RunSettings(NavigatorSettings):
+    """Those of a navigator; without a planning deadline, so that a run is the same however busy the computer is.
+
+    Attributes:
+        planning_deadline_s: How long a plan may take [s] of the computer's time, three times at most; none means as
+            long as it takes.
+    """
+
+    planning_deadline_s: Positive | None = None
+
+
+class Scenario(CostmapSettings, RunSettings):
     """Everything that a run depends on. The same scenario gives the same run, bit for bit, on one machine.
+
+    Beside its own fields it has those of `CostmapSettings` and `RunSettings`.
 
     Attributes:
         name: Of the run; none means robot and place.
@@ -62,8 +67,6 @@ class Scenario(Config):
         map_options: How it is extruded; none means walls of 1 m.
         floor_z: Height [m] of the floor in the world's file; none means the one under the start, or where none is
             given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
-        unknown: What the robot takes unknown cells of the map for: blocked, free or costly.
-        unknown_cost: What they cost it at least where they are costly, 0 to 252; none means the costmap's default.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
         speed_mask: Path of a speed mask's YAML; in a file, relative to that file.
@@ -77,12 +80,7 @@ class Scenario(Config):
         backend: Simulator by name.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
-        inflation_radius: Of the costmap [m]; none means the default for the robot.
-        cost_scaling_factor: Of the costmap [1/m]; none means the default.
-        control_frequency: Commands per second of simulated time [Hz], 0.1 to 1000.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
-        planning_deadline_s: How long a plan may take [s] of the computer's time, as in `Navigator`; none means as long
-            as it takes, and that the run is the same on a busy computer.
     """
 
     name: str | None = None
@@ -91,8 +89,6 @@ class Scenario(Config):
     map_options: MapOptions | None = None
     floor_z: float | None = None
     compat: Literal["humble"] | None = None
-    unknown: UnknownPolicy = "blocked"
-    unknown_cost: Annotated[int, Field(ge=0, le=252)] | None = None
     keepout: str | None = None
     speed_mask: str | None = None
     robot: str = "nova_carter"
@@ -107,11 +103,7 @@ class Scenario(Config):
     backend: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="mujoco")
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
-    inflation_radius: Positive | None = None
-    cost_scaling_factor: Positive | None = None
-    control_frequency: Annotated[float, Field(ge=LEAST_FREQUENCY, le=MOST_FREQUENCY)] = 20.0
     time_limit_s: Positive | None = None
-    planning_deadline_s: Positive | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -173,7 +165,9 @@ class Scenario(Config):
             target = Path(value).resolve()
             together = Path(value).suffix and target.is_relative_to(here) and folder.is_relative_to(here)
             paths[key] = os.path.relpath(target, folder) if together else str(target)
-        settings = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
+        dumped = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
+        # Its own fields first, then those of the settings.
+        settings = {key: dumped[key] for key in dict.fromkeys((*Scenario.__annotations__, *dumped)) if key in dumped}
         for key in ("world", "planner", "controller", "smoother", "backend"):
             if key in settings:
                 settings[key] = shorten(settings[key])
@@ -201,18 +195,11 @@ class Scenario(Config):
         navigator = Navigator(
             grid,
             robot,
-            planner=self.planner.name,
-            controller=self.controller.name,
-            smoother=None if self.smoother is None else self.smoother.name,
-            planner_options=self.planner.options,
-            controller_options=self.controller.options,
-            smoother_options=None if self.smoother is None else self.smoother.options,
-            inflation_radius=self.inflation_radius,
-            cost_scaling_factor=self.cost_scaling_factor,
-            control_frequency=self.control_frequency,
-            unknown=self.unknown,
-            unknown_cost=self.unknown_cost,
-            planning_deadline_s=self.planning_deadline_s,
+            planner=self.planner,
+            controller=self.controller,
+            smoother=self.smoother,
+            costmap=self.part(CostmapSettings),
+            settings=self.part(NavigatorSettings),
             keepout=None if self.keepout is None else KeepoutMask.load(self.keepout, compat=self.compat),
             speed_mask=None if self.speed_mask is None else SpeedMask.load(self.speed_mask, compat=self.compat),
         )

@@ -1,6 +1,8 @@
 """Navigation: plan, follow, replan and recover behind one call, for any simulator or robot."""
 
+from trundle.files.choice import Choice
 from trundle.navigation.navigator import Navigator
+from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
 
-__all__ = ["NavigationStatus", "Navigator"]
+__all__ = ["Choice", "NavigationStatus", "Navigator", "NavigatorSettings"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numbers
 import os
 import warnings
-from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from collections.abc import Sequence
+from typing import cast
 
-from trundle.costmap import Costmap, UnknownPolicy
+from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
@@ -16,76 +16,32 @@ from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
 from trundle.values import as_sequence, check_kind, is_finite_number
 
-LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
-"""Of control [Hz]."""
-
 _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
-
-
-def check_settings(control_frequency: object, replan_interval_s: object, replan_margin: object) -> None:
-    """Raise `InputError` unless these are settings that can be used."""
-    if not (is_finite_number(control_frequency) and LEAST_FREQUENCY <= control_frequency <= MOST_FREQUENCY):
-        raise InputError(
-            f"control_frequency must be a number of hertz from {LEAST_FREQUENCY:g} to {MOST_FREQUENCY:g}, got "
-            f"{control_frequency!r}"
-        )
-    if replan_interval_s is not None and not (is_finite_number(replan_interval_s) and replan_interval_s > 0.0):
-        raise InputError(f"replan_interval_s must be a positive number of seconds, got {replan_interval_s!r}")
-    if not (is_finite_number(replan_margin) and 0.0 <= replan_margin < 1.0):
-        raise InputError(f"replan_margin must be a share from 0 to below 1, got {replan_margin!r}")
 
 
 def load_costmap(
     grid: OccupancyGrid | Costmap | str | os.PathLike[str],
     robot: Robot,
-    *,
+    settings: CostmapSettings | None,
     keepout: KeepoutMask | str | os.PathLike[str] | None,
-    inflation_radius: float | None,
-    cost_scaling_factor: float | None,
-    unknown: UnknownPolicy | None,
-    unknown_cost: int | None,
 ) -> tuple[OccupancyGrid | None, Costmap]:
-    """Make the map (none where a costmap is given) and the costmap; none of an option means the costmap's default.
+    """Make the map (none where a costmap is given) and the costmap.
 
     Raises:
         MapError: If a map or a mask cannot be read.
-        InputError: If an option is out of range, or is settled in the costmap that is given.
+        InputError: If an option is settled in the costmap that is given.
     """
     if isinstance(grid, Costmap):
         if keepout is not None:
             raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")
-        if unknown is not None or unknown_cost is not None:
-            raise InputError("what unknown cells are is settled in the costmap: Costmap.from_grid(…, unknown=…)")
+        if settings is not None:
+            raise InputError("this costmap is made already: give a map and costmap=…, or Costmap.from_grid(…) alone")
         return None, grid
-    if unknown_cost is not None and unknown != "costly":
-        raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
     advice = "OccupancyGrid.from_world(world) makes one of a world"
     check_kind(grid, (OccupancyGrid, Costmap, str, os.PathLike), "a navigator's map", advice)
     cells = grid if isinstance(grid, OccupancyGrid) else OccupancyGrid.load(grid)
     zones = keepout if keepout is None or isinstance(keepout, KeepoutMask) else KeepoutMask.load(keepout)
-    wanted = {
-        "inflation_radius": inflation_radius,
-        "cost_scaling_factor": cost_scaling_factor,
-        "unknown": unknown,
-        "unknown_cost": unknown_cost,
-    }
-    given: dict[str, Any] = {name: value for name, value in wanted.items() if value is not None}
-    return cells, Costmap.from_grid(cells, robot.outline, **given, keepout=zones)
-
-
-def read_options(options: object, what: str) -> dict[str, Any]:
-    """Take options by name; none are none.
-
-    Raises:
-        InputError: If they are no mapping of names.
-    """
-    if options is None:
-        return {}
-    if isinstance(options, Mapping):
-        given = dict(cast("Mapping[Any, Any]", options))
-        if all(isinstance(name, str) for name in given):
-            return given
-    raise InputError(f"{what} are options by name, {{'name': value}}; got {options!r}")
+    return cells, (settings or CostmapSettings()).make_costmap(cells, robot, keepout=zones)
 
 
 def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:

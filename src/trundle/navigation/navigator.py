@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 import os
 import time as clock
-from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from collections.abc import Sequence
+from types import NoneType
+from typing import Any, TypeVar, cast
 
-from trundle.control import Controller, GoalChecker, ProgressChecker, create_controller
+from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
-from trundle.costmap import Costmap, UnknownPolicy
+from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.files.choice import Choice
 from trundle.geometry import Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.inputs import check_settings, credible_twist, load_costmap, read_goal, read_options, read_pose
+from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose
 from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
+from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.path import Path
@@ -27,6 +30,7 @@ from trundle.robots import Robot
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
+_Made = TypeVar("_Made")
 
 
 class Navigator:
@@ -35,36 +39,25 @@ class Navigator:
     It knows no simulator: call `update` with the robot's pose once per control period and send the twist to the robot.
 
     The map may change under way: `navigator.costmap = navigator.costmap.update(rows, cols, values)`. The next `update`
-    then checks what is left of the path, and plans again where that is blocked. A path that is not blocked is given up
-    only for one that is cheaper by `replan_margin`, so that the robot does not waver between ways that are as good.
+    then checks what is left of the path, and plans again where that is blocked. A path that is not blocked replaced
+    only by one that is cheaper by `settings.replan_margin`, so that the robot does not oscillate between equal-cost
+    paths.
 
     Args:
         grid: The map: a grid, a costmap made for this robot, or the path of a ROS map YAML.
         robot: A robot, a catalogue name or the path of a YAML file.
-        planner: A planner or the name of one.
-        controller: A controller or the name of one.
-        smoother: A smoother of every planned path, or the name of one; none drives paths as they are planned.
-        planner_options: For a planner by name.
-        controller_options: For a controller by name.
-        smoother_options: For a smoother by name.
-        goal_checker: When the goal is reached; Nav2's tolerances by default.
-        progress_checker: When the robot is stuck; Nav2's by default.
-        inflation_radius: Of the costmap [m]; none means the costmap's default for the robot.
-        cost_scaling_factor: Of the costmap [1/m]; none means the costmap's default.
-        control_frequency: How often `update` is called [Hz], 0.1 to 1000.
-        unknown: What unknown cells are taken for: "blocked", "free" or "costly"; see `Costmap.from_grid`.
-        unknown_cost: What they cost at least where they are costly; none means the costmap's default.
+        planner: A planner, the name of one, or a `Choice` of name and options.
+        controller: A controller, likewise.
+        smoother: A smoother of every planned path, likewise; none drives paths as they are planned.
+        costmap: How the costmap is made of the map.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
-        replan_interval_s: After so long [s] it looks for a better path; none means only where the path is blocked.
-        replan_margin: By what share of the old path's cost from here a new one must be cheaper to replace it, where
-            both are weighed as in `PathCheck.cost_from`.
-        planning_deadline_s: How long a plan may take [s] of the computer's time. After that the robot waits for 1 s and
-            tries again, three times at most. While the robot moves, a plan may take a quarter of it; where that is
-            not enough, or the last plan took longer, the robot is stopped first. None means as long as it takes, so
-            that a run does not depend on how busy the computer is.
+        settings: When the goal is reached, when the robot is stuck, and when it plans again.
 
     Attributes:
+        settings: As given, or the defaults.
+        goal_checker: Says whether the goal is reached; may be replaced.
+        progress_checker: Says whether the robot makes progress; may be replaced.
         robot: The robot.
         grid: The map, or None where a costmap was given.
         costmap: What it plans and drives on; it may be replaced by another one under way.
@@ -86,36 +79,21 @@ class Navigator:
         grid: OccupancyGrid | Costmap | str | os.PathLike[str],
         robot: Robot | str | os.PathLike[str],
         *,
-        planner: str | Planner = "auto",
-        controller: str | Controller = "regulated_pure_pursuit",
-        smoother: str | Smoother | None = None,
-        planner_options: Mapping[str, Any] | None = None,
-        controller_options: Mapping[str, Any] | None = None,
-        smoother_options: Mapping[str, Any] | None = None,
-        goal_checker: GoalChecker | None = None,
-        progress_checker: ProgressChecker | None = None,
-        inflation_radius: float | None = None,
-        cost_scaling_factor: float | None = None,
-        control_frequency: float = 20.0,
-        unknown: UnknownPolicy | None = None,
-        unknown_cost: int | None = None,
+        planner: str | Choice | Planner = "auto",
+        controller: str | Choice | Controller = "regulated_pure_pursuit",
+        smoother: str | Choice | Smoother | None = None,
+        costmap: CostmapSettings | None = None,
         keepout: KeepoutMask | str | os.PathLike[str] | None = None,
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
-        replan_interval_s: float | None = None,
-        replan_margin: float = 0.1,
-        planning_deadline_s: float | None = 2.0,
+        settings: NavigatorSettings | None = None,
     ) -> None:
-        check_settings(control_frequency, replan_interval_s, replan_margin)
         self.robot = Robot.load(robot)
-        self.grid, self.costmap = load_costmap(
-            grid,
-            self.robot,
-            keepout=keepout,
-            inflation_radius=inflation_radius,
-            cost_scaling_factor=cost_scaling_factor,
-            unknown=unknown,
-            unknown_cost=unknown_cost,
+        check_kind(costmap, (CostmapSettings, NoneType), "costmap", "CostmapSettings(inflation_radius=0.5) makes them")
+        check_kind(
+            settings, (NavigatorSettings, NoneType), "settings", "NavigatorSettings(goal_tolerance=0.1) makes them"
         )
+        self.settings = NavigatorSettings() if settings is None else settings
+        self.grid, self.costmap = load_costmap(grid, self.robot, costmap, keepout)
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
@@ -123,27 +101,20 @@ class Navigator:
         if self.speed_mask is not None:
             check_overlap(self.speed_mask.grid, self.costmap, self.speed_mask.name)
             self._limiter = SpeedLimiter(self.speed_mask, self.robot)
-        self.planner_name = planner if isinstance(planner, str) else type(planner).__name__
-        self.controller_name = controller if isinstance(controller, str) else type(controller).__name__
-        self.planner = create_planner(planner, **read_options(planner_options, "planner_options"))
-        self.smoother = (
-            None
-            if smoother is None
-            else create_smoother(smoother, **read_options(smoother_options, "smoother_options"))
-        )
-        self.controller = create_controller(
-            controller, self.robot, **read_options(controller_options, "controller_options")
-        )
-        self.goal_checker = GoalChecker() if goal_checker is None else goal_checker
-        self.progress_checker = ProgressChecker() if progress_checker is None else progress_checker
-        check_kind(self.goal_checker, GoalChecker, "goal_checker", "GoalChecker(xy_tolerance=0.25) makes one")
-        check_kind(self.progress_checker, ProgressChecker, "progress_checker", "ProgressChecker() makes one")
-        self.dt = 1.0 / control_frequency
+        self.planner_name, planner, options = _split(planner)
+        self.planner = create_planner(planner, **options)
+        self.controller_name, controller, options = _split(controller)
+        self.controller = create_controller(controller, self.robot, **options)
+        self.smoother: Smoother | None = None
+        if smoother is not None:
+            _, smoother, options = _split(smoother)
+            self.smoother = create_smoother(smoother, **options)
+        self.goal_checker = self.settings.make_goal_checker()
+        self.progress_checker = self.settings.make_progress_checker()
+        self.dt = 1.0 / self.settings.control_frequency
         self._recovery = Recovery(self.dt)
         self._padded = pad_outline(self.robot.outline, FOOTPRINT_PADDING_M)
-        self._tries = PlanningTries(planning_deadline_s)
-        self.replan_interval_s = replan_interval_s
-        self.replan_margin = replan_margin
+        self._tries = PlanningTries(self.settings.planning_deadline_s)
         self.reset()
 
     # Goals ----------------------------------------------------------------------------------------------------------
@@ -311,7 +282,8 @@ class Navigator:
         if self._recovery.is_backing_up:
             return
         changed = self.costmap is not self._checked
-        due = self.replan_interval_s is not None and self._time - self._planned_at >= self.replan_interval_s - 1e-9
+        interval_s = self.settings.replan_interval_s
+        due = interval_s is not None and self._time - self._planned_at >= interval_s - 1e-9
         if not (changed or due):
             return
         self._checked = self.costmap
@@ -369,7 +341,7 @@ class Navigator:
         if self._followed is None:
             return True
         left = self._followed.cost_from(self.costmap, pose)
-        return other.check.cost_from(self.costmap) < (1.0 - self.replan_margin) * left
+        return other.check.cost_from(self.costmap) < (1.0 - self.settings.replan_margin) * left
 
     # Recovering -----------------------------------------------------------------------------------------------------
 
@@ -398,3 +370,10 @@ class Navigator:
         self._recovery.stop_backing_up()
         self._replan(pose, twist)
         return _STAND
+
+
+def _split(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:
+    """The name for reports, the name or the object to make it from, and the options."""
+    if isinstance(given, Choice):
+        return given.name, given.name, dict(given.options)
+    return given if isinstance(given, str) else type(given).__name__, given, {}

@@ -64,20 +64,29 @@ Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),
 ]
-Unknown = Annotated[
-    Literal["blocked", "free", "costly"] | None,
-    Parameter(
-        name="--unknown",
-        help="What planning takes unknown cells of the map for: blocked (as when it is left out), free, or costly.",
-    ),
-]
-UnknownCost = Annotated[
-    int | None,
-    Parameter(name="--unknown-cost", help="With --unknown costly: what unknown cells cost at least, 0 to 252."),
-]
+EXAMPLES = {
+    "planner": "goal_tolerance=0.5",
+    "controller": "desired_linear_vel=0.4",
+    "smoother": "minimum_turning_radius=0.5",
+}
+"""An option of each seam, for help and messages."""
+
 PlannerOptions = Annotated[
     list[str] | None,
-    _pairs("--planner-option", "An option of the planner, for example goal_tolerance=0.5; repeat it for several."),
+    _pairs("--planner-option", f"An option of the planner, for example {EXAMPLES['planner']}; repeat it for several."),
+]
+ControllerOptions = Annotated[
+    list[str] | None,
+    _pairs(
+        "--controller-option",
+        f"An option of the controller, for example {EXAMPLES['controller']}; repeat it for several.",
+    ),
+]
+SmootherOptions = Annotated[
+    list[str] | None,
+    _pairs(
+        "--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeat it for several."
+    ),
 ]
 Keepout = Annotated[
     Path | None,

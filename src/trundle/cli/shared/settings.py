@@ -1,0 +1,76 @@
+"""An option of the command line for each field of the settings classes, without another word about them."""
+
+from __future__ import annotations
+
+from typing import Annotated, overload
+
+from cyclopts import Group, Parameter, default_name_transform
+from pydantic import BaseModel, ValidationError
+
+from trundle.cli.shared.options import EXAMPLES, parse_pairs
+from trundle.costmap import CostmapSettings
+from trundle.errors import InputError
+from trundle.files.choice import Choice
+from trundle.files.yaml_problems import describe_problems
+from trundle.mission import RunSettings
+
+
+def _option(field: str) -> str:
+    """Options have their unit in the help, not in the name: `--planning-deadline` for `planning_deadline_s`."""
+    return default_name_transform(field.removesuffix("_s"))
+
+
+def _parameter(title: str, help: str) -> Parameter:
+    return Parameter(name="*", group=Group(title, help=help, sort_key=0), name_transform=_option, negative="")
+
+
+CostmapOptions = Annotated[
+    CostmapSettings | None,
+    _parameter("Costmap", "How costs are made of the map."),
+]
+RunOptions = Annotated[
+    RunSettings | None,
+    _parameter("Navigation", "When the goal is reached, when the robot is stuck, and when it plans again."),
+]
+
+
+def given(settings: BaseModel | None) -> dict[str, object]:
+    """The fields whose options were given."""
+    return {} if settings is None else {name: getattr(settings, name) for name in settings.model_fields_set}
+
+
+@overload
+def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice) -> Choice: ...
+@overload
+def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice | None) -> Choice | None: ...
+def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice | None) -> Choice | None:
+    """What `--planner NAME` and `--planner-option KEY=VALUE` say together; `default` where neither was given.
+
+    Options alone are added to those of the default. Another name begins without options.
+
+    Raises:
+        InputError: If a pair cannot be read, or there is nothing that it is an option of.
+    """
+    options = parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
+    if name is None and not options:
+        return default
+    if default is not None and name in (None, default.name):
+        return Choice(name=default.name, options={**default.options, **options})
+    if name is None:
+        raise InputError(f"--{kind}-option is an option of a {kind}: name it with --{kind}")
+    return Choice(name=name, options=dict(options))
+
+
+def explain(error: ValidationError) -> InputError:
+    """Say which option has a value that its settings refuse."""
+    problems = error.errors(include_url=False)
+    field = str(problems[0]["loc"][-1]) if problems[0]["loc"] else ""
+    model = RunSettings if field in RunSettings.model_fields else CostmapSettings
+    found = {str(problem["loc"][-1]): problem["input"] for problem in problems if problem["loc"]}
+    texts = [(problem["loc"], describe_problems([problem], model, found)[0]) for problem in problems]
+    return InputError("\n".join(_of_option(loc, text) for loc, text in texts))
+
+
+def _of_option(location: tuple[int | str, ...], text: str) -> str:
+    """A line about a field as one about its option."""
+    return f"--{_option(str(location[-1]))} {text.partition(': ')[2]}" if location else text

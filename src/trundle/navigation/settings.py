@@ -1,0 +1,55 @@
+"""`NavigatorSettings`: when a navigator has arrived, is stuck, and plans again."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from trundle.control import GoalChecker, ProgressChecker
+from trundle.files.config_fields import Angle, NotNegative, Positive
+from trundle.files.yaml_config import Config
+
+LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
+"""Of control [Hz]."""
+
+
+class NavigatorSettings(Config):
+    """When the goal is reached, when the robot is stuck, and when it plans again.
+
+    A scenario has these fields at its top level, and `trundle run` has an option for each.
+
+    Attributes:
+        goal_tolerance: The goal is reached within this distance [m] (Nav2's `xy_goal_tolerance`).
+        goal_yaw_tolerance: And within this angle of its yaw [rad] (Nav2's `yaw_goal_tolerance`).
+        required_movement_radius: The robot makes progress when it moves this far [m].
+        movement_time_allowance: Without progress for longer than this [s] the robot is stuck.
+        control_frequency: Commands per second [Hz], 0.1 to 1000.
+        replan_interval_s: After this time [s] it looks for a better path; none means only where the path is blocked.
+        replan_margin: A path that is not blocked is replaced by one that is cheaper by this share of what is left of
+            it, so that the robot does not oscillate between equal-cost paths.
+        planning_deadline_s: How long a plan may take [s] of the computer's time. After that the robot waits for 1 s and
+            tries again, three times at most. While the robot moves, a plan may take a quarter of it; where that is not
+            enough, or the last plan took longer, the robot is stopped first. None means as long as it takes: the run
+            does not depend on how busy the computer is.
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    goal_tolerance: NotNegative = 0.25
+    goal_yaw_tolerance: Annotated[Angle, Field(ge=0.0)] = 0.25
+    required_movement_radius: NotNegative = 0.5
+    movement_time_allowance: NotNegative = 10.0
+    control_frequency: Annotated[float, Field(ge=LEAST_FREQUENCY, le=MOST_FREQUENCY)] = 20.0
+    replan_interval_s: Positive | None = None
+    replan_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
+    planning_deadline_s: Positive | None = 2.0
+
+    def make_goal_checker(self) -> GoalChecker:
+        """Make what says whether the goal is reached."""
+        return GoalChecker(self.goal_tolerance, self.goal_yaw_tolerance)
+
+    def make_progress_checker(self) -> ProgressChecker:
+        """Make what says whether the robot makes progress."""
+        return ProgressChecker(self.required_movement_radius, movement_time_allowance=self.movement_time_allowance)
