@@ -31,19 +31,19 @@ class LeastCost {
     if (points.size() != 2) throw nb::value_error("the ends need shape (2, 2)");
     if (grid.rows > (1 << 30) || grid.cols > (1 << 30)) throw nb::value_error("the grid is too long");
     const End first = end_of(grid, start, points[0]), last = end_of(grid, goal, points[1]);
-    const CallPatience patience(seconds, cancel);
+    const CallLimits limits(seconds, cancel);
     LeastCostPath path;
     {
       nb::gil_scoped_release release;
       if (grid.weight(first.cell.row, first.cell.col) > 0.0 && grid.weight(last.cell.row, last.cell.col) > 0.0) {
         std::unique_ptr<LeastCostMemory> memory = pool_.borrow();
         const bool reversed = last.order() < first.order();
-        path = LeastCostSearch(grid, patience, *memory).find(reversed ? last : first, reversed ? first : last);
+        path = LeastCostSearch(grid, limits, *memory).find(reversed ? last : first, reversed ? first : last);
         if (reversed) std::reverse(path.line.begin(), path.line.end());
         pool_.give_back(std::move(memory));
       }
     }
-    patience.rethrow();
+    limits.rethrow();
     std::vector<double> flat;
     for (const lines::Point &point : path.line) flat.insert(flat.end(), {point.x, point.y});
     return nb::make_tuple(static_cast<int>(path.status), to_numpy(std::move(flat), {path.line.size(), 2}), path.cost);

@@ -1,9 +1,9 @@
 // A lower bound on the cost from anywhere on a map to the goal, found on a coarse grid of blocks of 4 × 4 cells.
 //
-// A block weighs as much as the least of its open cells, so that paths over blocks hardly ever cost more than those over
-// their cells; it is closed where it has no open cell. The wavefront begins at the goal and is directed to the start: tiles
-// are ranked by cost plus the least that a straight line on to the start costs (A*: Hart, Nilsson and Raphael 1968). It
-// stops as soon as the cost that was asked for is known, and goes on from there for the next one.
+// A block weighs as much as the least of its open cells, so that paths over blocks hardly ever cost more than those
+// over their cells; it is closed where it has no open cell. The wavefront begins at the goal and is directed to the
+// start: tiles are ranked by cost plus the least that a straight line on to the start costs (A*: Hart, Nilsson and
+// Raphael 1968). It stops as soon as the cost that was asked for is known, and goes on from there for the next one.
 #pragma once
 
 #include <cstring>

@@ -1,9 +1,9 @@
 // The path down a wavefront's costs, from a cell's centre to that of the source.
 //
-// Steps go against the gradient that the costs came by through their triangles, mixed from the four centres around a point:
-// two cells long where these agree, and else one. Where one of the four is closed, or the step would touch something, the
-// path goes by the cell's own centre instead. If that does not arrive, the path is the one from cell to cheaper cell, which
-// always does.
+// Steps go against the gradient that the costs came by through their triangles, mixed from the four centres around a
+// point: two cells long where these agree, and else one. Where one of the four is closed, or the step would touch
+// something, the path goes by the cell's own centre instead. If that does not arrive, the path is the one from cell to
+// cheaper cell, which always does.
 #pragma once
 
 #include <optional>
@@ -149,8 +149,8 @@ class Descent {
     return next;
   }
 
-  // Of the neighbours that cost less than a cell the one to go on by, or the same cell if there is none. Both cells that a
-  // cost came by cost less than it, so that this gets to the source.
+  // Of the neighbours that cost less than a cell the one to go on by, or the same cell if there is none. Both cells
+  // that a cost came by cost less than it, so that this gets to the source.
   GridCell cheaper_neighbour(GridCell cell) {
     constexpr Real kFar = Wavefront<Real>::kFar;
     const Real own = wavefront_.cost(cell.row, cell.col);

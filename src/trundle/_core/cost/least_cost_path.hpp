@@ -1,9 +1,10 @@
-// The any-angle path of least cost between two points of a grid whose cells have a weight each: ∫ weight ds along its lines.
+// The any-angle path of least cost between two points of a grid whose cells have a weight each: ∫ weight ds along its
+// lines.
 //
-// Four steps. (1) A coarse grid gives a lower bound on the cost from anywhere to the goal (block_costs.hpp). (2) A wavefront
-// spreads over the cells from the start, where its cost plus that bound is no more than the path costs (wavefront.hpp).
-// (3) The path descends the wavefront's costs from the goal (descent.hpp). (4) Its vertices move to where the exact integral
-// is less (line_relaxation.hpp).
+// Four steps. (1) A coarse grid gives a lower bound on the cost from anywhere to the goal (block_costs.hpp). (2) A
+// wavefront spreads over the cells from the start, where its cost plus that bound is no more than the path costs
+// (wavefront.hpp). (3) The path descends the wavefront's costs from the goal (descent.hpp). (4) Its vertices move to
+// where the exact integral is less (line_relaxation.hpp).
 //
 // The result is not the exact optimum: the wavefront's costs are those of its triangles, and where the coarse grid
 // overestimates the cheapest path by more than the margin, that path is missed.
@@ -95,8 +96,8 @@ class LeastCostSearch {
                                               : propagate(memory_.fine_wavefront, start.cell, goal.cell);
   }
 
-  // Spreads a wavefront from the start to the goal, and descends it. Tiles that no path within a bound leads through are
-  // deferred; the bound is raised until no path that is left can be cheaper.
+  // Spreads a wavefront from the start to the goal, and descends it. Tiles that no path within a bound leads through
+  // are deferred; the bound is raised until no path that is left can be cheaper.
   template <typename Real>
   SearchStatus propagate(Wavefront<Real> &wavefront, GridCell start, GridCell goal) {
     const auto load = [&](std::int64_t row, std::int64_t col, Real *quarters) { load_tile(row, col, quarters); };

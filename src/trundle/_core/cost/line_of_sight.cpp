@@ -1,4 +1,4 @@
-// Straight lines over a grid whose cells have a weight each: what they cost, and the cheapest way to cut a path short.
+// Straight lines over a grid whose cells have a weight each: what they cost, and the cheapest shortcut of a path.
 #include "cost/kernels.hpp"
 #include "cost/line_cost.hpp"
 
@@ -19,7 +19,7 @@ bool is_between(const Point &a, const Point &b, const Point &c) {
 }
 
 // The cheapest chain of straight lines from the first to the last of the points, through some of those between. From
-// each point it looks back along the path until this many lines in a row were blocked or too dear.
+// each point it looks back along the path until this many lines in a row were blocked or cost too much.
 constexpr int kGiveUpAfter = 64;
 
 std::vector<std::int64_t> shorten(const WeightedGrid &grid, const std::vector<Point> &points, double &cost) {

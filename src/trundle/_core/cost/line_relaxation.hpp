@@ -2,8 +2,8 @@
 //
 // The line is divided into pieces of a few cells, and every vertex may stay or go one step to either side, across the
 // line: dynamic programming along the line finds the best choice of all of them at once, with the exact cost of every
-// piece. That is repeated while it helps, then with shorter pieces and smaller steps. Staying is always a choice, so the
-// cost never rises, and a piece that is blocked costs infinity, so the line stays free. It ends where no such step
+// piece. That is repeated while it helps, then with shorter pieces and smaller steps. Staying is always a choice, so
+// the cost never rises, and a piece that is blocked costs infinity, so the line stays free. It ends where no such step
 // helps: the best line near the one that it began with, not the best of the map.
 #pragma once
 
@@ -48,25 +48,25 @@ inline std::array<Point, 3> choices(const Point &a, const Point &b, const Point 
   return {b, {b.x + across_x, b.y + across_y}, {b.x - across_x, b.y - across_y}};
 }
 
-// Moves the vertices of a line of two pieces or more where that makes it cheaper. What the pieces cost is kept for as long
-// as their ends stay.
+// Moves the vertices of a line of two pieces or more where that makes it cheaper. What the pieces cost is kept for as
+// long as their ends stay.
 class MovingLine {
  public:
   MovingLine(const WeightedGrid &grid, std::vector<Point> &line, double offset)
-      : grid_(grid), line_(line), offset_(offset), places_(line.size()), pieces_(line.size()), before_(line.size()),
+      : grid_(grid), line_(line), offset_(offset), choices_(line.size()), pieces_(line.size()), before_(line.size()),
         moved_(line.size(), 1) {
-    places_.front().fill(line.front());
-    places_.back().fill(line.back());
+    choices_.front().fill(line.front());
+    choices_.back().fill(line.back());
   }
 
   // Every vertex stays or goes one step; answers what the line costs then.
   double move() {
     const std::size_t last = line_.size() - 1;
-    bool was_new = false;  // whether the places of the vertex before are not those of the time before
+    bool was_new = false;  // whether the choices of the vertex before have changed
     std::array<double, kChoices> best{0.0, kInfinity, kInfinity};
     for (std::size_t i = 1; i <= last; ++i) {
       const bool is_new = i < last && (moved_[i - 1] || moved_[i] || moved_[i + 1]);
-      if (is_new) places_[i] = choices(line_[i - 1], line_[i], line_[i + 1], offset_);
+      if (is_new) choices_[i] = choices(line_[i - 1], line_[i], line_[i + 1], offset_);
       if (is_new || was_new) weigh(i);
       was_new = is_new;
       std::array<double, kChoices> next;
@@ -81,7 +81,7 @@ class MovingLine {
     }
     std::size_t choice = 0;
     for (std::size_t i = last; i > 0; --i) {
-      line_[i] = places_[i][choice];
+      line_[i] = choices_[i][choice];
       moved_[i] = choice != 0;
       choice = before_[i][choice];
     }
@@ -92,14 +92,14 @@ class MovingLine {
  private:
   static constexpr std::size_t kChoices = 3;
 
-  // What the pieces from the places of the vertex before to those of a vertex cost. From one side to the other is left out,
-  // and the line's ends have one place.
+  // Costs of the pieces from the choices of the vertex before to those of a vertex. From one side to the other is left
+  // out, and the line's ends have one choice.
   void weigh(std::size_t i) {
     for (std::size_t here = 0; here < kChoices; ++here) {
       for (std::size_t there = 0; there < kChoices; ++there) {
         const bool is_one = !(here + there == 3 || (i == 1 && there > 0) || (i + 1 == line_.size() && here > 0));
         pieces_[i][here][there] =
-            is_one ? line_cost(grid_, places_[i - 1][there], places_[i][here], kInfinity, 0.0) : kInfinity;
+            is_one ? line_cost(grid_, choices_[i - 1][there], choices_[i][here], kInfinity, 0.0) : kInfinity;
       }
     }
   }
@@ -107,8 +107,8 @@ class MovingLine {
   const WeightedGrid &grid_;
   std::vector<Point> &line_;
   double offset_;
-  std::vector<std::array<Point, kChoices>> places_;
-  std::vector<std::array<std::array<double, kChoices>, kChoices>> pieces_;  // by the place here and the one before
+  std::vector<std::array<Point, kChoices>> choices_;
+  std::vector<std::array<std::array<double, kChoices>, kChoices>> pieces_;  // by the choice here and the one before
   std::vector<std::array<std::uint8_t, kChoices>> before_;
   std::vector<std::uint8_t> moved_;
 };

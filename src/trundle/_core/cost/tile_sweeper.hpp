@@ -1,14 +1,14 @@
 // Sweeps over one tile of a wavefront: 8 × 8 cells, with a frame of the neighbouring tiles' cells around them.
 //
 // A cell is reached from its eight neighbours, straight or diagonally, and through each of the eight triangles that it
-// makes with two of them. On the far side of a triangle the cost is taken as linear, so that a path may come from anywhere
-// between the two (Field D*: Ferguson and Stentz 2006). Eight triangles err less than the usual four between straight
-// neighbours. A triangle needs its three cells open, so no corner is cut, but one may be touched.
+// makes with two of them. On the far side of a triangle the cost is taken as linear, so that a path may come from
+// anywhere between the two (Field D*: Ferguson and Stentz 2006). Eight triangles err less than the usual four between
+// straight neighbours. A triangle needs its three cells open, so no corner is cut, but one may be touched.
 //
-// A sweep (fast sweeping: Zhao 2005) takes the rows one after the other and lowers each by all paths that come from the row
-// before it. No cell of a row waits for another of the same row, so a row is done a register at a time. Sweeps run up and
-// down on the tile by rows, and right and left on its transpose, until none lowers anything. `pending` holds the directions
-// still to sweep in: a sweep that lowers something makes all the others pending.
+// A sweep (fast sweeping: Zhao 2005) takes the rows one after the other and lowers each by all paths that come from the
+// row before it. No cell of a row waits for another of the same row, so a row is done a register at a time. Sweeps run
+// up and down on the tile by rows, and right and left on its transpose, until none lowers anything. `pending` holds the
+// directions still to sweep in: a sweep that lowers something makes all the others pending.
 #pragma once
 
 #include <algorithm>
@@ -37,8 +37,8 @@ struct TileSweeper {
   Plane by_rows, by_cols;  // the tile with its frame, and its transpose
   Real least_gain;         // a cost that falls by less is not passed on
 
-  // Sweeps as `pending` says, and on until nothing falls. Both planes have the costs then. Without `kInterpolate` paths lead
-  // from centre to centre alone and touch no corner of a closed cell; without `kWalls` no cell is closed.
+  // Sweeps as `pending` says, and on until nothing falls. Both planes have the costs then. Without `kInterpolate` paths
+  // lead from centre to centre alone and touch no corner of a closed cell; without `kWalls` no cell is closed.
   template <bool kInterpolate, bool kWalls>
   void settle(unsigned pending) {
     do {
@@ -50,7 +50,8 @@ struct TileSweeper {
     } while (pending != 0);
   }
 
-  // The least cost that the tile brings to a cell of the frame's row below or above which gains by it; far where none does.
+  // The least cost that the tile brings to a cell of the frame's row below or above which gains by it; far where none
+  // does.
   template <bool kInterpolate, bool kWalls, int kStep>
   Real offer_to_row(const Plane &plane) const {
     constexpr int kEdge = kStep > 0 ? kSide : 1;
@@ -143,23 +144,25 @@ struct TileSweeper {
     return x;
   }
 
-  // Cost of a triangle's third corner. Of the other two, which lie a straight step apart, one is a straight step away and
-  // costs `straight`, the other a diagonal step and costs `diagonal`. Far where the cheapest path comes by a corner.
+  // Cost of a triangle's third corner. Of the other two, which lie a straight step apart, one is a straight step away
+  // and costs `straight`, the other a diagonal step and costs `diagonal`. Far where the cheapest path comes by a
+  // corner.
   static TRUNDLE_INLINE Vector through(const Vector &straight, const Vector &diagonal, const Vector &weight) {
     const Vector gap = straight - diagonal, squared = gap * gap, room = weight * weight;
     const Vector cost = root(room - squared) + straight;
     return (gap > 0) & (squared + squared < room) ? cost : Vector{} + kFar;
   }
 
-  // The cost of a diagonal step where the cells beside it let it pass: one open cell does, or without `kInterpolate` both.
+  // The cost of a diagonal step where the cells beside it let it pass: one open cell does, or without `kInterpolate`
+  // both.
   template <bool kInterpolate>
   static TRUNDLE_INLINE Vector if_open(const Vector &cost, const Vector &beside, const Vector &above) {
     if constexpr (kInterpolate) return (beside < kFar) | (above < kFar) ? cost : Vector{} + kFar;
     return (beside < kFar) & (above < kFar) ? cost : Vector{} + kFar;
   }
 
-  // What the cells of the row `to` cost by paths from those of the row `from` beside it, which cost `own`: by both diagonal
-  // steps, the straight one, and the two triangles between them.
+  // What the cells of the row `to` cost by paths from those of the row `from` beside it, which cost `own`: by both
+  // diagonal steps, the straight one, and the two triangles between them.
   template <bool kInterpolate, bool kWalls>
   static TRUNDLE_INLINE void step_from(const Plane &plane, int from, int to, const Row &own, Row &next) {
     const Vector before = load(&plane.cost[from][kFirst - kLanes]), after = load(&plane.cost[from][kFirst + kSide]);

@@ -1,18 +1,18 @@
-// A wavefront of costs over a grid whose cells have a weight each: what it costs to get from its sources to the other cells,
-// in any direction.
+// A wavefront of costs over a grid whose cells have a weight each: what it costs to get from its sources to the other
+// cells, in any direction.
 //
 // Idea: fast marching (Tsitsiklis 1995, Sethian 1996), with tiles of 8 × 8 cells in place of cells. The open list holds
-// tiles that a lower cost has reached from outside. The first of them is settled: sweeps lower its cells' costs until none
-// falls, given the cells around it (tile_sweeper.hpp). What that lowers in the neighbouring tiles is offered to them, and
-// puts them on the open list. A tile is settled again whenever a neighbour offers it less than it has.
+// tiles that a lower cost has reached from outside. The first of them is settled: sweeps lower its cells' costs until
+// none falls, given the cells around it (tile_sweeper.hpp). What that lowers in the neighbouring tiles is offered to
+// them, and puts them on the open list. A tile is settled again whenever a neighbour offers it less than it has.
 //
 // Invariants: costs only fall, and each is that of a real path. A tile is on the open list, or deferred, as long as
-// something that was offered to it has not been swept through it. So a cell's cost is final once no rank on the open list
-// is below it, given ranks that never fall along a path.
+// something that was offered to it has not been swept through it. So a cell's cost is final once no rank on the open
+// list is below it, given ranks that never fall along a path.
 //
-// The caller ranks tiles: by cost, or by cost plus a bound on what is left, as A* does. A rank of infinity defers a tile.
-// Tiles are made ready, with the weights of their cells, when the wavefront comes next to them; their memory is kept for
-// the next wavefront.
+// The caller ranks tiles: by cost, or by cost plus a bound on what is left, as A* does. A rank of infinity defers a
+// tile. Tiles are made ready, with the weights of their cells, when the wavefront comes next to them; their memory is
+// kept for the next wavefront.
 #pragma once
 
 #include <algorithm>
@@ -35,8 +35,8 @@ class Wavefront {
   static constexpr Real kFar = Sweeper::kFar;  // cost of a cell that is not reached; weight of one that is closed
   static constexpr std::int64_t kSide = Sweeper::kSide, kCells = kSide * kSide;
 
-  // Forgets everything. Open cells weigh `least_weight` or more for a length of one cell. Without `interpolate` paths lead
-  // from centre to centre alone, straight or diagonally, and touch no corner of a closed cell.
+  // Forgets everything. Open cells weigh `least_weight` or more for a length of one cell. Without `interpolate` paths
+  // lead from centre to centre alone, straight or diagonally, and touch no corner of a closed cell.
   void begin(std::int64_t rows, std::int64_t cols, Real least_weight, bool interpolate = true) {
     interpolate_ = interpolate;
     stride_ = (cols + kSide - 1) / kSide + 2;  // with a frame of closed tiles
@@ -64,8 +64,8 @@ class Wavefront {
   }
   Real cost_or_far(std::int64_t row, std::int64_t col) { return is_ready(row, col) ? cost(row, col) : kFar; }
 
-  // Makes a cell's tile ready. `load(row, col, quarters)` writes quarters of the weights of the 8 × 8 cells from (row, col)
-  // on, row by row; some or all of them may lie outside the grid.
+  // Makes a cell's tile ready. `load(row, col, quarters)` writes quarters of the weights of the 8 × 8 cells from (row,
+  // col) on, row by row; some or all of them may lie outside the grid.
   template <typename Load>
   void make_ready(std::int64_t row, std::int64_t col, const Load &load) {
     make_tile_ready(static_cast<std::int64_t>(tile_of(row, col)), load);
@@ -163,7 +163,8 @@ class Wavefront {
     load(first_row(tile), first_col(tile), cells.quarter);
   }
 
-  // A cell of a tile costs `cost` from outside, from where `sweeps` carry it on: the tile goes on the open list, or up in it.
+  // A cell of a tile costs `cost` from outside, from where `sweeps` carry it on: the tile goes on the open list, or up
+  // in it.
   template <typename Rank>
   void offer(std::int64_t tile, Real cost, unsigned sweeps, const Rank &rank) {
     State &state = states_[static_cast<std::size_t>(tile)];
@@ -226,7 +227,8 @@ class Wavefront {
     }
   }
 
-  // A tile's cells and the frame of its neighbours' cells around them, row by row; and column by column the frame alone.
+  // A tile's cells and the frame of its neighbours' cells around them, row by row; and column by column the frame
+  // alone.
   static void copy_with_frame(const Tile &own, const Tile *const *neighbours, Real (Tile::*part)[kCells],
                               typename Sweeper::Rows &by_rows, typename Sweeper::Rows &by_cols) {
     constexpr int kFirst = Sweeper::kFirst, kBeyond = Sweeper::kFirst + kSide, kTop = kSide + 1;

@@ -1,5 +1,5 @@
-// Cells that a footprint may cover anywhere in a quarter of a cell and at any yaw of a narrow range: where none of them is
-// blocked the footprint is free, and need not be looked at exactly.
+// The cells that a footprint may cover anywhere in a quarter of a cell and at any yaw of a narrow range: where none of
+// them is blocked, the footprint is free without an exact test.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // What a convex footprint sweeps over between two poses, against the blocked cells of a costmap.
 //
 // Between two poses the position and the yaw change evenly, so that a corner at distance r from the pose leaves the
-// straight line between its two places by r · turn² / 8 at most. The convex hull of the footprint at both poses, each
-// widened by that, holds all that is swept: where no blocked cell is in it, the motion is free. Where one is, each half
-// of the motion is looked at by itself. Of a straight line the hull is exactly what is swept.
+// straight line between its two positions by r · turn² / 8 at most. The convex hull of the footprint at both poses,
+// each widened by that, holds all that is swept: where no blocked cell is in it, the motion is free. Otherwise each
+// half of the motion is tested by itself. For a straight line the hull is exactly what is swept.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +52,7 @@ class Sweep {
   }
 
  private:
-  static constexpr double kFinest = 1e-5;      // [m]; a hit is not looked at more closely
+  static constexpr double kFinest = 1e-5;      // [m]; a hit is not refined further
   static constexpr double kWidestTurn = 0.25;  // [rad]; of larger turns the hull is too wide to be of use
   static constexpr double kFarthest = 1e9;     // [m, rad]; no map reaches so far
   static constexpr double kMostTurn = 100.0;   // [rad] of one motion
@@ -99,7 +99,7 @@ class Sweep {
     }
   }
 
-  // Whether nothing is in the square around the circumscribed circle, as is mostly so.
+  // Whether the square around the circumscribed circle is free, as it mostly is.
   bool is_circle_free() const {
     const double dx = first_[0] + 0.5 * change_[0] - frame_.x, dy = first_[1] + 0.5 * change_[1] - frame_.y;
     const double col = (frame_.cos * dx + frame_.sin * dy) / frame_.resolution;

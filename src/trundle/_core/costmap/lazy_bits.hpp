@@ -1,4 +1,4 @@
-// Which cells of a costmap are blocked, as bits, packed where they are first asked for.
+// The blocked cells of a costmap as bits, packed when they are first asked for.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace trundle {
 
 class LazyBits {
  public:
-  // Forget what was packed before. Cells of 254 and 255 are blocked.
+  // Forgets what was packed before. Cells of 254 and 255 are blocked.
   void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols) {
     costs_ = costs, rows_ = rows, cols_ = cols, block_cols_ = (cols + 63) / 64;
     const auto blocks = static_cast<std::size_t>((rows + kRows - 1) / kRows * block_cols_);
@@ -20,7 +20,7 @@ class LazyBits {
     if (++stamp_ == 0) packed_.clear(), stamp_ = 1;  // after 2^32 queries
   }
 
-  // Have all cells of a rectangle inside the map packed.
+  // Packs all cells of a rectangle inside the map.
   void pack(std::int64_t first_row, std::int64_t last_row, std::int64_t first_col, std::int64_t last_col) {
     for (std::int64_t row = first_row / kRows; row <= last_row / kRows; ++row) {
       for (std::int64_t col = first_col / 64; col <= last_col / 64; ++col) {
@@ -32,7 +32,7 @@ class LazyBits {
 
   // Whether one is blocked of `count` cells of a row from a column on, 1 to 64 cells that are packed.
   bool any(std::int64_t row, std::int64_t col, int count) const {
-    const std::uint64_t *word = words_.data() + place(row, col);
+    const std::uint64_t *word = words_.data() + word_index(row, col);
     const int shift = static_cast<int>(col & 63);
     std::uint64_t bits = *word >> shift;
     if (shift + count > 64) bits |= word[kRows] << (64 - shift);  // the block to the right comes next
@@ -55,14 +55,14 @@ class LazyBits {
  private:
   static constexpr std::int64_t kRows = 16;  // of a block, which is a word wide
 
-  std::size_t place(std::int64_t row, std::int64_t col) const {
+  std::size_t word_index(std::int64_t row, std::int64_t col) const {
     return static_cast<std::size_t>((row / kRows * block_cols_ + (col >> 6)) * kRows + row % kRows);
   }
 
   void pack_block(std::int64_t block_row, std::int64_t block_col) {
     const std::int64_t first = block_row * kRows, left = block_col * 64;
     const std::int64_t last = std::min(first + kRows, rows_), count = std::min<std::int64_t>(64, cols_ - left);
-    std::uint64_t *word = words_.data() + place(first, left);
+    std::uint64_t *word = words_.data() + word_index(first, left);
     for (std::int64_t row = first; row < last; ++row) {
       const std::uint8_t *cells = costs_ + row * cols_ + left;
       std::uint64_t bits = 0;

@@ -38,7 +38,7 @@ struct Box {
 };
 
 // The outline at a pose of the map frame, in grid units.
-inline void place(const Frame &frame, const double *outline, std::size_t corners, const double *pose,
+inline void transform_outline(const Frame &frame, const double *outline, std::size_t corners, const double *pose,
                   std::vector<Point> &out) {
   const double dx = pose[0] - frame.x, dy = pose[1] - frame.y;
   const double px = frame.cos * dx + frame.sin * dy, py = frame.cos * dy - frame.sin * dx;
@@ -134,7 +134,7 @@ inline std::ptrdiff_t next_blocked(const std::uint8_t *cells, std::ptrdiff_t col
 inline bool collides(const Costs &costs, const Frame &frame, const double *outline, std::size_t corners,
                      const double *pose, std::vector<Point> &polygon, Box &box, Spans &spans) {
   if (!(std::isfinite(pose[0]) && std::isfinite(pose[1]) && std::isfinite(pose[2]))) return true;
-  place(frame, outline, corners, pose, polygon);
+  transform_outline(frame, outline, corners, pose, polygon);
   box = bounds(polygon);
   const double touch = kTouch / frame.resolution;
   return !is_inside(costs, box, touch) || touches_cells(costs, polygon, box, touch, spans);

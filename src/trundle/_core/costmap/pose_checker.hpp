@@ -1,10 +1,11 @@
-// Whether a robot fits on the way along an arc, a straight line or a turn in place, and what the cells under it cost.
+// Whether a robot's footprint is free along an arc, a straight line or a turn in place, and what the cells under it
+// cost.
 //
-// A pose in a cell of 253 and more does not fit, since the inscribed circle touches there. One in a tile around which no
-// cell is blocked as far as the circumscribed circle reaches does; tiles are looked at when they are first asked for.
-// Between the two the oriented outline is looked at, roughly first, and then exactly. It is padded by at least half of
-// what a corner moves between two poses, so that nothing is between them. Where only the padding touches something, and
-// less than that will do, what an inner outline sweeps over is looked at.
+// A pose in a cell of 253 and more is not free, since the inscribed circle touches there. A pose in a tile around which
+// no cell is blocked as far as the circumscribed circle reaches is free; tiles are examined when they are first asked
+// for. Between the two, the oriented outline is tested: roughly first, then exactly. It is padded by at least half of
+// what a corner moves between two poses, so that nothing slips through between them. Where only the padding touches
+// something and need not be free, the sweep of an inner outline decides.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +25,7 @@ struct PlanarPose {
 };
 
 // `length` [m] driven, negative backwards, while the yaw changes by `turn` [rad] at an even rate.
-struct Stretch {
+struct Segment {
   double length, turn;
 
   PlanarPose from(const PlanarPose &pose) const { return from(pose, std::cos(pose.yaw), std::sin(pose.yaw)); }
@@ -43,7 +44,7 @@ class PoseChecker {
  public:
   static constexpr std::uint8_t kInscribed = 253;
 
-  // `step` is how far a point of the outline moves at most between two poses that are looked at [m]. `inner` is the
+  // `step` is how far a point of the outline moves at most between two poses that are tested [m]. `inner` is the
   // outline of as many corners that has to be free, where that need not be all of `outline`.
   void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, double resolution, const double *outline,
              std::size_t corners, double step, const double *inner = nullptr) {
@@ -80,14 +81,14 @@ class PoseChecker {
     return costs_.data[static_cast<std::ptrdiff_t>(row) * costs_.cols + static_cast<std::ptrdiff_t>(col)];
   }
 
-  // Whether the robot fits at all poses of a stretch but its first; `sum` grows by the length of the stretch, or its turn
-  // times `per_radian`, times `weights[cost]`. Stops early where the sum passes `limit`.
-  bool fits(const PlanarPose &pose, const Stretch &stretch, const float *weights, double per_radian, double limit,
+  // Whether the robot fits at all poses of a segment but its first; `sum` grows by the length of the segment, or its
+  // turn times `per_radian`, times `weights[cost]`. Stops early where the sum passes `limit`.
+  bool fits(const PlanarPose &pose, const Segment &segment, const float *weights, double per_radian, double limit,
             double &sum) {
-    const double moved = std::fabs(stretch.length) + radius_ * std::fabs(stretch.turn);
+    const double moved = std::fabs(segment.length) + radius_ * std::fabs(segment.turn);
     const double parts = std::clamp(std::ceil(moved / step_ - 1e-9), 1.0, 1e9);
-    const Stretch part{stretch.length / parts, stretch.turn / parts};
-    const double share = stretch.length != 0.0 ? std::fabs(part.length) : per_radian * std::fabs(part.turn);
+    const Segment part{segment.length / parts, segment.turn / parts};
+    const double share = segment.length != 0.0 ? std::fabs(part.length) : per_radian * std::fabs(part.turn);
     // The chord of each part turns by the same angle from one to the next.
     const PlanarPose chord = part.from({0.0, 0.0, 0.0}, 1.0, 0.0);
     const double turn_cos = std::cos(part.turn), turn_sin = std::sin(part.turn);
@@ -130,13 +131,13 @@ class PoseChecker {
     return footprint::collides(costs_, frame_, outline, corners_, pose, polygon_, box_, spans_);
   }
 
-  // Whether something is within half a part of the pose `at`, `done` of `parts` parts of a stretch from `first`.
-  bool is_blocked(const PlanarPose &first, const PlanarPose &at, const Stretch &part, double done, double parts) {
+  // Whether something is within half a part of the pose `at`, `done` of `parts` parts of a segment from `first`.
+  bool is_blocked(const PlanarPose &first, const PlanarPose &at, const Segment &part, double done, double parts) {
     if (is_clear(at.x, at.y) || is_surely_free(at.x, at.y, at.yaw) || !collides(at, outline_)) return false;
     if (inner_ == nullptr) return true;
     const double from = std::max(0.0, done - 0.5), to = std::min(parts, done + 0.5);
-    const PlanarPose a = Stretch{part.length * from, part.turn * from}.from(first);
-    const PlanarPose b = Stretch{part.length * to, part.turn * to}.from(first);
+    const PlanarPose a = Segment{part.length * from, part.turn * from}.from(first);
+    const PlanarPose b = Segment{part.length * to, part.turn * to}.from(first);
     const double ends[2][3] = {{a.x, a.y, a.yaw}, {b.x, b.y, b.yaw}};
     // An arc leaves its chord by an eighth of its length times its turn.
     return sweep_.free_share(ends[0], ends[1], std::fabs(part.length * part.turn) / 8.0) < footprint::kInfinity;

@@ -43,8 +43,8 @@ inline double full_turn(double angle) {
   return angle > 2.0 * kPi - 1e-9 ? 0.0 : angle;
 }
 
-// The shortest curves forward: Shkel and Lumelsky, "Classification of the Dubins set" (2001), section 2, in the frame of
-// the start. A turn, a straight line and a turn, or three turns of which the middle one is more than half a circle.
+// The shortest curves forward: Shkel and Lumelsky, "Classification of the Dubins set" (2001), section 2, in the frame
+// of the start. A turn, a straight line and a turn, or three turns of which the middle one is more than half a circle.
 // Visits every curve of the six words that there is, or of the four without three turns.
 template <bool kThreeTurns = true, typename Visit>
 void for_each_dubins(double x, double y, double phi, Visit &&visit) {

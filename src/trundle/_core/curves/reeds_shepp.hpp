@@ -1,9 +1,9 @@
 // The shortest curves of a car that drives both ways: Reeds and Shepp, "Optimal paths for a car that goes both forwards
 // and backwards", Pacific Journal of Mathematics 145 (1990), section 8; numbers in brackets are its formulas.
 //
-// A word is solved for one of its forms, with its first arc to the left and forward. The others follow by its symmetries:
-// driving backwards turns (x, y, phi) into (-x, y, -phi), a mirror into (x, -y, -phi), and driving the curve from its end
-// to its start reverses the order of the pieces.
+// A word is solved for one of its forms, with its first arc to the left and forward. The others follow by its
+// symmetries: driving backwards turns (x, y, phi) into (-x, y, -phi), a mirror into (x, -y, -phi), and driving the
+// curve from its end to its start reverses the order of the pieces.
 #pragma once
 
 #include <initializer_list>
@@ -54,7 +54,7 @@ inline bool turn_straight_other(const Goal &goal, Lengths &out) {
   return forward(out.t) && forward(out.v);
 }
 
-// L+ R- L+ (8.3) and L+ R- L- (8.4): the last arc goes either way.
+// L+ R- L+ (8.3) and L+ R- L- (8.4): the last arc goes in either direction.
 inline bool three_turns(const Goal &goal, Lengths &out) {
   const Polar p = polar(goal.same_x(), goal.same_y());
   if (p.r > 4.0) return false;

@@ -9,13 +9,13 @@ namespace trundle {
 struct Task {
   In<std::int64_t, 2> goals;
   int threads;
-  Patience patience;
+  SearchLimits limits;
 };
 
 // The costs to go in `out`; `fits` is whether the numbers hold them.
 template <typename Number, typename Cost>
 static SearchStatus solve(const Grid<Cost> &grid, const Task &task, float *out, bool &fits) {
-  TiledField<Cost, Number> field(grid, out, task.patience);
+  TiledField<Cost, Number> field(grid, out, task.limits);
   for (std::size_t k = 0; k < task.goals.shape(0); ++k) field.add_goal(task.goals(k, 0), task.goals(k, 1));
   const SearchStatus status = field.solve(task.threads);
   fits = field.fits();
@@ -35,8 +35,8 @@ static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int co
     if (row < 0 || row >= rows || col < 0 || col >= cols) throw nb::index_error("a goal lies outside the grid");
     if (costs(row, col) == kWall<Cost>) throw nb::value_error("a goal lies in a wall");
   }
-  const CallPatience patience(seconds, cancel);
-  const Task task{goals, threads, patience};
+  const CallLimits limits(seconds, cancel);
+  const Task task{goals, threads, limits};
   auto out = allocate<float>(static_cast<std::size_t>(rows * cols));
   SearchStatus status;
   {
@@ -50,7 +50,7 @@ static nb::tuple cost_field(In<Cost, 2> costs, In<std::int64_t, 2> goals, int co
       if (!fits) status = solve<std::uint64_t>(grid, task, out.get(), fits);
     }
   }
-  patience.rethrow();
+  limits.rethrow();
   const int code = static_cast<int>(status);
   if (status != SearchStatus::kFound) return nb::make_tuple(code, nb::none());
   float *field = out.release();

@@ -11,8 +11,8 @@
 
 namespace trundle {
 
-// Writes the costs of `count` cells of a row in the caller's unit, infinity where they are not reached. Returns the largest
-// number.
+// Writes the costs of `count` cells of a row in the caller's unit, infinity where they are not reached. Returns the
+// largest number.
 template <int kBytes, typename Number>
 TRUNDLE_INLINE auto write_row(const Number (&values)[kTile], int count, float *out) {
   constexpr int kLanes = kBytes / static_cast<int>(sizeof(double));

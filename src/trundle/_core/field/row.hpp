@@ -1,14 +1,14 @@
 // Rows of a cost field in registers: relaxed from the row beside them, and along themselves.
 //
-// A row is dealt to registers as cards: cell c stands in register c mod kParts, in lane c / kParts. The cells before and
-// after those of a register stand in the same lanes of the registers beside it, so that neighbours meet without a shuffle,
-// but for the first register and the last: there the lanes are rotated by one. What wraps around the row's ends costs
-// kFar and brings nothing.
+// A row is dealt to registers as cards: cell c stands in register c mod kParts, in lane c / kParts. The cells before
+// and after those of a register stand in the same lanes of the registers beside it, so that neighbours meet without a
+// shuffle, but for the first register and the last: there the lanes are rotated by one. What wraps around the row's
+// ends costs kFar and brings nothing.
 //
-// Relaxing along a row of whole numbers is a prefix scan over (min, +) in each direction: within lanes, from part to part;
-// then across lanes in log2 steps (Hillis and Steele 1986); then from the lane before into every cell. Sums of floating
-// point numbers depend on their order, so there single steps are repeated until nothing changes: the result is the same
-// whatever the order of rows and tiles.
+// Relaxing along a row of whole numbers is a prefix scan over (min, +) in each direction: within lanes, from part to
+// part; then across lanes in log2 steps (Hillis and Steele 1986); then from the lane before into every cell. Sums of
+// floating point numbers depend on their order, so there single steps are repeated until nothing changes: the result is
+// the same whatever the order of rows and tiles.
 #pragma once
 
 #include "shared/registers.hpp"
@@ -36,9 +36,9 @@ struct Scale<double> {
   static constexpr double kUnit = 1.0;
 };
 
-// What steps cost between two rows that lie next to each other, by the cell of the lower one: straight up from a cell, from
-// the next row's cell to the left, and from that to the right. kFar or more where there is a wall, and where the step would
-// come from beyond the row's ends: those belong to other rows.
+// What steps cost between two rows that lie next to each other, by the cell of the lower one: straight up from a cell,
+// from the next row's cell to the left, and from that to the right. kFar or more where there is a wall, and where the
+// step would come from beyond the row's ends: those belong to other rows.
 template <typename Number>
 struct Steps {
   alignas(64) Number straight[kTile], left[kTile], right[kTile];
@@ -114,9 +114,9 @@ TRUNDLE_INLINE Row<Number, kBytes> step_from(const Row<Number, kBytes> &own, con
 
 constexpr int log2_of(int n) { return n <= 1 ? 0 : 1 + log2_of(n / 2); }
 
-// A prefix scan along a row in one direction, 1 or −1: what its cells cost by paths from others of their lane (`reached`),
-// what the steps cost that lead from the lane before to each cell (`entry`), and what the last cell of the lane before costs
-// (`before`). A cell then costs the less of `reached` and `before + entry`.
+// A prefix scan along a row in one direction, 1 or −1: what its cells cost by paths from others of their lane
+// (`reached`), what the steps cost that lead from the lane before to each cell (`entry`), and what the last cell of the
+// lane before costs (`before`). A cell then costs the less of `reached` and `before + entry`.
 template <int kDirection, typename Number, int kBytes>
 struct LaneScan {
   using R = Row<Number, kBytes>;
@@ -160,8 +160,8 @@ struct LaneScan {
   static TRUNDLE_INLINE Vector sum(Vector a, Vector b) { return least(a + b, Vector{} + R::kFar); }
 };
 
-// Relaxes a row's cells from each other until nothing changes. `steps` are what steps to each cell from the one before it
-// cost, at most kFar, and kFar to the first.
+// Relaxes a row's cells from each other until nothing changes. `steps` are what steps to each cell from the one before
+// it cost, at most kFar, and kFar to the first.
 template <typename Number, int kBytes>
 TRUNDLE_INLINE void relax_along(const Number (&steps)[kTile], Row<Number, kBytes> &row) {
   using R = Row<Number, kBytes>;

@@ -47,8 +47,8 @@ struct TileView {
     return buffer;
   }
 
-  // Reads a cost of each cache line that the rows lie in: all at once arrive in the time of a few one after the other. A
-  // prefetch does not do that: where the system has the map in small pages, it is often dropped.
+  // Reads a cost of each cache line that the rows lie in: all at once arrive in the time of a few one after the other.
+  // A prefetch does not do that: where the system has the map in small pages, it is often dropped.
   TRUNDLE_INLINE Cost touch() const {
     constexpr std::int64_t kApart = 64 / sizeof(Cost);
     const std::int64_t first = std::max<std::int64_t>(x - 1, 0), last = std::min(x + kTile, grid.cols - 1);

@@ -1,9 +1,9 @@
 // One tile of a cost field: a square of cells with a frame of the neighbours' cells around it, settled by sweeps.
 //
-// A sweep (fast sweeping: Zhao 2005) takes the rows one after the other, upward or downward. Each is relaxed from the row
-// before it, straight and along both diagonals, and then along itself, a register of cells at a time; it stays in registers
-// for the next. Only rows next to one that changed are done again, until none changes: then each cell costs what its
-// neighbours and the step from them say.
+// A sweep (fast sweeping: Zhao 2005) takes the rows one after the other, upward or downward. Each is relaxed from the
+// row before it, straight and along both diagonals, and then along itself, a register of cells at a time; it stays in
+// registers for the next. Only rows next to one that changed are done again, until none changes: then each cell costs
+// what its neighbours and the step from them say.
 #pragma once
 
 #include "field/step_costs.hpp"
@@ -44,8 +44,8 @@ class Tile {
   std::uint32_t offering;
   std::vector<std::int32_t> goals;
 
-  // What comes of it: the rows that changed, a bit for each; and the least cost that a cell beyond each side gets by a step
-  // from here, where that is less than it has, else kFar.
+  // What comes of it: the rows that changed, a bit for each; and the least cost that a cell beyond each side gets by a
+  // step from here, where that is less than it has, else kFar.
   std::uint64_t changed;
   Number offers[kSides];
 
@@ -144,8 +144,8 @@ class Tile {
     }
   }
 
-  // Relaxes every row that follows a changed one; what changes is noted for the other direction. Most often the next row
-  // changes as the last one did: where the processor guesses that it does not, it need not wait for this one.
+  // Relaxes every row that follows a changed one; what changes is noted for the other direction. Most often the next
+  // row changes as the last one did: where the processor guesses that it does not, it need not wait for this one.
   template <int kBytes, int kStep>
   TRUNDLE_INLINE void sweep(const TileView<Cost> &view) {
     using R = Row<Number, kBytes>;

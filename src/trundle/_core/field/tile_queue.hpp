@@ -1,8 +1,8 @@
 // The open list of a cost field: which tile is settled next.
 //
-// A tile is open while a settled neighbour offers one of its cells less than that has. The tile with the least offer comes
-// first, as in Dijkstra's algorithm with a tile for a cell. Several threads may have a tile each, but never two that touch:
-// a settled tile's edges are its neighbours' frames.
+// A tile is open while a settled neighbour offers one of its cells less than that has. The tile with the least offer
+// comes first, as in Dijkstra's algorithm with a tile for a cell. Several threads may have a tile each, but never two
+// that touch: a settled tile's edges are its neighbours' frames.
 #pragma once
 
 #include "field/tile.hpp"

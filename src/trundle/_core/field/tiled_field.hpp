@@ -1,11 +1,11 @@
 // A cost field tile by tile, by one thread or several.
 //
-// A tile is taken from the open list, settled with what its neighbours offer, and offers them what comes of it, until no
-// tile is open (tile_queue.hpp, tile.hpp). Costs only fall, and the result is the one smallest fixed point of all steps,
-// whatever the order: the same for any number of threads.
+// A tile is taken from the open list, settled with what its neighbours offer, and offers them what comes of it, until
+// no tile is open (tile_queue.hpp, tile.hpp). Costs only fall, and the result is the one smallest fixed point of all
+// steps, whatever the order: the same for any number of threads.
 //
-// The cells along the edges of a settled tile are kept: they are its neighbours' frames. All of its numbers are kept for a
-// while. Where those are lost, the tile is settled again from its frame when that changes.
+// The cells along the edges of a settled tile are kept: they are its neighbours' frames. All of its numbers are kept
+// for a while. Where those are lost, the tile is settled again from its frame when that changes.
 #pragma once
 
 #include "field/result.hpp"
@@ -25,9 +25,9 @@ namespace trundle {
 template <typename Cost, typename Number>
 class TiledField {
  public:
-  TiledField(const Grid<Cost> &grid, float *out, const Patience &patience)
+  TiledField(const Grid<Cost> &grid, float *out, const SearchLimits &limits)
       : grid_(grid),
-        patience_(patience),
+        limits_(limits),
         tile_rows_((grid.rows + kTile - 1) / kTile),
         tile_cols_((grid.cols + kTile - 1) / kTile),
         settle_(choose_settle<Cost, Number>()),
@@ -73,8 +73,8 @@ class TiledField {
     bool operator<(const Goal &other) const { return tile < other.tile; }
   };
 
-  // Where the numbers of a tile's cells are kept until it is taken again: by position, so that those of a wavefront find
-  // room.
+  // Where the numbers of a tile's cells are kept until it is taken again: by position, so that those of a wavefront
+  // find room.
   struct Slot {
     std::int64_t tile = -1;
     bool busy = false;
@@ -149,7 +149,7 @@ class TiledField {
       if (keep) slots_[slot] = {index, true};
       lock.unlock();
       settle_({grid_, index / tile_cols_ * kTile, index % tile_cols_ * kTile}, out_, *work);
-      const SearchStatus left = patience_.left();
+      const SearchStatus left = limits_.check();
       lock.lock();
       if (keep) slots_[slot].busy = false;
       if (left != SearchStatus::kFound) status_ = left;
@@ -189,7 +189,7 @@ class TiledField {
   }
 
   const Grid<Cost> grid_;
-  const Patience patience_;
+  const SearchLimits limits_;
   const std::int64_t tile_rows_, tile_cols_;
   void (*const settle_)(const TileView<Cost> &, float *, Workspace<Cost, Number> &);
   float *const out_;

@@ -1,11 +1,11 @@
-// The shortest way of a point between the centres of two cells, in any direction: D. Harabor, A. Grastien, D. Öz,
-// V. Aksakalli, "Optimal Any-Angle Pathfinding In Practice" (2016), Anya. The point may touch blocked cells, and never
+// The shortest any-angle path of a point between the centres of two cells: D. Harabor, A. Grastien, D. Öz, V.
+// Aksakalli, "Optimal Any-Angle Pathfinding In Practice" (2016), Anya. The point may touch blocked cells, and never
 // passes between two that touch at a corner.
 //
-// Points are (x, y) in half cells: the corners of cells have even numbers, their centres odd ones. A line of the grid is
-// the border of two rows. A node is a cone: what a root, the start or a corner that the way turns at, sees of a line
-// between two rays. It is carried on from line to line through the free runs of the rows, and where it meets a corner
-// that a taut way can turn round, the corner becomes a root.
+// Points are (x, y) in half cells: the corners of cells have even numbers, their centres odd ones. A line of the grid
+// is the border of two rows. A node is a cone: what a root, the start or a corner that the path turns at, sees of a
+// line between two rays. It is projected from line to line through the free runs of the rows, and where it meets a
+// corner that a shortest path can turn at, the corner becomes a root.
 //
 // Which ray passes a corner is decided exactly: a ray leads from its root through a corner of whole numbers, (dx, dy).
 // It meets a line at x = root + dx · n / dy. With w cells across and h up, dx · n and x · dy are at most 4 w h < 2^35,
@@ -35,9 +35,9 @@ class AnyAngleMemory {
   };
   enum class Kind : std::uint8_t {
     kCone,
-    kOver,   // a corner: between the way on and the line, over the blocked cell that was passed
-    kPast,   // a corner: between the way on and straight ahead, past the blocked cell in front
-    kAlong,  // a corner at the end of a way along a line: between the line and what is across it
+    kOver,   // a corner: between the path straight on and the line, over the blocked cell that was passed
+    kPast,   // a corner: between the path straight on and the direction ahead, past the blocked cell in front
+    kAlong,  // a corner at the end of a path along a line: between the line and what is across it
   };
   struct Node {
     double left, right;  // of a cone, in half cells
@@ -51,7 +51,7 @@ class AnyAngleMemory {
 
   PointNodes roots;
   std::vector<Node> nodes;
-  std::vector<std::uint32_t> spare;  // places in `nodes`
+  std::vector<std::uint32_t> spare;  // free slots of `nodes`
   OpenList<OpenPoint> open;
 
   void clear() {
@@ -72,31 +72,31 @@ class AnyAngleSearch {
   AnyAngleSearch(const BitGrid &grid, GridCell start, GridCell goal, AnyAngleMemory &memory)
       : grid_(grid), goal_(goal), start_(start), target_{2 * goal.col + 1, 2 * goal.row + 1}, memory_(memory) {}
 
-  PointWay run(const Patience &patience) {
+  PointPath run(const SearchLimits &limits) {
     constexpr std::uint32_t kPoll = 64;  // expansions between two looks at the clock
     memory_.clear();
     const std::uint32_t start = memory_.roots.reach({2 * start_.col + 1, 2 * start_.row + 1}, 0.0, 0);
     const Run own = run_of(start_.row, start_.col);
     carry_on(start, start_.row, 1, own, {-1, 0}, {1, 0});
     carry_on(start, start_.row + 1, -1, own, {-1, 0}, {1, 0});
-    PointWay way;
-    for (std::uint32_t turn = 0; next(); ++turn) {
-      if (turn % kPoll == 0) {
-        way.status = patience.left();
-        if (way.status != SearchStatus::kFound) return way;
+    PointPath path;
+    for (std::uint32_t expansions = 0; next(); ++expansions) {
+      if (expansions % kPoll == 0) {
+        path.status = limits.check();
+        if (path.status != SearchStatus::kFound) return path;
       }
       const Node node = memory_.nodes[taken_];
       memory_.spare.push_back(taken_);
-      if (memory_.roots.outdone(node.root)) continue;
+      if (memory_.roots.superseded(node.root)) continue;
       if (node.kind == Kind::kCone) {
         expand(node);
       } else {
-        turn_round(node);
+        expand_corner(node);
       }
     }
-    way.status = best_ < kNever ? SearchStatus::kFound : SearchStatus::kUnreachable;
-    if (way.status == SearchStatus::kFound) memory_.roots.trace(best_root_, target_, way);
-    return way;
+    path.status = best_ < kNever ? SearchStatus::kFound : SearchStatus::kUnreachable;
+    if (path.status == SearchStatus::kFound) memory_.roots.trace(best_root_, target_, path);
+    return path;
   }
 
  private:
@@ -116,9 +116,10 @@ class AnyAngleSearch {
   static std::int32_t row_ahead(const Node &node) { return node.ahead > 0 ? node.line : node.line - 1; }
   static std::int64_t cross(Ray a, Ray b) { return std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x; }
 
-  // Takes a node of the smallest total, unless that is no less than the best way to the goal. The cheapest node that the
-  // last one led to is held outside the heap: often it is next. A cone that is all that another led to is carried on
-  // although it is dearer by up to 8 cells: measured, that saves a third of the time, as in Anya's intermediate pruning.
+  // Takes a node of the smallest total, unless that is no less than the best path to the goal. The cheapest node that
+  // the last one led to is held outside the heap: often it is next. A cone that is the only successor of another is
+  // expanded next even if it costs up to 8 cells more: measured, that saves a third of the time, as in Anya's
+  // intermediate pruning.
   bool next() {
     constexpr double kOnward = 16.0;
     OpenList<OpenPoint> &open = memory_.open;
@@ -141,26 +142,26 @@ class AnyAngleSearch {
   void push(double total, const Node &node) {
     if (total >= best_) return;
     ++led_to_;
-    std::uint32_t place;
+    std::uint32_t slot;
     if (memory_.spare.empty()) {
-      place = static_cast<std::uint32_t>(memory_.nodes.size());
+      slot = static_cast<std::uint32_t>(memory_.nodes.size());
       memory_.nodes.push_back(node);
     } else {
-      place = memory_.spare.back();
+      slot = memory_.spare.back();
       memory_.spare.pop_back();
-      memory_.nodes[place] = node;
+      memory_.nodes[slot] = node;
     }
     if (held_ == kNone) {
-      held_ = place;
+      held_ = slot;
       held_total_ = total;
       held_cone_ = node.kind == Kind::kCone;
       return;
     }
     if (total < held_total_) {
-      std::swap(held_, place);
+      std::swap(held_, slot);
       std::swap(held_total_, total);
     }
-    memory_.open.push({total, place});
+    memory_.open.push({total, slot});
   }
 
   // Carries what a root sees between two rays from a line through a run of the row ahead, to the next line. A ray along
@@ -252,13 +253,13 @@ class AnyAngleSearch {
     const double total = reached + length(target_.x - at.x, target_.y - at.y);
     if (total >= best_) return;
     const std::uint32_t root = memory_.roots.reach(at, reached, parent);
-    if (root == PointNodes::kOutdone) return;
+    if (root == PointNodes::kSuperseded) return;
     push(total, {0.0, 0.0, {0, 0}, {0, 0}, root, at.y / 2, static_cast<std::int8_t>(ahead),
                  static_cast<std::int8_t>(side), kind});
   }
 
   // What a corner sees that the one before it does not.
-  void turn_round(const Node &node) {
+  void expand_corner(const Node &node) {
     const PointNodes::Node &root = memory_.roots[node.root];
     const HalfCell before = memory_.roots[root.parent].at;
     const Ray on{root.at.x - before.x, root.at.y - before.y}, level{node.side, 0}, up{0, node.ahead};
@@ -272,7 +273,7 @@ class AnyAngleSearch {
     if (node.kind != Kind::kPast) follow_line(index, col, node.line, node.side);
   }
 
-  // From a corner along a line to the next corner where a way can turn.
+  // From a corner along a line to the next corner where a path can turn.
   void follow_line(std::uint32_t root, std::int32_t col, std::int32_t line, int side) {
     const std::int32_t beside = side < 0 ? col - 1 : col;
     if (blocked(line, beside) && blocked(line - 1, beside)) return;

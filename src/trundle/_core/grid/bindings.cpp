@@ -1,4 +1,4 @@
-// `BinaryGrid` as Python sees it: shortest ways between cells of a map of blocked and free cells.
+// `BinaryGrid` as Python sees it: shortest paths between cells of a map of blocked and free cells.
 #include "grid/binary_grid.hpp"
 #include "grid/kernels.hpp"
 #include "grid/queries.hpp"
@@ -73,18 +73,18 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
   for (int end = 0; end < 2 && status == 0; ++end) {
     if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
   }
-  const CallPatience patience(seconds, cancel);
-  GridWay way;
+  const CallLimits limits(seconds, cancel);
+  GridPath path;
   if (status == 0) {
     nb::gil_scoped_release released;
     status = refusal(grid, ends);
-    if (status == 0) way = grid.find(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience);
+    if (status == 0) path = grid.find(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), limits);
   }
   if (status != 0) return nb::make_tuple(status, 0, 0, nb::bytes("", 0));
-  patience.rethrow();
+  limits.rethrow();
   static_assert(sizeof(GridCell) == 2 * sizeof(std::int32_t), "corners are handed over as they lie");
-  return nb::make_tuple(static_cast<int>(way.status), way.straight, way.diagonal,
-                        nb::bytes(way.corners.data(), way.corners.size() * sizeof(GridCell)));
+  return nb::make_tuple(static_cast<int>(path.status), path.straight, path.diagonal,
+                        nb::bytes(path.corners.data(), path.corners.size() * sizeof(GridCell)));
 }
 
 // Status, length in cells, and the points as bytes of int32: (column, row), …, in half cells from the map's corner.
@@ -96,26 +96,27 @@ static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::ha
   for (int end = 0; end < 2 && status == 0; ++end) {
     if (!read_cell(end == 0 ? start : goal, ends + 2 * end)) status = kNoCell + end;
   }
-  const CallPatience patience(seconds, cancel);
-  PointWay way;
+  const CallLimits limits(seconds, cancel);
+  PointPath path;
   double length = 0.0;
   if (status == 0) {
     nb::gil_scoped_release released;
     status = refusal(grid, ends);
     if (status == 0) {
-      way = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), patience);
-      length = way.length();
+      path = grid.find_point(cell_of(ends[0], ends[1]), cell_of(ends[2], ends[3]), limits);
+      length = path.length();
     }
   }
   if (status != 0) return nb::make_tuple(status, 0.0, nb::bytes("", 0));
-  patience.rethrow();
+  limits.rethrow();
   static_assert(sizeof(HalfCell) == 2 * sizeof(std::int32_t), "points are handed over as they lie");
-  return nb::make_tuple(static_cast<int>(way.status), length,
-                        nb::bytes(way.points.data(), way.points.size() * sizeof(HalfCell)));
+  return nb::make_tuple(static_cast<int>(path.status), length,
+                        nb::bytes(path.points.data(), path.points.size() * sizeof(HalfCell)));
 }
 
 // Where each of many queries really begins and ends, by the rules of `settle`. First the index of the first query that
-// cannot be asked, or -1, and its status as of `find_way`; then starts, goals, and where the goal is only come near to.
+// cannot be asked, or -1, and its status as of `find_way`; then starts, goals, and whether the goal is only the nearest
+// cell that can be reached.
 static nb::tuple settle_ends(const BinaryGrid &grid, CellArray starts, CellArray goals, double start_reach,
                              double goal_reach, bool partial) {
   const std::size_t count = same_count(starts, goals);
@@ -138,7 +139,7 @@ static nb::tuple settle_ends(const BinaryGrid &grid, CellArray starts, CellArray
                         to_numpy(std::move(nearly), {count}));
 }
 
-// Many ways at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
+// Many paths at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
 // then status, straight and diagonal steps and the end of its corners for each query, and the corners of all.
 static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
                            std::optional<double> seconds, const Flag &cancel) {
@@ -148,30 +149,30 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
   std::vector<std::uint8_t> statuses(count);
   std::vector<std::int64_t> steps(2 * count), ends(count);
   std::vector<std::int32_t> corners;
-  const CallPatience patience(seconds, cancel);
+  const CallLimits limits(seconds, cancel);
   {
     nb::gil_scoped_release released;
-    const auto ways = find_all<GridWay>(count, threads, [&](std::size_t i) {
-      return grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
+    const auto paths = find_all<GridPath>(count, threads, [&](std::size_t i) {
+      return grid.find(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), limits);
     });
     std::size_t total = 0;
-    for (const GridWay &way : ways) total += way.corners.size();
+    for (const GridPath &path : paths) total += path.corners.size();
     corners.reserve(2 * total);
     for (std::size_t i = 0; i < count; ++i) {
-      statuses[i] = static_cast<std::uint8_t>(ways[i].status);
-      steps[2 * i] = static_cast<std::int64_t>(ways[i].straight);
-      steps[2 * i + 1] = static_cast<std::int64_t>(ways[i].diagonal);
-      for (const GridCell cell : ways[i].corners) corners.insert(corners.end(), {cell.row, cell.col});
+      statuses[i] = static_cast<std::uint8_t>(paths[i].status);
+      steps[2 * i] = static_cast<std::int64_t>(paths[i].straight);
+      steps[2 * i + 1] = static_cast<std::int64_t>(paths[i].diagonal);
+      for (const GridCell cell : paths[i].corners) corners.insert(corners.end(), {cell.row, cell.col});
       ends[i] = static_cast<std::int64_t>(corners.size() / 2);
     }
   }
-  patience.rethrow();
+  limits.rethrow();
   const std::size_t total = corners.size() / 2;
   return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(steps), {count, 2}),
                         to_numpy(std::move(ends), {count}), to_numpy(std::move(corners), {total, 2}));
 }
 
-// The same for the ways of a point: status, length in cells and the end of its points for each query, and all points.
+// The same for any-angle paths: status, length in cells and the end of its points for each query, and all points.
 static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
                                  std::optional<double> seconds, const Flag &cancel) {
   const std::size_t count = same_count(starts, goals);
@@ -182,26 +183,26 @@ static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellA
   std::vector<double> lengths(count);
   std::vector<std::int64_t> ends(count);
   std::vector<std::int32_t> points;
-  const CallPatience patience(seconds, cancel);
+  const CallLimits limits(seconds, cancel);
   {
     nb::gil_scoped_release released;
-    const auto ways = find_all<PointWay>(count, threads, [&](std::size_t i) {
-      return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), patience);
+    const auto paths = find_all<PointPath>(count, threads, [&](std::size_t i) {
+      return grid.find_point(cell_of(starts(i, 0), starts(i, 1)), cell_of(goals(i, 0), goals(i, 1)), limits);
     });
     for (std::size_t i = 0; i < count; ++i) {
-      statuses[i] = static_cast<std::uint8_t>(ways[i].status);
-      lengths[i] = ways[i].length();
-      for (const HalfCell at : ways[i].points) points.insert(points.end(), {at.x, at.y});
+      statuses[i] = static_cast<std::uint8_t>(paths[i].status);
+      lengths[i] = paths[i].length();
+      for (const HalfCell at : paths[i].points) points.insert(points.end(), {at.x, at.y});
       ends[i] = static_cast<std::int64_t>(points.size() / 2);
     }
   }
-  patience.rethrow();
+  limits.rethrow();
   const std::size_t total = points.size() / 2;
   return nb::make_tuple(-1, 0, to_numpy(std::move(statuses), {count}), to_numpy(std::move(lengths), {count}),
                         to_numpy(std::move(ends), {count}), to_numpy(std::move(points), {total, 2}));
 }
 
-// Every cell of a way by its corners (row, col), shape (N, 2).
+// Every cell of a path, from its corners (row, col), shape (N, 2).
 static auto walk_corners(In<std::int32_t, 2> corners) {
   std::vector<std::int32_t> cells;
   if (corners.shape(1) != 2) throw nb::value_error("corners need shape (N, 2)");

@@ -37,14 +37,14 @@ class BitGrid {
   std::size_t words() const { return words_; }
   std::size_t bytes() const { return storage_.size() * sizeof(std::uint64_t); }
 
-  std::uint64_t &word(std::int64_t row, std::size_t index) { return bits_[place(row) + index * kLine]; }
-  std::uint64_t word(std::int64_t row, std::size_t index) const { return bits_[place(row) + index * kLine]; }
+  std::uint64_t &word(std::int64_t row, std::size_t index) { return bits_[word_index(row) + index * kLine]; }
+  std::uint64_t word(std::int64_t row, std::size_t index) const { return bits_[word_index(row) + index * kLine]; }
 
   bool blocked(std::int32_t row, std::int32_t col) const {
     return word(row, static_cast<std::size_t>(col) >> 6) >> (col & 63) & 1;
   }
 
-  // Have the cells around one brought near, which may lie outside.
+  // Prefetches the cells around one, which may lie outside.
   void prefetch(std::int32_t row, std::int32_t col) const {
     const auto line = static_cast<std::uintptr_t>(row >> 3) * words_ + static_cast<std::uintptr_t>(col >> 6);
     __builtin_prefetch(reinterpret_cast<const void *>(reinterpret_cast<std::uintptr_t>(bits_) + line * 64));
@@ -61,12 +61,12 @@ class BitGrid {
     const std::uint64_t *low, *own, *high;
     bool blocked(std::int32_t col) const { return own[(static_cast<std::size_t>(col) >> 6) * kLine] >> (col & 63) & 1; }
   };
-  Rows around(std::int32_t row) const { return {bits_ + place(row - 1), bits_ + place(row), bits_ + place(row + 1)}; }
+  Rows around(std::int32_t row) const { return {bits_ + word_index(row - 1), bits_ + word_index(row), bits_ + word_index(row + 1)}; }
   // Those around `row`, from those around the row before it or, with step -1, after it.
   template <int Step>
   Rows onward(const Rows &last, std::int32_t row) const {
-    if constexpr (Step > 0) return {last.own, last.high, bits_ + place(row + 1)};
-    return {bits_ + place(row - 1), last.low, last.own};
+    if constexpr (Step > 0) return {last.own, last.high, bits_ + word_index(row + 1)};
+    return {bits_ + word_index(row - 1), last.low, last.own};
   }
 
   // The first cell after a column, with growing columns, that is blocked or has a forced neighbour: one beside it is
@@ -112,8 +112,9 @@ class BitGrid {
   }
 
   // Adds up the free cells of rows and words [first, end), and four times the Euler number of the free space (its parts
-  // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them, and the corners of
-  // obstacles there. S. Gray, "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected free space.
+  // less the obstacles within) as far as squares of 2 x 2 cells count whose lower left cell is one of them, and the
+  // corners of obstacles there. S. Gray, "Local Properties of Binary Images in Two Dimensions" (1971), for 4-connected
+  // free space.
   void count(std::int64_t row_first, std::int64_t row_end, std::size_t word_first, std::size_t word_end,
              std::int64_t &free, std::int64_t &euler, std::int64_t &corners) const {
     for (std::int64_t row = std::max<std::int64_t>(row_first, 0); row < std::min(row_end, rows_ - 1); ++row) {
@@ -148,7 +149,7 @@ class BitGrid {
  private:
   static constexpr std::size_t kLine = 8;
 
-  std::size_t place(std::int64_t row) const {
+  std::size_t word_index(std::int64_t row) const {
     return (static_cast<std::size_t>(row) >> 3) * words_ * kLine + (static_cast<std::size_t>(row) & 7);
   }
 

@@ -1,8 +1,9 @@
-// A* over the cells of a binary grid, for maps so cluttered that jumps are short, and for 4-connected ways.
+// A* over the cells of a binary grid, for maps so cluttered that jumps are short, and for 4-connected paths.
 //
-// The queue is Dial's (1969), its buckets narrower than the cheapest step and read last in, first out. Within a bucket the
-// order is not exact; a cell that is reached more cheaply later is opened again. Of ways with the same steps in another
-// order only the one with the diagonal steps first (4-connected: the vertical ones) is followed, as in jump point search.
+// The queue is Dial's (1969), its buckets narrower than the cheapest step and read last in, first out. Within a bucket
+// the order is not exact; a cell that is reached more cheaply later is opened again. Of paths with the same steps in
+// another order only the one with the diagonal steps first (4-connected: the vertical ones) is followed, as in jump
+// point search.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ class StepMasks {
     fill(rows, 0, rows.rows());
   }
 
-  // Make the masks of rows [first, end) anew.
+  // Computes the masks of rows [first, end) again.
   void fill(const BitGrid &rows, std::int64_t first, std::int64_t end) {
     for (std::int64_t row = std::max<std::int64_t>(first, 1); row < std::min(end, rows.rows() - 1); ++row) {
       Bits before, own = free_bits(rows, row, 0);
@@ -78,8 +79,8 @@ class StepMasks {
   std::vector<std::uint8_t> masks_;
 };
 
-// By the direction of arrival and the mask of a cell: the steps worth taking. A step that leads no farther than a way
-// past the cell is not, unless that way is blocked.
+// By the direction of arrival and the mask of a cell: the steps worth taking. A step that leads no farther than a path
+// past the cell is not, unless that path is blocked.
 inline std::array<std::array<std::uint8_t, 256>, 9> onward_steps(int connectivity) {
   std::array<std::array<std::uint8_t, 256>, 9> table{};
   const auto bit = [](int direction) { return 1u << (direction & 7); };
@@ -154,9 +155,9 @@ struct BucketMemory {
   std::array<std::vector<BucketEntry>, 8> buckets;
 };
 
-// Start and goal are free and joined. The way is the octile or Manhattan optimum.
-inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell start, GridCell goal,
-                             const Patience &patience, BucketMemory &memory) {
+// Start and goal are free and joined. The path is the octile or Manhattan optimum.
+inline GridPath bucket_search(const StepMasks &masks, int connectivity, GridCell start, GridCell goal,
+                             const SearchLimits &limits, BucketMemory &memory) {
   static const std::array<std::array<std::array<std::uint8_t, 256>, 9>, 2> kOnward{onward_steps(4), onward_steps(8)};
   const auto &onward = kOnward[connectivity == 8];
   constexpr int kShift = 12;  // a step costs at least 5741, and changes the total by 2 · 8119 at most: 4 buckets
@@ -167,7 +168,7 @@ inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell 
     const std::int64_t rows_left = cell.row - goal.row, cols_left = cell.col - goal.col;
     return connectivity == 8 ? octile_cost(rows_left, cols_left) : manhattan_cost(rows_left, cols_left);
   };
-  GridWay way;
+  GridPath path;
   CellCosts &costs = memory.costs;
   costs.begin(masks.size());
   for (auto &bucket : memory.buckets) bucket.clear();
@@ -176,14 +177,14 @@ inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell 
   std::uint64_t best = start == goal ? 0 : ~std::uint64_t{0};
   const std::uint64_t least = estimate(start);
   memory.buckets[(least >> kShift) & 7].push_back({first, start, kFromNowhere});
-  std::uint32_t turn = 0;
+  std::uint32_t expansions = 0;
   std::size_t waiting = 1;
   for (std::uint64_t bucket = least >> kShift; waiting > 0 && bucket <= best >> kShift; ++bucket) {
     auto &entries = memory.buckets[bucket & 7];
     while (!entries.empty()) {
-      if (turn++ % kPoll == 0) {
-        way.status = patience.left();
-        if (way.status != SearchStatus::kFound) return way;
+      if (expansions++ % kPoll == 0) {
+        path.status = limits.check();
+        if (path.status != SearchStatus::kFound) return path;
       }
       const BucketEntry entry = entries.back();
       entries.pop_back();
@@ -209,9 +210,9 @@ inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell 
       }
     }
   }
-  way.status = best == ~std::uint64_t{0} ? SearchStatus::kUnreachable : SearchStatus::kFound;
-  if (way.status != SearchStatus::kFound) return way;
-  way.add(goal);
+  path.status = best == ~std::uint64_t{0} ? SearchStatus::kUnreachable : SearchStatus::kFound;
+  if (path.status != SearchStatus::kFound) return path;
+  path.add(goal);
   GridCell cell = goal;
   for (int last = 0; !(cell == start);) {  // backwards, straight on where that is as good
     const std::size_t here = index(cell);
@@ -225,10 +226,10 @@ inline GridWay bucket_search(const StepMasks &masks, int connectivity, GridCell 
         break;
       }
     }
-    way.add(cell);
+    path.add(cell);
   }
-  std::reverse(way.corners.begin(), way.corners.end());
-  return way;
+  std::reverse(path.corners.begin(), path.corners.end());
+  return path;
 }
 
 }  // namespace trundle

@@ -38,7 +38,7 @@ struct JumpMemory {
   }
   std::size_t bytes() const { return nodes.bytes() + open.bytes(); }
 
-  PlaceTable<Node> nodes;
+  PointTable<Node> nodes;
   OpenList<Open> open;
 };
 
@@ -53,8 +53,8 @@ class Jumps {
   }
 
   // Call `reach(cell, steps straight, steps diagonal, last direction)` for each jump point that is met in directions,
-  // given as bits. A diagonal jump that has led so far away that the way to the goal costs more than `least` from here
-  // is put off: where it got to is given as if it were a jump point, and most are never asked for again.
+  // given as bits. A diagonal jump that has led so far away that the path to the goal costs more than `least` from here
+  // is put off: where it got to is given as if it were a jump point, and most of those are never expanded.
   template <typename Reach>
   void jump(unsigned directions, GridCell from, GridCell goal, std::uint64_t least, Reach &&reach) const {
     const BitGrid::Rows rows = rows_.around(from.row), cols = cols_.around(from.col);
@@ -138,20 +138,20 @@ inline unsigned onward_directions(const BitGrid &rows, GridCell cell, int arriva
 }
 
 // Start and goal are free and connected. The path is the octile optimum.
-inline GridWay jump_search(const BitGrid &rows, const BitGrid &cols, GridCell start, GridCell goal,
-                           const Patience &patience, JumpMemory &memory) {
+inline GridPath jump_search(const BitGrid &rows, const BitGrid &cols, GridCell start, GridCell goal,
+                           const SearchLimits &limits, JumpMemory &memory) {
   constexpr std::uint32_t kPoll = 16;  // expansions between two looks at the clock
   const Jumps jumps(rows, cols);
   memory.clear();
   memory.nodes[memory.nodes.insert(start).first].arrival = kFromNowhere;
   memory.open.push({octile_cost(start, goal), 0, 0});
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t best = start == goal ? 0 : kNone;  // cost of the cheapest way to the goal so far
-  GridWay way;
-  for (std::uint32_t turn = 0; !memory.open.empty(); ++turn) {
-    if (turn % kPoll == 0) {
-      way.status = patience.left();
-      if (way.status != SearchStatus::kFound) return way;
+  std::uint64_t best = start == goal ? 0 : kNone;  // cost of the cheapest path to the goal so far
+  GridPath path;
+  for (std::uint32_t expansions = 0; !memory.open.empty(); ++expansions) {
+    if (expansions % kPoll == 0) {
+      path.status = limits.check();
+      if (path.status != SearchStatus::kFound) return path;
     }
     const JumpMemory::Open entry = memory.open.pop();
     const JumpMemory::Node node = memory.nodes[entry.node];
@@ -161,9 +161,9 @@ inline GridWay jump_search(const BitGrid &rows, const BitGrid &cols, GridCell st
       const std::uint64_t reached = node.reached + straight * kStraightCost + diagonal * kDiagonalCost;
       const std::uint64_t total = reached + octile_cost(cell, goal);
       if (total >= best) return;
-      const auto [index, fresh] = memory.nodes.insert(cell);
+      const auto [index, is_new] = memory.nodes.insert(cell);
       JumpMemory::Node &known = memory.nodes[index];
-      if (!fresh && known.reached <= reached) return;
+      if (!is_new && known.reached <= reached) return;
       known = {reached, cell, entry.node, arrival};
       memory.open.push({total, reached, index});
       jumps.prefetch(cell);
@@ -171,23 +171,23 @@ inline GridWay jump_search(const BitGrid &rows, const BitGrid &cols, GridCell st
     };
     jumps.jump(onward_directions(rows, node.at, node.arrival), node.at, goal, entry.total - entry.reached, reach);
   }
-  way.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
-  if (way.status != SearchStatus::kFound) return way;
+  path.status = best == kNone ? SearchStatus::kUnreachable : SearchStatus::kFound;
+  if (path.status != SearchStatus::kFound) return path;
   for (std::uint32_t index = memory.nodes.insert(goal).first;; index = memory.nodes[index].parent) {
     const GridCell cell = memory.nodes[index].at;
-    if (!way.corners.empty()) {  // a jump goes diagonally first, so backwards it ends so
-      const GridCell last = way.corners.back();
+    if (!path.corners.empty()) {  // a jump goes diagonally first, so backwards it ends so
+      const GridCell last = path.corners.back();
       const std::int32_t rows_left = last.row - cell.row, cols_left = last.col - cell.col;
       const std::int32_t diagonal = std::min(std::abs(rows_left), std::abs(cols_left));
       const GridCell corner{cell.row + (rows_left > 0 ? diagonal : -diagonal),
                             cell.col + (cols_left > 0 ? diagonal : -diagonal)};
-      if (diagonal > 0 && !(corner == last)) way.add(corner);
+      if (diagonal > 0 && !(corner == last)) path.add(corner);
     }
-    way.add(cell);
+    path.add(cell);
     if (cell == start) break;
   }
-  std::reverse(way.corners.begin(), way.corners.end());
-  return way;
+  std::reverse(path.corners.begin(), path.corners.end());
+  return path;
 }
 
 }  // namespace trundle

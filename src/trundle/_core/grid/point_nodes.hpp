@@ -1,4 +1,4 @@
-// Points that searches in any direction have reached, and the ways they lead to.
+// Points that an any-angle search has reached, and the paths to them.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace trundle {
 
-// A place in half cells: the corners of cells have even numbers, their centres odd ones.
+// A point in half cells: the corners of cells have even numbers, their centres odd ones.
 struct HalfCell {
   std::int32_t x, y;
   bool operator==(const HalfCell &other) const { return x == other.x && y == other.y; }
@@ -21,8 +21,8 @@ struct HalfCell {
   }
 };
 
-// The points that a way turns at, with its ends.
-struct PointWay {
+// The points at which a path turns, with its ends.
+struct PointPath {
   SearchStatus status = SearchStatus::kUnreachable;
   std::vector<HalfCell> points;
 
@@ -48,34 +48,34 @@ struct OpenPoint {
 
 class PointNodes {
  public:
-  static constexpr std::uint32_t kOutdone = ~std::uint32_t{0};
+  static constexpr std::uint32_t kSuperseded = ~std::uint32_t{0};
 
   struct Node {
     HalfCell at;
     std::uint32_t parent;  // the start is its own
-    std::uint32_t place;
+    std::uint32_t entry;
     double reached;  // length from the start, in half cells
   };
 
   const Node &operator[](std::uint32_t node) const { return nodes_[node]; }
 
-  // A new node for a place, unless it was reached by as short a way before.
+  // A new node for a point, unless it was reached by a path as short before.
   std::uint32_t reach(HalfCell at, double reached, std::uint32_t parent) {
-    const auto [place, fresh] = least_.insert(at);
-    Least &known = least_[place];
-    if (!fresh && known.reached <= reached) return kOutdone;
+    const auto [entry, is_new] = least_.insert(at);
+    Least &known = least_[entry];
+    if (!is_new && known.reached <= reached) return kSuperseded;
     known.reached = reached;
-    nodes_.push_back({at, parent, place, reached});
+    nodes_.push_back({at, parent, entry, reached});
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
 
-  // Whether its place was reached by a shorter way since.
-  bool outdone(std::uint32_t node) const { return nodes_[node].reached > least_[nodes_[node].place].reached; }
+  // Whether its point was reached by a shorter path since.
+  bool superseded(std::uint32_t node) const { return nodes_[node].reached > least_[nodes_[node].entry].reached; }
 
-  // The way to a node and from there to a goal, without the points where it goes straight on.
-  void trace(std::uint32_t node, HalfCell goal, PointWay &way) const {
+  // The path to a node and from there to a goal, without the points where it goes straight on.
+  void trace(std::uint32_t node, HalfCell goal, PointPath &path) const {
     const auto add = [&](HalfCell at) {
-      auto &points = way.points;
+      auto &points = path.points;
       if (!points.empty() && points.back() == at) return;
       if (points.size() > 1) {
         const HalfCell a = points[points.size() - 2], b = points.back();
@@ -90,7 +90,7 @@ class PointNodes {
       add(nodes_[node].at);
       if (nodes_[node].parent == node) break;
     }
-    std::reverse(way.points.begin(), way.points.end());
+    std::reverse(path.points.begin(), path.points.end());
   }
 
   void clear() {
@@ -107,7 +107,7 @@ class PointNodes {
   };
 
   std::vector<Node> nodes_;
-  PlaceTable<Least> least_;
+  PointTable<Least> least_;
 };
 
 }  // namespace trundle

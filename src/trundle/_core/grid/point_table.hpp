@@ -1,4 +1,4 @@
-// What a search knows of places on a grid, found by a hash of the place.
+// What a search knows of the points of a grid: a hash table by point.
 #pragma once
 
 #include <algorithm>
@@ -9,27 +9,27 @@
 
 namespace trundle {
 
-// Entries are numbered as they come. `Entry::at` is the place: two 32-bit numbers that give a `key()`, and `==`. Emptied
-// without being gone through.
+// Entries are numbered as they come. `Entry::at` is the point: two 32-bit numbers that give a `key()`, and `==`. To
+// clear the table takes no pass over it.
 template <typename Entry>
-class PlaceTable {
+class PointTable {
  public:
-  using Place = decltype(Entry::at);
+  using Point = decltype(Entry::at);
 
   Entry &operator[](std::uint32_t entry) { return entries_[entry]; }
   const Entry &operator[](std::uint32_t entry) const { return entries_[entry]; }
 
-  // The entry of a place, and whether it is new.
-  std::pair<std::uint32_t, bool> insert(Place place) {
+  // The entry of a point, and whether it is new.
+  std::pair<std::uint32_t, bool> insert(Point point) {
     if (entries_.size() * 2 >= slots_.size()) grow();
-    for (std::size_t slot = hash(place);; slot = (slot + 1) & (slots_.size() - 1)) {
+    for (std::size_t slot = hash(point);; slot = (slot + 1) & (slots_.size() - 1)) {
       if (slots_[slot].generation != generation_) {
         const auto entry = static_cast<std::uint32_t>(entries_.size());
         slots_[slot] = {generation_, entry};
-        entries_.emplace_back().at = place;
+        entries_.emplace_back().at = point;
         return {entry, true};
       }
-      if (entries_[slots_[slot].entry].at == place) return {slots_[slot].entry, false};
+      if (entries_[slots_[slot].entry].at == point) return {slots_[slot].entry, false};
     }
   }
 
@@ -49,8 +49,8 @@ class PlaceTable {
   };
 
   // Fibonacci hashing: Knuth, The Art of Computer Programming, volume 3, section 6.4.
-  std::size_t hash(Place place) const {
-    return static_cast<std::size_t>(place.key() * 0x9e3779b97f4a7c15ULL >> shift_);
+  std::size_t hash(Point point) const {
+    return static_cast<std::size_t>(point.key() * 0x9e3779b97f4a7c15ULL >> shift_);
   }
 
   void grow() {

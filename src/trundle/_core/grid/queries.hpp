@@ -1,4 +1,4 @@
-// What is asked of a `BinaryGrid`, where a query really begins and ends, and many queries in several threads.
+// Queries to a `BinaryGrid`: whether they can be asked, where they begin and end, and many of them in several threads.
 #pragma once
 
 #include <algorithm>
@@ -101,16 +101,16 @@ inline std::pair<std::int64_t, int> first_refusal(const BinaryGrid &grid, const 
 }
 
 // `find(i)` for all queries, in several threads of which this is one; what one throws is thrown here.
-template <typename Way, typename Find>
-std::vector<Way> find_all(std::size_t count, int threads, Find find) {
+template <typename Path, typename Find>
+std::vector<Path> find_all(std::size_t count, int threads, Find find) {
   if (threads < 1 || threads > 1024) throw std::invalid_argument("threads must be from 1 to 1024");
-  std::vector<Way> ways(count);
+  std::vector<Path> paths(count);
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failing;
   const auto work = [&] {
     try {
-      for (std::size_t i = next++; i < count; i = next++) ways[i] = find(i);
+      for (std::size_t i = next++; i < count; i = next++) paths[i] = find(i);
     } catch (...) {
       std::lock_guard lock(failing);
       failure = std::current_exception();
@@ -121,12 +121,12 @@ std::vector<Way> find_all(std::size_t count, int threads, Find find) {
   const std::size_t most = std::min<std::size_t>(static_cast<std::size_t>(threads), count);
   try {
     while (others.size() + 1 < most) others.emplace_back(work);
-  } catch (const std::system_error &) {  // no more threads to be had: those that run do the work
+  } catch (const std::system_error &) {  // no more threads to be had: fewer do the work
   }
   work();
   for (std::thread &other : others) other.join();
   if (failure) std::rethrow_exception(failure);
-  return ways;
+  return paths;
 }
 
 }  // namespace trundle

@@ -1,7 +1,7 @@
 // A* on a grid whose cells have a weight each, with whole numbers and a bucket queue.
 //
 // A step between neighbours costs (weight a + weight b) · length, with 70 for a straight and 99 for a diagonal length
-// (99/70 = √2 to 5e-5), so that a way costs the same in both directions. Diagonals need both cells beside them.
+// (99/70 = √2 to 5e-5), so that a path costs the same in both directions. Diagonals need both cells beside them.
 // The queue is Dial's (1969), its buckets as wide as the cheapest step and read last in, first out. Within a bucket the
 // order is not exact; a cell that is reached more cheaply later is opened again, and the search ends once the goal's
 // bucket is empty, so the result is the optimum all the same.
@@ -79,19 +79,19 @@ class Search {
  public:
   Search(const Grid &grid, Cell start, Cell goal)
       : grid_(grid), start_(start), goal_(goal), reached_(static_cast<std::size_t>(grid.rows * grid.cols)) {
-    cheapest_ = std::numeric_limits<std::uint16_t>::max();
+    lowest_ = std::numeric_limits<std::uint16_t>::max();
     for (int cost = 0; cost < 256; ++cost) {
-      if (grid.weights[cost] > 0) cheapest_ = std::min<std::uint32_t>(cheapest_, grid.weights[cost]);
-      dearest_ = std::max<std::uint32_t>(dearest_, grid.weights[cost]);
+      if (grid.weights[cost] > 0) lowest_ = std::min<std::uint32_t>(lowest_, grid.weights[cost]);
+      highest_ = std::max<std::uint32_t>(highest_, grid.weights[cost]);
     }
-    while ((2u * cheapest_ * kStraight) >> (shift_ + 1)) ++shift_;
-    std::size_t span = ((2u * dearest_ * kDiagonal + 2u * cheapest_ * kDiagonal) >> shift_) + 2, size = 4;
+    while ((2u * lowest_ * kStraight) >> (shift_ + 1)) ++shift_;
+    std::size_t span = ((2u * highest_ * kDiagonal + 2u * lowest_ * kDiagonal) >> shift_) + 2, size = 4;
     while (size < span) size *= 2;
     buckets_.resize(size);
     for (int k = 0; k < 8; ++k) offset_[k] = kRow[k] * grid.cols + kCol[k];
   }
 
-  Status run(const Patience &patience) {
+  Status run(const SearchLimits &limits) {
     std::uint64_t expanded = 0;
     const std::uint64_t room = std::numeric_limits<Cost>::max() / 2;
     const std::uint64_t first = estimate(start_);
@@ -99,15 +99,15 @@ class Search {
     const std::int64_t target = index(goal_);
     push(first, {0, start_, kFromNowhere});
     reached_.data[index(start_)] = 1;
-    for (std::uint64_t bucket = first >> shift_; waiting_ > 0; ++bucket) {
+    for (std::uint64_t bucket = first >> shift_; open_count_ > 0; ++bucket) {
       const Cost found = reached_.data[target];
       if (found != 0 && bucket > ((found - 1) >> shift_)) break;
       auto &entries = buckets_[bucket & (buckets_.size() - 1)];
       while (!entries.empty()) {
         const Entry entry = entries.back();
         entries.pop_back();
-        --waiting_;
-        if (++expanded % 4096 == 0 && patience.left() != SearchStatus::kFound) return Status::kStopped;
+        --open_count_;
+        if (++expanded % 4096 == 0 && limits.check() != SearchStatus::kFound) return Status::kStopped;
         if (!expand(entry, target, room)) return Status::kOverflow;
       }
     }
@@ -116,8 +116,8 @@ class Search {
 
   Cost cost() const { return reached_.data[index(goal_)] - 1; }
 
-  // Cells from start to goal; among equally cheap ways one that goes straight on where it can.
-  std::vector<std::int32_t> way() const {
+  // Cells from start to goal; among paths of equal cost one that goes straight on where it can.
+  std::vector<std::int32_t> path() const {
     std::vector<std::int32_t> cells;
     Cell cell = goal_;
     int last = 0;
@@ -157,17 +157,17 @@ class Search {
 
   static Cost step(std::uint32_t a, std::uint32_t b, int k) { return (a + b) * (k < 4 ? kStraight : kDiagonal); }
 
-  // The cheapest that the rest of the way can be: octile or Manhattan distance at the smallest weight.
+  // The least that the rest of the path can cost: octile or Manhattan distance at the smallest weight.
   std::uint64_t estimate(Cell cell) const {
     const std::uint64_t across = std::abs(cell.col - goal_.col), along = std::abs(cell.row - goal_.row);
-    if (grid_.connectivity == 4) return 2u * cheapest_ * kStraight * (across + along);
+    if (grid_.connectivity == 4) return 2u * lowest_ * kStraight * (across + along);
     const std::uint64_t longer = std::max(across, along), shorter = std::min(across, along);
-    return 2u * cheapest_ * (kStraight * (longer - shorter) + kDiagonal * shorter);
+    return 2u * lowest_ * (kStraight * (longer - shorter) + kDiagonal * shorter);
   }
 
   void push(std::uint64_t total, const Entry &entry) {
     buckets_[(total >> shift_) & (buckets_.size() - 1)].push_back(entry);
-    ++waiting_;
+    ++open_count_;
   }
 
   bool expand(const Entry &entry, std::int64_t target, std::uint64_t room) {
@@ -199,8 +199,8 @@ class Search {
   const Cell start_, goal_;
   Zeroed<Cost> reached_;  // cost from the start plus 1, or 0
   std::vector<std::vector<Entry>> buckets_;
-  std::size_t waiting_ = 0;
-  std::uint32_t cheapest_ = 0, dearest_ = 0;
+  std::size_t open_count_ = 0;
+  std::uint32_t lowest_ = 0, highest_ = 0;
   int shift_ = 0;
   std::int64_t offset_[8];
 };
@@ -211,11 +211,11 @@ struct Answer {
 };
 
 template <typename Cost>
-Status solve(const Grid &grid, Cell start, Cell goal, const Patience &patience, Answer &answer) {
+Status solve(const Grid &grid, Cell start, Cell goal, const SearchLimits &limits, Answer &answer) {
   Search<Cost> search(grid, start, goal);
-  const Status status = search.run(patience);
+  const Status status = search.run(limits);
   if (status == Status::kFound) {
-    answer.cells = search.way();
+    answer.cells = search.path();
     answer.cost = static_cast<double>(search.cost()) / (2.0 * kStraight);
   }
   if (status == Status::kStopped) answer.cost = std::numeric_limits<double>::quiet_NaN();
@@ -235,17 +235,17 @@ nb::tuple grid_search(In<std::uint8_t, 2> costs, In<std::uint16_t, 1> weights, s
     }
   }
   Answer answer;
-  const CallPatience patience(seconds, cancel);
+  const CallLimits limits(seconds, cancel);
   {
     nb::gil_scoped_release release;
     const Grid grid{costs.data(), weights.data(), rows, cols, connectivity};
     const Cell from{start.first, start.second}, to{goal.first, goal.second};
     const bool open = grid.weight(from.row * cols + from.col) > 0 && grid.weight(to.row * cols + to.col) > 0;
-    if (open && solve<std::uint32_t>(grid, from, to, patience, answer) == Status::kOverflow) {
-      solve<std::uint64_t>(grid, from, to, patience, answer);
+    if (open && solve<std::uint32_t>(grid, from, to, limits, answer) == Status::kOverflow) {
+      solve<std::uint64_t>(grid, from, to, limits, answer);
     }
   }
-  patience.rethrow();
+  limits.rethrow();
   const std::size_t count = answer.cells.size() / 2;
   return nb::make_tuple(to_numpy(std::move(answer.cells), {count, 2}), answer.cost);
 }

@@ -17,7 +17,7 @@ namespace trundle {
 namespace {
 
 // Poses along the parts, and for each pose but the first whether it is reached backwards.
-void sample(const PlanarPose &start, const PlanarPose &goal, const std::vector<Stretch> &parts, double spacing,
+void sample(const PlanarPose &start, const PlanarPose &goal, const std::vector<Segment> &parts, double spacing,
             std::vector<double> &poses, std::vector<std::uint8_t> &backward) {
   const auto add = [&](const PlanarPose &pose, bool back) {
     poses.insert(poses.end(), {pose.x, pose.y, pose.yaw});
@@ -26,7 +26,7 @@ void sample(const PlanarPose &start, const PlanarPose &goal, const std::vector<S
   poses = {start.x, start.y, start.yaw};
   const PlanarPose end = for_each_pose(start, parts, spacing, add);
   if (parts.empty()) add(goal, false);
-  // What has come together in rounding on the way.
+  // Without what rounding added up along the parts.
   poses[poses.size() - 3] = goal.x, poses[poses.size() - 2] = goal.y;
   if (!parts.empty()) poses[poses.size() - 1] = end.yaw;
 }
@@ -74,73 +74,73 @@ class HybridAStar {
     for (const PlanarPose &pose : {query.start, query.goal}) {
       if (!is_inside(query, pose)) throw nb::value_error("start and goal must lie on the grid");
     }
-    const CallPatience patience(seconds, cancel);
-    HybridWay way;
+    const CallLimits limits(seconds, cancel);
+    HybridPath path;
     std::vector<double> poses, parts;
     std::vector<std::uint8_t> backward;
     {
       nb::gil_scoped_release release;
       std::unique_ptr<HybridMemory> memory = pool_.borrow();
-      way = search(query, patience, *memory);
+      path = search(query, limits, *memory);
       pool_.give_back(std::move(memory));
-      if ((way.status == SearchStatus::kFound && !way.spent) || way.partial) {
-        const std::vector<Stretch> joined = merged(way.parts);
+      if ((path.status == SearchStatus::kFound && !path.spent) || path.partial) {
+        const std::vector<Segment> joined = merged(path.parts);
         PlanarPose end = query.goal;
-        if (way.partial) {
+        if (path.partial) {
           end = query.start;
-          for (const Stretch &part : joined) end = part.from(end);
+          for (const Segment &part : joined) end = part.from(end);
         }
         sample(query.start, end, joined, spacing, poses, backward);
-        for (const Stretch &part : joined) parts.insert(parts.end(), {part.length, part.turn});
+        for (const Segment &part : joined) parts.insert(parts.end(), {part.length, part.turn});
       }
     }
-    patience.rethrow();
+    limits.rethrow();
     const std::size_t count = poses.size() / 3, legs = backward.size(), pieces = parts.size() / 2;
-    int status = way.spent ? 4 : static_cast<int>(way.status);
-    if (way.status == SearchStatus::kUnreachable && !way.spent) {
-      if (way.closed_off) status = 5;
-      if (way.pocket) status = 6;
-      if (way.stuck) status = 7;
+    int status = path.spent ? 4 : static_cast<int>(path.status);
+    if (path.status == SearchStatus::kUnreachable && !path.spent) {
+      if (path.closed_off) status = 5;
+      if (path.pocket) status = 6;
+      if (path.stuck) status = 7;
     }
     return nb::make_tuple(status, to_numpy(std::move(poses), {count, 3}),
-                          to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), way.cost,
-                          nb::make_tuple(way.expansions, way.field_cells, way.exact_checks));
+                          to_numpy(std::move(backward), {legs}), to_numpy(std::move(parts), {pieces, 2}), path.cost,
+                          nb::make_tuple(path.expansions, path.field_cells, path.exact_checks));
   }
 
   // Memory that is kept for the next query.
   std::size_t bytes() const { return pool_.bytes(); }
 
  private:
-  HybridWay search(const HybridQuery &query, const Patience &patience, HybridMemory &memory) const {
-    HybridWay way = HybridSearch(settings_, query, patience, memory).find();
+  HybridPath search(const HybridQuery &query, const SearchLimits &limits, HybridMemory &memory) const {
+    HybridPath path = HybridSearch(settings_, query, limits, memory).find();
     // A start that is hard to get away from may be a matter of shorter motions; a goal is not, as curves end there.
-    const bool stuck = way.stuck && way.status == SearchStatus::kUnreachable;
+    const bool stuck = path.stuck && path.status == SearchStatus::kUnreachable;
     if (stuck) {
-      way = HybridSearch(settings_, query, patience, memory, kHalfStates).find();
+      path = HybridSearch(settings_, query, limits, memory, kHalfStates).find();
     }
-    if (!query.thorough || way.status != SearchStatus::kUnreachable || way.spent || way.closed_off) return way;
-    return look_closely(query, patience, memory, std::move(way), stuck);
+    if (!query.thorough || path.status != SearchStatus::kUnreachable || path.spent || path.closed_off) return path;
+    return look_closely(query, limits, memory, std::move(path), stuck);
   }
 
-  // A gap that a robot fits with a centimetre to spare may lie between the states and motions of the first search. Returns
-  // its answer where a search as close as is worth it finds no other, spent where that did not end; `halved` if it was one in
-  // half the cells.
-  HybridWay look_closely(HybridQuery query, const Patience &patience, HybridMemory &memory, HybridWay way,
+  // A gap that a robot fits with a centimetre to spare may lie between the states and motions of the first search.
+  // Returns its answer where a search as close as is worth it finds no other, spent where that did not end; `halved` if
+  // it was one in half the cells.
+  HybridPath look_closely(HybridQuery query, const SearchLimits &limits, HybridMemory &memory, HybridPath path,
                          bool halved) const {
     query.max_expansions = std::min(query.max_expansions, kMostClose);
     for (const StateGrid &states : {kHalfStates, kCloseStates, kClosestStates}) {
       if (halved && !states.close) continue;
-      HybridWay closer = HybridSearch(settings_, query, patience, memory, states).find();
+      HybridPath closer = HybridSearch(settings_, query, limits, memory, states).find();
       if (closer.spent) {
-        way.expansions += closer.expansions, way.spent = true;
+        path.expansions += closer.expansions, path.spent = true;
         break;
       }
       const bool soon_over = closer.expansions < kSoonOver;
-      closer.expansions += way.expansions;
-      way = std::move(closer);
-      if (way.status != SearchStatus::kUnreachable || (states.close && !soon_over)) break;
+      closer.expansions += path.expansions;
+      path = std::move(closer);
+      if (path.status != SearchStatus::kUnreachable || (states.close && !soon_over)) break;
     }
-    return way;
+    return path;
   }
 
   static constexpr std::uint64_t kMostClose = 100'000, kSoonOver = 5'000;  // expansions

@@ -1,9 +1,9 @@
-// Whether a robot can come from somewhere else to the goal at all, or whether the goal lies in a pocket that is closed to its
-// footprint and its motions.
+// A search backwards from the goal: whether the robot can come to it from elsewhere, or the goal lies in a pocket that
+// is closed to its footprint and its motions.
 //
 // A hybrid A* search from the start would try every pose outside of the pocket before it fails. This one drives
-// backwards in time from the goal, away from it as fast as it can, and ends as soon as it is out, or when there is
-// nowhere left to go: after a few dozen poses most of the time. From where it came out, its motions lead to the goal.
+// backwards in time from the goal, the farthest pose first, and ends as soon as it is out, or when no pose is left:
+// mostly after a few dozen poses. From its exit, its motions lead to the goal.
 #pragma once
 
 #include <cmath>
@@ -21,14 +21,13 @@ enum class Pocket { kUnknown, kOpen, kClosed };
 
 class PocketSearch {
  public:
-  PocketSearch(const HybridSettings &settings, const HybridQuery &query, const float *weights, const Patience &patience,
+  PocketSearch(const HybridSettings &settings, const HybridQuery &query, const float *weights, const SearchLimits &limits,
                HybridMemory &memory, const StateGrid &states)
-      : settings_(settings), query_(query), weights_(weights), patience_(patience), memory_(memory), states_(states) {}
+      : settings_(settings), query_(query), weights_(weights), limits_(limits), memory_(memory), states_(states) {}
 
-  // What is known after `most` more poses. Closed is only said after a second search in cells half as large and motions as
-  // short as can be, and where that is soon over a third in cells half as large again. They may look at more, since few
-  // goals are left that are not closed in. Where patience ends `status`
-  // says so.
+  // What is known after `most` more poses. The pocket is closed only after a second search, in cells half as large and
+  // with the shortest motions, and where that is soon over a third, in cells half as large again. These may try more
+  // poses, since few goals are left that are not closed in. `status` says why the search was stopped, if it was.
   Pocket look(std::uint64_t most, SearchStatus &status) {
     if (found_ != Pocket::kUnknown) return found_;
     if (halves_ == 0) begin(states_.close ? states_.halves : 1);
@@ -38,18 +37,18 @@ class PocketSearch {
     return found_;
   }
 
-  // Out is from now on twice as far away.
+  // From now on it is out only twice as far away.
   void go_farther() { far_ *= 2.0, found_ = Pocket::kUnknown; }
 
   // Where it came out.
   const PlanarPose &exit() const { return exit_; }
 
   // From there to the goal.
-  std::vector<Stretch> way_in() const {
-    std::vector<Stretch> parts;
+  std::vector<Segment> approach() const {
+    std::vector<Segment> parts;
     const auto &steps = memory_.pocket.steps;
     for (HybridMemory::PocketMemory::Step step = steps[exit_index_]; step.parent != kNoPose; step = steps[step.parent]) {
-      parts.push_back(motions_[step.motion].stretch);
+      parts.push_back(motions_[step.motion].segment);
     }
     return parts;
   }
@@ -67,7 +66,7 @@ class PocketSearch {
     halves_ = halves, found_ = Pocket::kUnknown;
     cell_ = query_.resolution * settings_.factor(query_.resolution) / halves;
     motions_ = hybrid_motions(settings_.model, cell_, states_, halves > 1);
-    // Out is where the robot has had room to turn and to manoeuvre.
+    // It is out where the robot has had room to turn and to manoeuvre.
     if (far_ == 0.0) far_ = 2.5 * memory_.checker.radius() + 2.0 * settings_.model.radius;
     memory_.pocket.poses.clear();
     memory_.pocket.steps.clear();
@@ -83,12 +82,12 @@ class PocketSearch {
   Pocket go_on(std::uint64_t most, SearchStatus &status) {
     auto &queue = memory_.pocket.queue;
     for (; most > 0 && !queue.empty(); --most) {
-      if (most % 64 == 0 && (status = patience_.left()) != SearchStatus::kFound) return found_;
+      if (most % 64 == 0 && (status = limits_.check()) != SearchStatus::kFound) return found_;
       const std::uint32_t node = queue.pop().node;
       const PlanarPose from = memory_.pocket.poses[node];
       for (std::size_t m = 0; m < motions_.size(); ++m) {
         const HybridMotion &motion = motions_[m];
-        const Stretch back{-motion.stretch.length, -motion.stretch.turn};
+        const Segment back{-motion.segment.length, -motion.segment.turn};
         const PlanarPose to = back.from(from);
         if (memory_.checker.cost_at(to.x, to.y) >= PoseChecker::kInscribed || memory_.pocket.closed.contains(key(to))) {
           continue;
@@ -134,7 +133,7 @@ class PocketSearch {
   const HybridSettings &settings_;
   const HybridQuery &query_;
   const float *weights_;
-  const Patience &patience_;
+  const SearchLimits &limits_;
   HybridMemory &memory_;
   const StateGrid states_;
   std::vector<HybridMotion> motions_;

@@ -1,12 +1,11 @@
-// What it costs a point to get from a cell to the goal, worked out backwards from the goal only as far as it is asked.
+// The cost of a point's path from a cell to the goal, computed backwards from the goal only as far as it is asked for.
 //
-// A* from the goal towards one place, the start, on cells of `factor` × `factor` cells of the map: a cell costs what its
-// open parts cost on the average, and is closed where it has none. No way leads over a side that is closed from end to
-// end: a straight wall along rows or columns, at least `factor` cells of the map thick, lets none through, even where it
-// fills no cell. It stops as soon as a cell that is asked for is settled, and goes on from there at the next question.
-// The queue is Dial's (1969), with buckets an eighth of the cheapest step wide: in a wide one what came last goes first,
-// far ahead, and is gone over again and again. Cells are made in blocks of 8 × 8, whose memory is stamped and never
-// cleared.
+// A* from the goal to one cell, the start, on cells of `factor` × `factor` cells of the map: a cell weighs the mean of
+// its open cells, and is closed where it has none. No path crosses a side that is closed from end to end: a straight
+// wall along rows or columns, at least `factor` cells of the map thick, lets none through, even where it fills no cell.
+// The search stops as soon as the cell that is asked for is settled, and goes on from there for the next one. The queue
+// is Dial's (1969), with buckets an eighth of the cheapest step wide: wider ones, which are last in, first out, run far
+// ahead and expand cells again and again. Cells are made in blocks of 8 × 8, whose memory is stamped and never cleared.
 #pragma once
 
 #include <algorithm>
@@ -26,14 +25,14 @@ class LazyCostToGo {
  public:
   static constexpr float kUnreachable = std::numeric_limits<float>::infinity();
 
-  struct Place {
+  struct Cell {
     std::int64_t row, col;
   };
 
-  // Forget what was asked before. Cells of the map from 253 on are closed; the others cost 1 + `per_cost` times their cost,
-  // and cells of this grid next to one of those to avoid many times as much.
+  // Forgets earlier queries. Cells of the map from 253 on are closed; the others weigh 1 + `per_cost` times their cost,
+  // and cells of this grid next to one of `avoided` many times as much.
   void begin(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, int factor, float per_cost,
-             const std::vector<Place> &avoided = {}) {
+             const std::vector<Cell> &avoided = {}) {
     avoided_ = avoided;
     costs_ = costs, map_rows_ = rows, map_cols_ = cols, factor_ = factor, per_cost_ = per_cost;
     rows_ = (rows + factor - 1) / factor, cols_ = (cols + factor - 1) / factor;
@@ -43,15 +42,15 @@ class LazyCostToGo {
     stamps_.fit(static_cast<std::size_t>(block_rows * block_cols_));
     slots_.fit(static_cast<std::size_t>(block_rows * block_cols_ * kBlock * kBlock));
     if (++stamp_ == 0) stamps_.clear(), stamp_ = 1;  // after 2^32 queries
-    const float dearest = (1.0f + per_cost * (kInscribed - 1)) * (avoided.empty() ? 1.0f : kAvoided);
+    const float highest = (1.0f + per_cost * (kInscribed - 1)) * (avoided.empty() ? 1.0f : kAvoided);
     std::size_t size = 4;
-    while (static_cast<float>(size) < kFine * (1.5f * (dearest + 1.0f)) + 3.0f) size *= 2;
+    while (static_cast<float>(size) < kFine * (1.5f * (highest + 1.0f)) + 3.0f) size *= 2;
     for (auto &bucket : buckets_) bucket.clear();
     buckets_.resize(size);
     queued_ = expanded_ = 0;
   }
 
-  // Where the way leads, and from where it will mostly be asked; cells of this grid.
+  // The goal, and the cell from which the cost will mostly be asked; cells of this grid.
   void set_goal(std::int64_t row, std::int64_t col, std::int64_t towards_row, std::int64_t towards_col) {
     towards_row_ = towards_row, towards_col_ = towards_col;
     slots_[touch(row, col)].cost = 0.0f;
@@ -60,9 +59,9 @@ class LazyCostToGo {
   }
 
   // The next cell from one whose cost is known; itself where that is the goal.
-  Place next(Place here) {
+  Cell next(Cell here) {
     const std::size_t centre = touch(here.row, here.col);
-    Place best = here;
+    Cell best = here;
     float least = slots_[centre].cost;
     for (int rows = -1; rows <= 1; ++rows) {
       for (int cols = -1; cols <= 1; ++cols) {
@@ -78,14 +77,15 @@ class LazyCostToGo {
   std::uint64_t expanded() const { return expanded_; }
   std::size_t bytes() const { return stamps_.bytes() + slots_.bytes(); }
 
-  // Cost from a cell to the goal, in cells of this grid of weight 1. Where patience ends `status` says so.
-  float at(std::int64_t row, std::int64_t col, const Patience &patience, SearchStatus &status) {
+  // Cost from a cell to the goal, in cells of this grid of weight 1. `status` says why the search was stopped, if it
+  // was.
+  float at(std::int64_t row, std::int64_t col, const SearchLimits &limits, SearchStatus &status) {
     const Slot &slot = slots_[touch(row, col)];
     if (slot.cost == kClosed) return kUnreachable;
     const float distance = octile(row, col);
     while (queued_ > 0 && !(kFine * (slot.cost + distance) < static_cast<float>(current_))) {
       settle_one();
-      if (expanded_ % 16384 == 0 && (status = patience.left()) != SearchStatus::kFound) break;
+      if (expanded_ % 16384 == 0 && (status = limits.check()) != SearchStatus::kFound) break;
     }
     return slot.cost;
   }
@@ -95,7 +95,7 @@ class LazyCostToGo {
   static constexpr float kClosed = -kUnreachable;  // never reached cheaper
   static constexpr std::size_t kBlock = 8;
   static constexpr unsigned kUp = 1, kDown = 2, kLeft = 4, kRight = 8;  // sides; up is towards row 0
-  static constexpr float kAvoided = 50.0f;  // how many times as much as else
+  static constexpr float kAvoided = 50.0f;  // factor of the weight of avoided cells
   static constexpr float kFine = 8.0f;  // buckets to a step of weight 1
 
   struct Slot {
@@ -147,8 +147,8 @@ class LazyCostToGo {
   }
 
   bool is_avoided(std::int64_t row, std::int64_t col) const {
-    return std::any_of(avoided_.begin(), avoided_.end(), [&](const Place &place) {
-      return std::abs(place.row - row) <= 1 && std::abs(place.col - col) <= 1;
+    return std::any_of(avoided_.begin(), avoided_.end(), [&](const Cell &cell) {
+      return std::abs(cell.row - row) <= 1 && std::abs(cell.col - col) <= 1;
     });
   }
 
@@ -180,8 +180,8 @@ class LazyCostToGo {
     return bits & 15U;
   }
 
-  // Whether closed sides are in the way of a step. Past a corner they are where both cells' are, so that a step which
-  // the map's own cells allow is never barred.
+  // Whether closed sides bar a step. Past a corner they do where both cells' sides are closed, so that a step which the
+  // map's own cells allow is never barred.
   static bool is_barred(unsigned here, unsigned there, int rows, int cols) {
     const unsigned ahead = rows > 0 ? kDown : rows < 0 ? kUp : 0U, back = rows > 0 ? kUp : rows < 0 ? kDown : 0U;
     const unsigned across = cols > 0 ? kRight : cols < 0 ? kLeft : 0U, home = cols > 0 ? kLeft : cols < 0 ? kRight : 0U;
@@ -222,7 +222,7 @@ class LazyCostToGo {
     --queued_;
     const std::size_t here = touch(entry.row, entry.col);
     const Slot slot = slots_[here];
-    // Each time that a cell was reached cheaper it was queued again.
+    // A cell is queued again each time that it is reached at less cost.
     if (!(entry.cost > slot.cost)) {
       ++expanded_;
       touch(entry.row - 1, entry.col - 1), touch(entry.row - 1, entry.col + 1);
@@ -244,7 +244,7 @@ class LazyCostToGo {
     skip_empty();
   }
 
-  // Go on to the next bucket that holds something, so that what is settled shows.
+  // Moves to the next bucket that is not empty, so that `current_` bounds what is settled.
   void skip_empty() {
     while (queued_ > 0 && buckets_[static_cast<std::size_t>(current_) & (buckets_.size() - 1)].empty()) ++current_;
   }
@@ -259,7 +259,7 @@ class LazyCostToGo {
   ZeroedTable<std::uint32_t> stamps_;
   ZeroedTable<Slot> slots_;
   std::vector<std::vector<Entry>> buckets_;
-  std::vector<Place> avoided_;
+  std::vector<Cell> avoided_;
 };
 
 }  // namespace trundle

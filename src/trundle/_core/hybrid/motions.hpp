@@ -1,4 +1,4 @@
-// The short motions that a hybrid A* search is made of: straight on, arcs to both sides, turns in place.
+// The motion primitives of a hybrid A* search: straight lines, arcs to both sides, turns in place.
 #pragma once
 
 #include <algorithm>
@@ -10,18 +10,18 @@
 namespace trundle {
 
 struct HybridMotion {
-  Stretch stretch;
+  Segment segment;
   double cost;  // where cells cost 1
   int direction, bins;
 };
 
-// Every motion leads to another cell of the size `cell` [m] or another heading; arcs turn by whole headings, by as few as
-// can be where `fine`, and otherwise by as many as lead to another cell.
+// Every motion leads to another cell of the size `cell` [m] or to another heading. Arcs turn by whole headings: by as
+// few as possible with `fine`, and otherwise by as many as lead to another cell.
 inline std::vector<HybridMotion> hybrid_motions(const MotionModel &model, double cell, const StateGrid &states, bool fine) {
   std::vector<HybridMotion> motions;
-  const auto add = [&](const Stretch &stretch, int direction, int bins) {
-    const double cost = direction == 0 ? model.turn_cost * std::fabs(stretch.turn) : model.length_cost(stretch.length);
-    motions.push_back({stretch, cost, direction, bins});
+  const auto add = [&](const Segment &segment, int direction, int bins) {
+    const double cost = direction == 0 ? model.turn_cost * std::fabs(segment.turn) : model.length_cost(segment.length);
+    motions.push_back({segment, cost, direction, bins});
   };
   const double least = 1.41422 * cell;
   const double step = states.heading_step();

@@ -1,11 +1,12 @@
 // A flood over poses: whether the poses near one end that the footprint may take are closed off from the other end.
 //
-// The poses (x, y, yaw) are divided into boxes. The outline that is handed in is the footprint, shrunk by as much as a point
-// of it moves within a box: where the shrunk outline at a box's middle touches something, so does the footprint at
-// every pose of the box. Boxes that are left are filled from one end over their faces, whatever the motions of the robot: a
-// continuous path cannot leave a region of boxes but over a face of one of them that is left, too. So if the flood ends
-// without the other end, no path joins the two (approximate cell decomposition: Zhu and Latombe, "New heuristic
-// algorithms for efficient hierarchical path planning", IEEE Transactions on Robotics and Automation 7(1), 1991).
+// The poses (x, y, yaw) are divided into boxes. The outline that is handed in is the footprint, shrunk by as much as a
+// point of it moves within a box: where the shrunk outline at a box's middle touches something, so does the footprint
+// at every pose of the box. Boxes that are left are filled from one end over their faces, whatever the motions of the
+// robot: a continuous path cannot leave a region of boxes but over a face of one of them that is left, too. So if the
+// flood ends without the other end, no path joins the two (approximate cell decomposition: Zhu and Latombe, "New
+// heuristic algorithms for efficient hierarchical path planning", IEEE Transactions on Robotics and Automation 7(1),
+// 1991).
 #include "hybrid/kernels.hpp"
 
 #include "costmap/pose_checker.hpp"
@@ -38,9 +39,9 @@ class PoseFlood {
     closed_.begin();
   }
 
-  // From one pose, or that place at any yaw, towards another one.
+  // From one pose, or that position at any yaw, towards another one.
   Flood fill(const PlanarPose &from, bool any_yaw, const PlanarPose &to, bool to_any_yaw, std::size_t most,
-             const Patience &patience) {
+             const SearchLimits &limits) {
     const Box first = box_of(from), last = box_of(to);
     const auto meets = [&](const Box &box) {
       return box.col == last.col && box.row == last.row && (to_any_yaw || box.heading == last.heading);
@@ -51,7 +52,7 @@ class PoseFlood {
     for (std::size_t next = 0; next < boxes_.size(); ++next) {
       if (next >= most) return Flood::kTooMany;
       if (next % 256 == 0) {
-        const SearchStatus status = patience.left();
+        const SearchStatus status = limits.check();
         if (status != SearchStatus::kFound) {
           return status == SearchStatus::kTimeout ? Flood::kTimeout : Flood::kCancelled;
         }
@@ -120,16 +121,16 @@ nb::tuple flood_poses(In<std::uint8_t, 2> costs, double resolution, In<double, 2
     throw nb::value_error("headings must be from 1 to 100,000, and no more than 1e13 cells may cover the map");
   }
   const PlanarPose first = pose_in(from, width, height), last = pose_in(to, width, height);
-  const CallPatience patience(seconds, cancel);
+  const CallLimits limits(seconds, cancel);
   Flood answer{};
   std::size_t count = 0;
   {
     nb::gil_scoped_release release;
     PoseFlood flood(costs.data(), rows, cols, resolution, outline.data(), outline.shape(0), cell, headings);
-    answer = flood.fill(first, any_yaw, last, to_any_yaw, most, patience);
+    answer = flood.fill(first, any_yaw, last, to_any_yaw, most, limits);
     count = flood.size();
   }
-  patience.rethrow();
+  limits.rethrow();
   return nb::make_tuple(static_cast<int>(answer), count);
 }
 

@@ -1,4 +1,4 @@
-// What a hybrid A* search is asked, with which settings, and what it answers.
+// The settings, the query and the result of a hybrid A* search.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace trundle {
 
-// What states are apart from each other: cells `halves` times smaller than the settings say, and headings around a circle.
-// In `close` ones motions are as short as can be, and half as tight arcs are among them.
+// The resolution of states: cells `halves` times smaller than the settings say, and headings around a circle. With
+// `close`, motions are as short as possible, and arcs of twice the radius are among them.
 struct StateGrid {
   int halves, headings;
   bool close;
@@ -27,7 +27,7 @@ inline constexpr int kMostHeadings = 216;
 
 struct HybridSettings {
   MotionModel model;
-  double cost_weight;       // how much dearer than a free cell one of cost 252 is, less 1
+  double cost_weight;       // weight of a cell of cost 252, less that of a free cell, which is 1
   double heuristic_weight;  // at least 1
   double cell_size;         // of states and of the field [m]; at least a cell of the map
 
@@ -48,11 +48,11 @@ struct HybridQuery {
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
   const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
-  bool thorough;           // whether to look closely before saying that there is no way
-  bool partial;            // whether a way to the nearest pose is wanted where none leads to the goal
+  bool thorough;           // whether to search in smaller cells before saying that there is no path
+  bool partial;            // whether a path to the nearest pose is wanted where none leads to the goal
 };
 
-struct HybridWay {
+struct HybridPath {
   SearchStatus status = SearchStatus::kUnreachable;
   bool spent = false;       // whether it stopped at the most expansions
   bool closed_off = false;  // whether not even the inscribed circle gets there
@@ -60,7 +60,7 @@ struct HybridWay {
   bool stuck = false;       // whether the motions hardly lead away from the start
   double cost = 0.0;
   std::uint64_t expansions = 0, field_cells = 0, exact_checks = 0;
-  std::vector<Stretch> parts;
+  std::vector<Segment> parts;
   bool partial = false;  // whether the parts only lead near to the goal
 };
 

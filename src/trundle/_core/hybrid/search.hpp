@@ -1,11 +1,13 @@
 // Hybrid A*: Dolgov, Thrun, Montemerlo and Diebel, "Practical search techniques in path planning for autonomous
-// driving" (STAIR 2008), section 2: continuous poses, one for each cell and heading; two heuristics, of which the larger counts;
-// and curves straight to the goal that are tried on the way.
+// driving" (STAIR 2008), section 2: continuous poses, one for each cell and heading; the larger of two heuristics; and
+// analytic expansions, curves straight to the goal that are tried from time to time.
 //
-// What is added: the heuristics are worked out only where they are asked for, and a node is checked with the footprint
-// when it is taken from the queue, not when it is put there, as most never are taken. Weighted A* (Pohl 1970) ends once
-// no way that is cheaper by more than its weight can be left. A guide that leads where the footprint does not fit is led
-// another way, and curves also end where a search backwards from a goal that is hard to reach has come out.
+// What is added:
+// - The heuristics are computed only where they are asked for (heuristic.hpp).
+// - A node's footprint is checked when it is taken from the queue, not when it is put there: most never are taken.
+// - Weighted A* (Pohl 1970) ends once no path can be left that is cheaper by more than the weight.
+// - Where the heuristic leads through a gap that the footprint does not fit, cells there are avoided (`keep_advance`).
+// - A goal that is hard to enter is searched backwards, and curves may end where that search came out (goal_pocket.hpp).
 #pragma once
 
 #include <algorithm>
@@ -24,15 +26,15 @@ namespace trundle {
 
 class HybridSearch {
  public:
-  HybridSearch(const HybridSettings &settings, const HybridQuery &query, const Patience &patience, HybridMemory &memory,
+  HybridSearch(const HybridSettings &settings, const HybridQuery &query, const SearchLimits &limits, HybridMemory &memory,
                const StateGrid &states = kStates)
       : settings_(settings),
         model_(settings.model),
         query_(query),
-        patience_(patience),
+        limits_(limits),
         memory_(memory),
-        guide_(settings, query_, patience, memory),
-        pocket_(settings_, query_, weights_, patience, memory, states),
+        heuristic_(settings, query_, limits, memory),
+        pocket_(settings_, query_, weights_, limits, memory, states),
         shots_(settings.model),
         states_(states),
         factor_(settings.factor(query.resolution)),
@@ -49,12 +51,12 @@ class HybridSearch {
                          query.step, query.inner);
   }
 
-  HybridWay find() {
-    HybridWay way;
-    status_ = patience_.left();
+  HybridPath find() {
+    HybridPath path;
+    status_ = limits_.check();
     if (status_ == SearchStatus::kFound) begin();
     if (!memory_.queue.empty() && std::isinf(memory_.nodes[0].to_go)) {
-      way.closed_off = true;
+      path.closed_off = true;
       memory_.queue.clear();
     }
     while (!memory_.queue.empty() && status_ == SearchStatus::kFound) {
@@ -64,41 +66,41 @@ class HybridSearch {
       if (!settle(entry)) continue;
       if (query_.partial) keep_nearest(entry.node);
       if (++expansions_ > query_.max_expansions) {
-        way.spent = true;
+        path.spent = true;
         break;
       }
       if (best_node_ == kNoNode) {
-        if (is_in_pocket()) way.pocket = true;
+        if (is_in_pocket()) path.pocket = true;
         keep_advance(entry.node);
       }
-      if (way.pocket && is_near_enough()) break;
-      if (expansions_ == kDoubtful && best_node_ == kNoNode && guide_.is_closed_off(status_)) {
-        way.closed_off = true;
+      if (path.pocket && is_near_enough()) break;
+      if (expansions_ == kDoubtful && best_node_ == kNoNode && heuristic_.is_closed_off(status_)) {
+        path.closed_off = true;
         break;
       }
-      if (expansions_ % 64 == 0 && (status_ = patience_.left()) != SearchStatus::kFound) break;
+      if (expansions_ % 64 == 0 && (status_ = limits_.check()) != SearchStatus::kFound) break;
       if (--until_shot_ <= 0) shoot(entry.node);
       expand(entry.node);
     }
-    if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !way.spent && !way.closed_off && !way.pocket) {
-      way.stuck = expansions_ < kFirstLook * static_cast<std::uint64_t>(states_.halves * states_.halves);
-      way.closed_off = !way.stuck && guide_.is_closed_off(status_);
+    if (best_node_ == kNoNode && status_ == SearchStatus::kFound && !path.spent && !path.closed_off && !path.pocket) {
+      path.stuck = expansions_ < kFirstLook * static_cast<std::uint64_t>(states_.halves * states_.halves);
+      path.closed_off = !path.stuck && heuristic_.is_closed_off(status_);
     }
-    finish(way);
-    return way;
+    finish(path);
+    return path;
   }
 
  private:
-  static constexpr std::uint64_t kDoubtful = 10'000, kFirstLook = 256, kLongLook = 2'000, kPatient = 2'000;  // expansions
+  static constexpr std::uint64_t kDoubtful = 10'000, kFirstLook = 256, kLongLook = 2'000, kMinNearest = 2'000;  // expansions
   static constexpr std::uint64_t kNoAdvance = 1'500;
-  static constexpr std::size_t kNoWayIn = ~std::size_t{0};
+  static constexpr std::size_t kNoApproach = ~std::size_t{0};
   static constexpr int kDetours = 40;
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 
-  // To the goal from elsewhere.
-  struct WayIn {
+  // From the exit of the goal's pocket to the goal.
+  struct Approach {
     PlanarPose from;
-    std::vector<Stretch> parts;
+    std::vector<Segment> parts;
     double cost;
   };
 
@@ -107,12 +109,12 @@ class HybridSearch {
       yaws_[k] = query_.start.yaw + k * states_.heading_step();
       cos_[k] = std::cos(yaws_[k]), sin_[k] = std::sin(yaws_[k]);
     }
-    memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, guide_.least_cost(query_.start), kNoNode, 0, 0, true});
-    // Where the way is open nothing else is needed, and no field is begun.
+    memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, heuristic_.least_cost(query_.start), kNoNode, 0, 0, true});
+    // Where a curve is free nothing else is needed, and no field is begun.
     shoot(0);
     HybridNode &start = memory_.nodes[0];
     if (best_cost_ > settings_.heuristic_weight * start.to_go) {
-      start.to_go = std::max(start.to_go, guide_.field_at(start.x, start.y, status_));
+      start.to_go = std::max(start.to_go, heuristic_.field_at(start.x, start.y, status_));
     }
     push(0);
   }
@@ -128,9 +130,9 @@ class HybridSearch {
     return node.parent == kNoNode ? 0 : motions_[node.motion].direction;
   }
 
-  static int direction_of(const Stretch &part) { return (part.length > 0.0) - (part.length < 0.0); }
+  static int direction_of(const Segment &part) { return (part.length > 0.0) - (part.length < 0.0); }
 
-  // By the map's cells, or halves of them, so that what lies on the map lies in one of these.
+  // By the map's cells, or parts of them, so that every point of the map lies in one of these.
   std::int64_t cell(double metres) const {
     return static_cast<std::int64_t>(metres * states_.halves / query_.resolution) / factor_;
   }
@@ -141,7 +143,7 @@ class HybridSearch {
     return (row * cols + col) * static_cast<std::uint64_t>(states_.headings) + node.heading;
   }
 
-  // Take a node from the queue; false where it is not to be expanded, or not yet.
+  // Closes a node from the queue; false where it must not be expanded, or not yet.
   bool settle(const QueueEntry &entry) {
     HybridNode &node = memory_.nodes[entry.node];
     const std::uint64_t key = key_of(node);
@@ -161,12 +163,12 @@ class HybridSearch {
 
   bool check(const HybridNode &parent, const HybridMotion &motion, HybridNode &node) {
     double sum = 0.0;
-    if (!memory_.checker.fits(pose_of(parent), motion.stretch, weights_, model_.turn_cost, kInfinite, sum)) {
+    if (!memory_.checker.fits(pose_of(parent), motion.segment, weights_, model_.turn_cost, kInfinite, sum)) {
       return false;
     }
-    const double dearer = motion.direction < 0 ? model_.reverse_penalty : 1.0;
-    node.cost = parent.cost + dearer * sum + change(parent, motion);
-    node.to_go = guide_.at_least(pose_of(node), node.to_go);
+    const double factor = motion.direction < 0 ? model_.reverse_penalty : 1.0;
+    node.cost = parent.cost + factor * sum + change(parent, motion);
+    node.to_go = heuristic_.at_least(pose_of(node), node.to_go);
     node.checked = true;
     return true;
   }
@@ -179,13 +181,13 @@ class HybridSearch {
     for (std::size_t m = 0; m < motions_.size(); ++m) {
       const HybridMotion &motion = motions_[m];
       const HybridNode from = memory_.nodes[index];
-      const PlanarPose to = motion.stretch.from(pose_of(from), cos_[from.heading], sin_[from.heading]);
+      const PlanarPose to = motion.segment.from(pose_of(from), cos_[from.heading], sin_[from.heading]);
       const std::uint8_t cost = memory_.checker.cost_at(to.x, to.y);
       if (cost >= PoseChecker::kInscribed) continue;
       HybridNode node{to.x, to.y, 0.0, 0.0, index, 0, static_cast<std::uint8_t>(m), false};
       node.heading = static_cast<std::uint8_t>((from.heading + motion.bins + states_.headings) % states_.headings);
       if (memory_.closed.contains(key_of(node))) continue;
-      node.to_go = guide_.field_at(to.x, to.y, status_);
+      node.to_go = heuristic_.field_at(to.x, to.y, status_);
       if (std::isinf(node.to_go)) continue;
       const float least = std::min(weights_[memory_.checker.cost_at(from.x, from.y)], weights_[cost]);
       node.cost = from.cost + motion.cost * static_cast<double>(least) + change(from, motion);
@@ -195,26 +197,28 @@ class HybridSearch {
     }
   }
 
-  // A guide that leads through a gap where the footprint does not fit lets the search fill all that lies before. After so
-  // many expansions that got no nearer to the goal, by what the guide says, it leads around what comes next.
+  // Where the heuristic leads through a gap that the footprint does not fit, the search fills everything before the
+  // gap. After `kNoAdvance` expansions that came no nearer to the goal, by the heuristic, the cells that it leads
+  // through next are avoided.
   void keep_advance(std::uint32_t index) {
     const HybridNode &node = memory_.nodes[index];
-    const double left = guide_.field_at(node.x, node.y, status_);
+    const double left = heuristic_.field_at(node.x, node.y, status_);
     if (left < least_left_) least_left_ = left, foremost_ = index, advanced_at_ = expansions_;
     if (expansions_ - advanced_at_ < kNoAdvance || detours_ == kDetours) return;
     ++detours_;
     least_left_ = kInfinite, advanced_at_ = expansions_;
-    guide_.avoid_ahead(memory_.nodes[foremost_].x, memory_.nodes[foremost_].y, status_);
+    heuristic_.avoid_ahead(memory_.nodes[foremost_].x, memory_.nodes[foremost_].y, status_);
     memory_.queue.change_all([&](QueueEntry &entry) {
       HybridNode &open = memory_.nodes[entry.node];
-      open.to_go = guide_.field_at(open.x, open.y, status_);
-      if (open.checked) open.to_go = guide_.at_least(pose_of(open), open.to_go);
+      open.to_go = heuristic_.field_at(open.x, open.y, status_);
+      if (open.checked) open.to_go = heuristic_.at_least(pose_of(open), open.to_go);
       entry.sum = open.cost + settings_.heuristic_weight * open.to_go;
     });
   }
 
-  // Whether the goal lies in a pocket, as far as is known: after so many expansions, and each time that there are twice as
-  // many, it is looked at for an eighth of that, and later for four times as long, when few goals are left that are in none.
+  // Whether the goal is known to lie in a closed pocket. It is searched after `kFirstLook` expansions, and again each
+  // time that there are twice as many: for an eighth as many poses, and later for four times as many, when most goals
+  // that are left do lie in one.
   bool is_in_pocket() {
     if (expansions_ != next_look_) return false;
     const std::uint64_t poses = next_look_ < kLongLook ? next_look_ / 8 : 4 * next_look_;
@@ -225,80 +229,80 @@ class HybridSearch {
     }
     const Pocket found = pocket_.look(poses, status_);
     is_out_ = found == Pocket::kOpen;
-    if (is_out_) keep_way_in();
+    if (is_out_) keep_approach();
     return found == Pocket::kClosed;
   }
 
-  // How to get to the goal from where the pocket ends, which is easier to come to.
-  void keep_way_in() {
-    WayIn way{pocket_.exit(), pocket_.way_in(), 0.0};
-    PlanarPose pose = way.from;
+  // Keeps the motions from the pocket's exit, which is easier to reach, to the goal.
+  void keep_approach() {
+    Approach path{pocket_.exit(), pocket_.approach(), 0.0};
+    PlanarPose pose = path.from;
     int direction = 0;
-    for (const Stretch &part : way.parts) {
+    for (const Segment &part : path.parts) {
       double sum = 0.0;
       memory_.checker.fits(pose, part, weights_, model_.turn_cost, kInfinite, sum);
       const int now = direction_of(part);
-      if (now * direction < 0) way.cost += model_.change_cost;
-      way.cost += (now < 0 ? model_.reverse_penalty : 1.0) * sum;
+      if (now * direction < 0) path.cost += model_.change_cost;
+      path.cost += (now < 0 ? model_.reverse_penalty : 1.0) * sum;
       direction = now;
       pose = part.from(pose);
     }
-    ways_in_.push_back(std::move(way));
+    approaches_.push_back(std::move(path));
   }
 
-  // Whether a search that cannot succeed may end: at once, or where a way to near the goal is wanted, when it has come no
-  // nearer for long.
-  bool is_near_enough() const { return !query_.partial || expansions_ > 2 * nearest_at_ + kPatient; }
+  // Whether a search that cannot succeed may end: at once, or, where a path to the nearest pose is wanted, when it has
+  // come no nearer for long.
+  bool is_near_enough() const { return !query_.partial || expansions_ > 2 * nearest_at_ + kMinNearest; }
 
-  // Try to end from a node, and keep the cheapest way so far.
+  // Tries curves from a node to the goal, and keeps the cheapest path so far.
   void shoot(std::uint32_t index) {
     const HybridNode &node = memory_.nodes[index];
-    // The nearer to the goal the more often, and the longer in vain the less.
+    // More often near the goal, and less often the longer none was found.
     until_shot_ = std::clamp(static_cast<int>(node.to_go / (10.0 * cell_)), 1, 32) + static_cast<int>(expansions_ / 64);
-    shoot_at(index, query_.goal, query_.any_yaw, kNoWayIn);
-    for (std::size_t i = 0; i < ways_in_.size(); ++i) shoot_at(index, ways_in_[i].from, false, i);
+    shoot_at(index, query_.goal, query_.any_yaw, kNoApproach);
+    for (std::size_t i = 0; i < approaches_.size(); ++i) shoot_at(index, approaches_[i].from, false, i);
   }
 
-  // At the goal, or at where its way in begins.
-  void shoot_at(std::uint32_t index, const PlanarPose &target, bool any_yaw, std::size_t way_in) {
+  // To the goal, or to where an approach begins.
+  void shoot_at(std::uint32_t index, const PlanarPose &target, bool any_yaw, std::size_t approach) {
     const HybridNode &node = memory_.nodes[index];
-    const double more = way_in != kNoWayIn ? ways_in_[way_in].cost : 0.0;
-    const int ahead = way_in != kNoWayIn ? direction_of(ways_in_[way_in].parts.front()) : 0;
+    const double more = approach != kNoApproach ? approaches_[approach].cost : 0.0;
+    const int ahead = approach != kNoApproach ? direction_of(approaches_[approach].parts.front()) : 0;
     for (const Shot &shot : shots_.find(pose_of(node), target, any_yaw, direction_of(node))) {
       if (node.cost + shot.cost + more >= best_cost_) break;
       const double cost = more + shot_cost(node, shot, ahead, best_cost_ - more);
       if (cost >= best_cost_) continue;
       if (best_node_ == kNoNode) first_found_ = expansions_;
-      best_cost_ = cost, best_node_ = index, best_shot_ = shot, best_way_in_ = way_in;
+      best_cost_ = cost, best_node_ = index, best_shot_ = shot, best_approach_ = approach;
     }
   }
 
-  // Up to the direction `ahead` of what follows; infinite where it is `most` or more.
+  // With the change to the direction `ahead` of what follows; infinite where it is `most` or more.
   double shot_cost(const HybridNode &node, const Shot &shot, int ahead, double most) {
     double cost = node.cost;
     int direction = direction_of(node);
     PlanarPose pose = pose_of(node);
     for (int i = 0; i < shot.count; ++i) {
-      const Stretch &part = shot.parts[i];
+      const Segment &part = shot.parts[i];
       const int now = direction_of(part);
-      const double dearer = now < 0 ? model_.reverse_penalty : 1.0;
+      const double factor = now < 0 ? model_.reverse_penalty : 1.0;
       if (now * direction < 0) cost += model_.change_cost;
       direction = now;
       double sum = 0.0;
-      const double room = (most - cost) / dearer;
+      const double room = (most - cost) / factor;
       if (!memory_.checker.fits(pose, part, weights_, model_.turn_cost, room, sum)) return kInfinite;
-      cost += dearer * sum;
+      cost += factor * sum;
       pose = part.from(pose);
     }
     return direction * ahead < 0 ? cost + model_.change_cost : cost;
   }
 
-  // Once there is a way, it looks for a better one for a while that is in proportion; not where the first took a close look.
+  // Once there is a path, a better one is searched for as long again in proportion; shorter in small cells.
   bool spent_after_first() const {
     return best_node_ != kNoNode && expansions_ > (states_.close ? first_found_ : 4 * first_found_ + 500);
   }
 
-  // Of nodes as near to the goal the one that was settled first.
+  // Of nodes equally near to the goal, the one that was closed first.
   void keep_nearest(std::uint32_t index) {
     const HybridNode &node = memory_.nodes[index];
     const double distance = std::hypot(query_.goal.x - node.x, query_.goal.y - node.y);
@@ -306,33 +310,33 @@ class HybridSearch {
   }
 
   // From the start to a node.
-  void add_motions(std::uint32_t node, std::vector<Stretch> &parts) const {
+  void add_motions(std::uint32_t node, std::vector<Segment> &parts) const {
     for (; memory_.nodes[node].parent != kNoNode; node = memory_.nodes[node].parent) {
-      parts.push_back(motions_[memory_.nodes[node].motion].stretch);
+      parts.push_back(motions_[memory_.nodes[node].motion].segment);
     }
     std::reverse(parts.begin(), parts.end());
   }
 
-  void finish(HybridWay &way) {
-    way.expansions = expansions_;
-    way.field_cells = guide_.field_cells();
-    way.exact_checks = memory_.checker.exact_checks();
-    way.status = status_;
+  void finish(HybridPath &path) {
+    path.expansions = expansions_;
+    path.field_cells = heuristic_.field_cells();
+    path.exact_checks = memory_.checker.exact_checks();
+    path.status = status_;
     if (best_node_ == kNoNode) {
-      if (status_ == SearchStatus::kFound && !way.spent) way.status = SearchStatus::kUnreachable;
+      if (status_ == SearchStatus::kFound && !path.spent) path.status = SearchStatus::kUnreachable;
       if (nearest_node_ == kNoNode || status_ != SearchStatus::kFound) return;
-      way.partial = true;
-      way.cost = memory_.nodes[nearest_node_].cost;
-      add_motions(nearest_node_, way.parts);
+      path.partial = true;
+      path.cost = memory_.nodes[nearest_node_].cost;
+      add_motions(nearest_node_, path.parts);
       return;
     }
-    way.status = SearchStatus::kFound, way.spent = false;
-    way.cost = best_cost_;
-    add_motions(best_node_, way.parts);
-    way.parts.insert(way.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
-    if (best_way_in_ == kNoWayIn) return;
-    const std::vector<Stretch> &last = ways_in_[best_way_in_].parts;
-    way.parts.insert(way.parts.end(), last.begin(), last.end());
+    path.status = SearchStatus::kFound, path.spent = false;
+    path.cost = best_cost_;
+    add_motions(best_node_, path.parts);
+    path.parts.insert(path.parts.end(), best_shot_.parts, best_shot_.parts + best_shot_.count);
+    if (best_approach_ == kNoApproach) return;
+    const std::vector<Segment> &last = approaches_[best_approach_].parts;
+    path.parts.insert(path.parts.end(), last.begin(), last.end());
   }
 
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -340,9 +344,9 @@ class HybridSearch {
   const HybridSettings settings_;
   const MotionModel model_;
   const HybridQuery query_;
-  const Patience &patience_;
+  const SearchLimits &limits_;
   HybridMemory &memory_;
-  HybridGuide guide_;
+  HybridHeuristic heuristic_;
   PocketSearch pocket_;
   Shots shots_;
   const StateGrid states_;
@@ -358,10 +362,10 @@ class HybridSearch {
   std::uint32_t best_node_ = kNoNode, nearest_node_ = kNoNode;
   double nearest_ = kInfinite;
   Shot best_shot_;
-  std::size_t best_way_in_ = kNoWayIn;  // what follows the shot
-  std::vector<WayIn> ways_in_;
-  bool is_out_ = false;  // whether the last look at the goal's pocket led out of it
-  double least_left_ = kInfinite;  // of the nodes, by the guide as it is now, and where that is
+  std::size_t best_approach_ = kNoApproach;  // what follows the shot
+  std::vector<Approach> approaches_;
+  bool is_out_ = false;  // whether the last search of the goal's pocket led out of it
+  double least_left_ = kInfinite;  // of the nodes, by the heuristic as it is now, and which node that is
   std::uint32_t foremost_ = 0;
   std::uint64_t advanced_at_ = 0;
   int detours_ = 0;

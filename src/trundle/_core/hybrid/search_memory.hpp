@@ -11,7 +11,7 @@
 
 namespace trundle {
 
-// States, 64-bit keys, in an open hash table whose entries of older queries do not count.
+// States by 64-bit keys, in an open hash table; entries of earlier queries do not count.
 class StateSet {
  public:
   void begin() {
@@ -59,17 +59,17 @@ class StateSet {
 struct HybridNode {
   double x, y;            // [m], on the grid
   double cost;            // from the start
-  double to_go;           // at least what is left
+  double to_go;           // lower bound on the cost to the goal
   std::uint32_t parent;
   std::uint8_t heading;   // in steps from the start's yaw
   std::uint8_t motion;    // by which it was reached
-  bool checked;           // whether the robot fits on the way here, and `cost` and `to_go` are exact
+  bool checked;           // whether the motion to here was checked; `cost` and `to_go` are exact then
 };
 
 struct QueueEntry {
   double sum;
   std::uint32_t node;
-  // The least sum first, and of equal ones the youngest.
+  // The least sum first, and of equal ones the newest.
   bool operator<(const QueueEntry &other) const {
     return sum != other.sum ? sum > other.sum : node < other.node;
   }

@@ -1,5 +1,5 @@
-// Ways from a pose straight to the goal as if nothing were in between: Dubins and Reeds-Shepp curves, and for robots that
-// turn in place a turn, a line and a turn.
+// Analytic expansions: curves from a pose straight to the goal, whatever is in between. Dubins and Reeds-Shepp curves,
+// and for robots that turn in place a turn, a line and a turn.
 #pragma once
 
 #include <algorithm>
@@ -22,12 +22,12 @@ struct MotionModel {
 
   double length_cost(double length) const { return length < 0.0 ? -length * reverse_penalty : length; }
 
-  // The least that any way to (x, y, phi) from (0, 0, 0) costs.
+  // The least that any path to (x, y, phi) from (0, 0, 0) costs.
   //
-  // A metre of an arc turns by at most 1 / radius, and a metre's cost in place by 1 / turn_cost, so no way of a robot
-  // that turns in place is cheaper than the least time with |v| <= 1 and |w| <= 1 / rho, rho the smaller of the two: the
-  // Reeds-Shepp curve of that radius, which stays the shortest with these inequalities instead of equalities (Sussmann
-  // and Tang, "Shortest paths for the Reeds-Shepp car", 1991).
+  // A metre of an arc turns by at most 1 / radius, and a metre's cost in place by 1 / turn_cost, so no path of a robot
+  // that turns in place is cheaper than the least time with |v| <= 1 and |w| <= 1 / rho, rho the smaller of the two:
+  // the Reeds-Shepp curve of that radius, which stays the shortest with these inequalities instead of equalities
+  // (Sussmann and Tang, "Shortest paths for the Reeds-Shepp car", 1991).
   double least_cost(double x, double y, double phi) const {
     const double rho = tightest(), distance = std::hypot(x, y);
     if (rho <= 1e-6 * (1.0 + distance)) return distance;
@@ -37,11 +37,11 @@ struct MotionModel {
     return rho * shortest_length([&](auto &&visit) { for_each_dubins(x / rho, y / rho, phi, visit); });
   }
 
-  // By how much that is more than the straight line, at most.
+  // The most by which that exceeds the straight line.
   //
-  // Both ways: arcs L+ R- L+ turn by any angle a on the spot in rho a, and of turning, driving straight ahead or straight
-  // back, and turning again, one of the two turns by pi at most in sum. Forward only: Savla, Frazzoli and Bullo,
-  // "Traveling salesperson problems for the Dubins vehicle" (2008), theorem 3.1.
+  // In both directions: arcs L+ R- L+ turn by any angle a on the spot in rho a, and of turning, driving straight ahead
+  // or straight back, and turning again, one of the two turns by pi at most in sum. Forward only: Savla, Frazzoli and
+  // Bullo, "Traveling salesperson problems for the Dubins vehicle" (2008), theorem 3.1.
   double most_detour() const { return (in_place || reverse ? kPi : 2.658 * kPi) * tightest(); }
 
  private:
@@ -51,10 +51,10 @@ struct MotionModel {
 struct Shot {
   double cost = 0.0;  // where every cell costs 1
   int count = 0;
-  Stretch parts[5] = {};
+  Segment parts[5] = {};
 };
 
-// The ways from a pose to the goal that the robot's motions allow, the cheapest first.
+// The curves from a pose to the goal that the robot's motions allow, the cheapest first.
 class Shots {
  public:
   static constexpr int kYaws = 16;  // of a goal whose yaw is free
@@ -100,30 +100,30 @@ class Shots {
     }
   }
 
-  // Each turn either way round.
+  // Each turn in either direction.
   void add_turns(double x, double y, double phi, int direction, bool any_yaw) {
     const double distance = std::hypot(x, y);
-    for (const int way : {1, -1}) {
-      if (way < 0 && !model_.reverse) break;
-      const double first = distance < kNothing ? 0.0 : wrap(std::atan2(y, x) + (way < 0 ? kPi : 0.0));
+    for (const int sign : {1, -1}) {
+      if (sign < 0 && !model_.reverse) break;
+      const double first = distance < kNothing ? 0.0 : wrap(std::atan2(y, x) + (sign < 0 ? kPi : 0.0));
       const double last = any_yaw ? 0.0 : wrap(std::remainder(phi - first, 2.0 * kPi));
       for (int k = 0; k < 4; ++k) {
-        const double a = (k & 1) != 0 ? other_way(first) : first, b = (k & 2) != 0 ? other_way(last) : last;
+        const double a = (k & 1) != 0 ? other_direction(first) : first, b = (k & 2) != 0 ? other_direction(last) : last;
         if (((k & 1) != 0 && first == 0.0) || ((k & 2) != 0 && last == 0.0)) continue;
         Shot shot;
         if (std::fabs(a) > kNothing) shot.parts[shot.count++] = {0.0, a};
-        if (distance > kNothing) shot.parts[shot.count++] = {way * distance, 0.0};
+        if (distance > kNothing) shot.parts[shot.count++] = {sign * distance, 0.0};
         if (std::fabs(b) > kNothing) shot.parts[shot.count++] = {0.0, b};
         push(shot, direction);
       }
     }
   }
 
-  static double other_way(double turn) { return turn - std::copysign(2.0 * kPi, turn); }
+  static double other_direction(double turn) { return turn - std::copysign(2.0 * kPi, turn); }
 
   void push(Shot &shot, int direction) {
     for (int i = 0; i < shot.count; ++i) {
-      const Stretch &part = shot.parts[i];
+      const Segment &part = shot.parts[i];
       const int now = (part.length > 0.0) - (part.length < 0.0);
       shot.cost += now == 0 ? model_.turn_cost * std::fabs(part.turn) : model_.length_cost(part.length);
       if (now * direction < 0) shot.cost += model_.change_cost;

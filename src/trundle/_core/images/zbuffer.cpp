@@ -115,7 +115,7 @@ class ZBuffer {
       if ((b.x - a.x) * (y - a.y) < 0.0) right = left - 1.0;
       return;
     }
-    // From the lower end, so that both triangles at an edge get the same place and leave no pixel between them.
+    // From the lower end, so that both triangles at an edge get the same x and leave no pixel between them.
     const Spot &low = rise > 0.0 ? a : b, &high = rise > 0.0 ? b : a;
     const double x = low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y);
     if (rise < 0.0)
@@ -124,9 +124,9 @@ class ZBuffer {
       right = std::min(right, x);
   }
 
-  // First pixel whose centre is not before a place, kept to the picture.
-  static std::int64_t pixel(double place, std::int64_t count) {
-    return static_cast<std::int64_t>(std::ceil(std::min(std::max(place - 0.5, 0.0), static_cast<double>(count))));
+  // First pixel whose centre is not before a coordinate, clamped to the picture.
+  static std::int64_t pixel(double at, std::int64_t count) {
+    return static_cast<std::int64_t>(std::ceil(std::min(std::max(at - 0.5, 0.0), static_cast<double>(count))));
   }
 
   std::int64_t width_, height_;

@@ -34,8 +34,8 @@ struct Cylinder {
   }
 };
 
-// Add the points at angles ±φ whose cosine is between two numbers, as far apart as an ellipse of this semi-axis [m] allows;
-// `along` says how far along the axis a cosine's point lies.
+// Add the points at angles ±φ whose cosine is between two numbers, as far apart as an ellipse of this semi-axis [m]
+// allows; `along` says how far along the axis a cosine's point lies.
 template <typename Along>
 void add_arcs(const Cylinder &cylinder, double low, double high, double semi_axis, double slack, Along along,
               std::vector<Point2> &points) {

@@ -1,11 +1,12 @@
-// How the floor of a cell is told to the rasters that stand on it.
+// The floor of a cell, as `floor_planes` describes it to the rasters above it.
 #pragma once
 
 #include <cstddef>
 
 namespace trundle {
 
-// Of each cell: height at its centre [m], rise along x and y [m a cell], least and most of floor - plane [m], steepest rise.
+// Of each cell: height at its centre [m], rise along x and y [m a cell], least and most of floor - plane [m], steepest
+// rise.
 constexpr std::size_t kPlane = 6;
 
 }  // namespace trundle

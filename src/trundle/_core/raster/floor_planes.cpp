@@ -1,7 +1,8 @@
 // A floor of sampled heights as planes, one for each cell of a grid, and how far the floor differs from them.
 //
-// Between four samples the floor is bilinear. Over a rectangle such a surface, its difference from a plane and its steepest
-// slope have their extremes in the corners, so each cell is asked at its corners and where lines of samples cross it.
+// Between four samples the floor is bilinear. Over a rectangle such a surface, its difference from a plane and its
+// steepest slope have their extremes in the corners, so each cell is asked at its corners and where lines of samples
+// cross it.
 #include "raster/floor_plane.hpp"
 #include "raster/kernels.hpp"
 

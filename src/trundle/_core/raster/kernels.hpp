@@ -25,8 +25,8 @@ void raster_cylinders(Cells cells, In<double, 2> cylinders, double low, double h
 nb::tuple raster_mesh(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
                       double resolution, double depth, bool centre, bool fill);
 
-// Faces of a closed mesh that lie between two cells with no solid behind them: walls without thickness. Both cells become
-// 99 where the one behind is not occupied (100).
+// Faces of a closed mesh that lie between two cells with no solid behind them: walls without thickness. Both cells
+// become 99 where the one behind is not occupied (100).
 void raster_thin_faces(Cells cells, Vertices vertices, Faces faces, In<double, 2> transform, double low, double high,
                        double resolution, double depth);
 
@@ -38,8 +38,8 @@ nb::tuple raster_mesh_over_floor(Cells cells, Planes planes, Vertices vertices, 
 void raster_thin_faces_over_floor(Cells cells, Planes planes, Vertices vertices, Faces faces, In<double, 2> transform,
                                   double low, double high, double resolution, double depth);
 
-// The floor of each cell of a grid, shape (rows, cols, 6), NaN where it is unknown; `heights` are samples `spacing` cells
-// apart, the first of them at (x, y) cells from the grid's corner.
+// The floor of each cell of a grid, shape (rows, cols, 6), NaN where it is unknown; `heights` are samples `spacing`
+// cells apart, the first of them at (x, y) cells from the grid's corner.
 nb::ndarray<nb::numpy, double> floor_planes(In<double, 2> heights, double spacing, double x, double y,
                                             double resolution, std::int64_t rows, std::int64_t cols);
 

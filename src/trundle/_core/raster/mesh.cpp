@@ -14,8 +14,8 @@ constexpr std::int64_t kBandCells = std::int64_t{1} << 22;  // As many winding n
 
 constexpr std::size_t kFewFaces = 50'000;  // Of so few the order does not matter.
 
-// Faces that reach into heights from low to high, those over one tile of the grid after those over another: a large mesh
-// whose faces come in no order would fetch other cells from memory for each of them.
+// Faces that reach into heights from low to high, those over one tile of the grid after those over another: a large
+// mesh whose faces come in no order would fetch other cells from memory for each of them.
 std::vector<std::int32_t> order_by_place(const Placed &placed, std::size_t count, double low, double high, const Raster &raster) {
   constexpr std::int64_t kTileRows = 64, kTileCols = 1024;
   const std::int64_t across = raster.cols() / kTileCols + 1, tiles = across * (raster.rows() / kTileRows + 1);

@@ -1,4 +1,5 @@
-// What the rasters of triangle meshes share: whether a mesh is closed, what it encloses, and its faces in place.
+// What the rasters of triangle meshes share: whether a mesh is closed, the volume it encloses, and its faces in the
+// map.
 #pragma once
 
 #include "raster/kernels.hpp"
@@ -42,9 +43,9 @@ inline void check_mesh(const Vertices &vertices, const Faces &faces, const In<do
   if (!inside) throw std::invalid_argument("a face names a vertex that is not there");
 }
 
-// Whether each edge runs as often one way as the other, told by a sum over the edges of a hash that changes its sign with
-// the direction: it is zero for a closed mesh, and for another one by a chance of about 2^-63. Corners are one where their
-// coordinates are, so that a mesh with a vertex for each corner is closed too.
+// Whether each edge runs as often in one direction as in the other, by the sum over the edges of a hash that changes
+// its sign with the direction: it is zero for a closed mesh, and for another one with a chance of about 2^-63. Corners
+// are the same where their coordinates are, so that a mesh with a vertex of its own for each corner is closed too.
 inline bool is_closed(const Vertices &vertices, const Faces &faces) {
   std::vector<std::uint64_t> words(vertices.shape(0));
   const double *at = vertices.data();

@@ -1,8 +1,9 @@
 // Rasters of triangle meshes over a floor that is not level: the band of heights follows the floor.
 //
-// In each cell the floor is a plane, and the least and the most that it differs from that plane. What counts is the height
-// above the plane, which is linear over a face, so the corners of the face's part in the cell decide: over a plane ramp
-// that is exact, and over a bent floor nothing in the band is missed. All x and y in here are in cells, heights in metres.
+// In each cell the floor is a plane, and the least and the most that it differs from that plane. What counts is the
+// height above the plane, which is linear over a face, so the corners of the face's part in the cell decide: over a
+// plane ramp that is exact, and over a bent floor nothing in the band is missed. All x and y in here are in cells,
+// heights in metres.
 #include "raster/floor_plane.hpp"
 #include "raster/kernels.hpp"
 #include "raster/mesh.hpp"
@@ -133,8 +134,8 @@ class FloorRaster {
     return part.least >= p[0] + swing + low_ + p[3] && part.most <= p[0] - swing + high_ + p[4];
   }
 
-  // Visit the cells in which a part reaches into the band, in y as `up` and in x as `across` says, with the part's strip in
-  // their row; false where a row that the part reaches into, or all of it, has no cell.
+  // Visit the cells in which a part reaches into the band, in y as `up` and in x as `across` says, with the part's
+  // strip in their row; false where a row that the part reaches into, or all of it, has no cell.
   template <typename Visit>
   bool visit(const Part &part, const Reach &up, const Reach &across, const Visit &mark) const {
     const Box2 box = part.box();

@@ -1,5 +1,5 @@
-// Conservative rasters of convex polygons: a cell is marked when a polygon reaches into it by more than `depth` in x and
-// in y.
+// Conservative rasters of convex polygons: a cell is marked when a polygon reaches into it by more than `depth` in x
+// and in y.
 //
 // For each row of cells the polygon is clipped to the row's strip; what is left is convex, so it touches exactly the
 // columns between its smallest and largest x. This is exact: no cell is missed and none is added. All lengths in here
@@ -36,7 +36,8 @@ inline Point2 cut(const Point3 &a, const Point3 &b, double height) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-// Which rows (or columns) of a grid count as reached; `depth` in cells, `slack` by how much what is marked may be too small.
+// Which rows (or columns) of a grid count as reached; `depth` in cells, `slack` by how much what is marked may be too
+// small.
 struct Reach {
   double depth;
   bool centre;
@@ -117,9 +118,9 @@ class Raster {
     return mark_rows(reach);
   }
 
-  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles, once
-  // there were many such rectangles.
-  // Cells only ever become occupied, so each tile remembers how far it was found full, and looking is soon for nothing.
+  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles,
+  // once there were many such rectangles. Cells only ever become occupied, so each tile remembers how far it was found
+  // full, and looking is soon for nothing.
   bool is_full(std::int64_t row, std::int64_t end_row, std::int64_t col, std::int64_t end_col) {
     if (end_col - col <= kTile && end_row - row <= kTile) {
       for (; row < end_row; ++row)
@@ -155,8 +156,8 @@ class Raster {
     add_polygon(corners, count, !solid_.centre && is_thin(corners, count) ? surface_ : solid_);
   }
 
-  // Mark a solid of which the polygon is the inner outline, the true one lying within `slack` cells around it, unless it
-  // depends on the slack which cells that are; false, and nothing marked, where it does.
+  // Mark a solid of which the polygon is the inner outline, the true one lying within `slack` cells around it, unless
+  // it depends on the slack which cells that are; false, and nothing marked, where it does.
   bool add_if_sure(const Point2 *corners, std::size_t count, double slack) {
     const Box2 box = Box2::around(corners, count);
     Reach most = solid_;

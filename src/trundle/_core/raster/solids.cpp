@@ -1,4 +1,5 @@
-// Rasters of convex solids, each cut to a height band first, so that it counts by what lies in the band, seen from above.
+// Rasters of convex solids, each cut to a height band first, so that it counts by what lies in the band, seen from
+// above.
 #include "raster/kernels.hpp"
 #include "raster/raster.hpp"
 #include "shared/hull.hpp"

@@ -35,7 +35,7 @@ double cast_ray(const Grid &grid, double x, double y, double dx, double dy, doub
   }
   if (enter > leave) return kInfinity;
 
-  // From far away the place is rounded, by more than a whole number holds in the end.
+  // The entry of a ray from far away is rounded, and may lie outside.
   std::ptrdiff_t col = static_cast<std::ptrdiff_t>(std::clamp(std::floor(x + enter * dx), 0.0, grid.cols - 1.0));
   std::ptrdiff_t row = static_cast<std::ptrdiff_t>(std::clamp(std::floor(y + enter * dy), 0.0, grid.rows - 1.0));
   const std::ptrdiff_t col_step = dx > 0.0 ? 1 : -1, row_step = dy > 0.0 ? 1 : -1;

@@ -1,4 +1,4 @@
-// Connected components of a mask, and the gaps in it: what missions are picked from and maps are checked by.
+// Connected components of a mask, and narrow gaps in it.
 #include "regions/kernels.hpp"
 #include "regions/runs.hpp"
 

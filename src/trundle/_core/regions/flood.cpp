@@ -1,6 +1,6 @@
 // Flood fill, 4-connected, row span by row span: which unknown cells of a map can be reached.
 //
-// Eight cells are looked at together wherever they are alike.
+// Eight cells are read together wherever they are alike.
 #include "regions/kernels.hpp"
 #include "regions/runs.hpp"
 
@@ -62,14 +62,18 @@ static const std::int8_t *skip_back(const std::int8_t *at, const std::int8_t *be
   return at;
 }
 
+namespace {
+
 // A run of cells that is to be looked for in a row: somewhere in [begin, end).
 struct Window {
   std::int64_t row, begin, end;
   std::int64_t back;  // The row that it was seen from, -1 or 1 rows away, all of whose window is done.
 };
 
-// Turn the `from` cells around `start` into `to`; return how many. (Heckbert, A Seed Fill Algorithm, Graphics Gems 1990:
-// of the row that a run was seen from, only what lies beyond the run there is looked at again.)
+}  // namespace
+
+// Turn the `from` cells around `start` into `to`; return how many. (Heckbert, A Seed Fill Algorithm, Graphics Gems
+// 1990: of the row that a run was seen from, only what lies beyond the run there is looked at again.)
 static std::int64_t flood(std::int8_t *cells, std::int64_t rows, std::int64_t cols, std::int64_t start,
                           std::int8_t from, std::int8_t to, std::vector<Window> &stack) {
   if (cells[start] != from) return 0;

@@ -1,4 +1,4 @@
-// From Python's arguments to when a search is to give up.
+// When a call from Python gives up: its deadline, its cancel flag, and Ctrl-C.
 #pragma once
 
 #include <nanobind/stl/optional.h>
@@ -14,21 +14,21 @@ namespace trundle {
 
 using Flag = std::optional<In<std::uint8_t, 1>>;
 
-// The patience of one call: the moment that is so many seconds away, the flag's byte, and the signals that wait for
-// Python, such as that of Ctrl-C. Their handlers run now and then while the call has released the GIL; as whoever else
-// has it may want a lock of this search, a lock is waited for without it.
-class CallPatience {
+// The limits of one call: its deadline, the flag's byte, and signals that wait for Python, such as that of Ctrl-C.
+// Their handlers run now and then while the call has released the GIL. As another thread that has the GIL may wait for
+// a lock of this search, no lock is waited for with the GIL held.
+class CallLimits {
  public:
-  CallPatience(const std::optional<double> &seconds, const Flag &cancel) : interrupt_(run_handlers) {
-    patience_.interrupt = &interrupt_;
-    if (cancel && cancel->size() > 0) patience_.cancel = cancel->data();
+  CallLimits(const std::optional<double> &seconds, const Flag &cancel) : interrupt_(run_handlers) {
+    limits_.interrupt = &interrupt_;
+    if (cancel && cancel->size() > 0) limits_.cancel = cancel->data();
     if (seconds) {
       const std::chrono::duration<double> most(std::min(*seconds, 1e9));
-      patience_.deadline =
+      limits_.deadline =
           std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(most);
     }
   }
-  operator const Patience &() const { return patience_; }
+  operator const SearchLimits &() const { return limits_; }
 
   // With the GIL held again: throws what a handler raised.
   void rethrow() const {
@@ -42,7 +42,7 @@ class CallPatience {
   }
 
   Interrupt interrupt_;
-  Patience patience_;
+  SearchLimits limits_;
 };
 
 }  // namespace trundle

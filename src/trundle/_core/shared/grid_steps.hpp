@@ -20,7 +20,7 @@ struct GridCell {
   }
 };
 
-// 8119 / 5741 = √2 to 1e-8. Costs have 48 bits or more: no way on a map of 2³² cells is that dear.
+// 8119 / 5741 = √2 to 1e-8. Costs have 48 bits or more: no path on a map of 2³² cells costs that much.
 constexpr std::uint64_t kStraightCost = 5741, kDiagonalCost = 8119;
 
 // Directions by growing angle: E, NE, N, NW, W, SW, S, SE, with rows growing to the north. Even ones are straight.
@@ -42,7 +42,7 @@ inline std::uint64_t manhattan_cost(std::int64_t rows, std::int64_t cols) {
 
 enum class SearchStatus { kFound, kUnreachable, kTimeout, kCancelled };
 
-// A question that the thread which made this asks every so often while it searches; once it is true, it stays so for all.
+// A question that the thread which made this asks now and then while it searches; once it is true, it stays so for all.
 class Interrupt {
  public:
   explicit Interrupt(bool (*ask)()) : ask_(ask) {}
@@ -68,17 +68,14 @@ class Interrupt {
   std::atomic<bool> happened_{false};
 };
 
-// When to give up: a moment, a byte that somebody else may set, and an interrupt.
-struct Patience;
-using SearchLimits = Patience;
-struct Patience {
-  SearchStatus check() const { return left(); }
+// When a search gives up: at a deadline, when another thread sets a byte, or at an interrupt.
+struct SearchLimits {
   std::optional<std::chrono::steady_clock::time_point> deadline;
   const std::uint8_t *cancel = nullptr;
   Interrupt *interrupt = nullptr;
 
-  // Anything but found says why to stop.
-  SearchStatus left() const {
+  // Found while the search may go on, or why it has to stop.
+  SearchStatus check() const {
     if (cancel != nullptr && __atomic_load_n(cancel, __ATOMIC_RELAXED) != 0) return SearchStatus::kCancelled;
     if (interrupt != nullptr && interrupt->look()) return SearchStatus::kCancelled;
     if (deadline && std::chrono::steady_clock::now() >= *deadline) return SearchStatus::kTimeout;
@@ -86,13 +83,13 @@ struct Patience {
   }
 };
 
-// A way by the cells where it turns, with its ends.
-struct GridWay {
+// A path by the cells at which it turns, with its ends.
+struct GridPath {
   SearchStatus status = SearchStatus::kUnreachable;
   std::vector<GridCell> corners;
   std::uint64_t straight = 0, diagonal = 0;  // steps
 
-  // Add the next cell of a way whose parts are straight or diagonal lines; those that go on in line become one.
+  // Adds the next cell of a path whose parts are straight or diagonal lines; parts in one line are merged.
   void add(GridCell cell) {
     if (!corners.empty()) {
       const GridCell last = corners.back();

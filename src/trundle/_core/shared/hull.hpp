@@ -7,7 +7,8 @@
 
 namespace trundle {
 
-// Convex hull (Andrew's monotone chain) of points with finite x and y; sorts `points`, counter-clockwise result in `hull`.
+// Convex hull (Andrew's monotone chain) of points with finite x and y; sorts `points`, counter-clockwise result in
+// `hull`.
 template <typename Point>
 void convex_hull(std::vector<Point> &points, std::vector<Point> &hull) {
   std::sort(points.begin(), points.end(),

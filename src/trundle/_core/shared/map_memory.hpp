@@ -17,8 +17,8 @@ struct Freed {
   void operator()(void *memory) const noexcept { std::free(memory); }
 };
 
-// In large pages, where the system has them to give: the small ones of a map of 2000 x 2000 cells take it as long to
-// find as a third of the field.
+// In large pages, where the system has them: to provide the small ones of a map of 2000 x 2000 cells takes a third as
+// long as the field.
 template <typename Number>
 std::unique_ptr<Number[], Freed> allocate(std::size_t count) {
   constexpr std::size_t kLargePage = std::size_t{1} << 21;

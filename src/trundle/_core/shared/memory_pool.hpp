@@ -1,4 +1,4 @@
-// Memory that searches borrow and give back, so that several threads may search at once and none begins with fresh memory.
+// Memory that searches borrow and give back: several threads may search at once, and none has to allocate it again.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace trundle {
 template <typename Memory>
 class MemoryPool {
  public:
-  // What was given back last, or new.
+  // The memory that was given back last, or new memory.
   std::unique_ptr<Memory> borrow() {
     std::lock_guard lock(lock_);
     if (kept_.empty()) return std::make_unique<Memory>();
@@ -32,7 +32,7 @@ class MemoryPool {
     kept_.clear();
   }
 
-  // Of what is kept; what is borrowed does not count.
+  // Of the memory that is kept; what is borrowed does not count.
   std::size_t bytes() const {
     std::lock_guard lock(lock_);
     std::size_t sum = 0;

@@ -1,4 +1,4 @@
-// What a search has still to expand: a binary heap, with the entry on top that is less than no other.
+// The open list of a search: a binary heap. The top is the largest entry by `<`.
 #pragma once
 
 #include <algorithm>

@@ -1,11 +1,12 @@
-// Registers as vectors of numbers, of whatever width the processor has, in the compilers' own notation.
+// The processor's registers as vectors of numbers, in the notation of GCC and Clang.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 #include <utility>
 
-// All in one function, so that registers stay registers; but not for sanitizers, which take minutes to compile that.
+// Everything is inlined into one function, so that registers stay registers; but not for sanitizers, which take minutes
+// to compile that.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TRUNDLE_INLINE inline
 #define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__)
@@ -48,7 +49,7 @@ constexpr auto counted(std::integer_sequence<int, k...>) {
   return std::integer_sequence<int, (kFirst + k)...>{};
 }
 
-// Every lane so many places up, or down; what falls off one end comes in at the other.
+// Rotates the lanes up or down by `kBy`; what leaves at one end comes in at the other.
 template <int kBy = 1, typename Vector>
 TRUNDLE_INLINE Vector rotated_up(Vector lanes) {
   constexpr int kLanes = kLaneCount<Vector>;
@@ -65,8 +66,8 @@ TRUNDLE_INLINE Vector least(Vector a, Vector b) {
   return a < b ? a : b;
 }
 
-// Half of the lanes change places with the other half, a quarter with the next, and so on: what is joined ends in
-// every lane.
+// Reduces the lanes: half of them are joined with the other half, a quarter with the next, and so on. Every lane holds
+// the result.
 template <int kBy, typename Vector, typename Join>
 TRUNDLE_INLINE Vector joined(Vector lanes, Join join) {
   if constexpr (kBy == 0) {
@@ -87,7 +88,7 @@ TRUNDLE_INLINE Lane<Vector> least_lane(Vector numbers) {
   return joined<kLaneCount<Vector> / 2>(numbers, TRUNDLE_LAMBDA(Vector a, Vector b) { return least(a, b); })[0];
 }
 
-// The same for each of so many registers, written out: an array that a loop walks through may stay in memory.
+// Calls the body for each of `kCount` registers, unrolled: an array that a loop runs over may stay in memory.
 template <typename Body, int... k>
 TRUNDLE_INLINE void each_of(Body body, std::integer_sequence<int, k...>) {
   (body(std::integral_constant<int, k>{}), ...);
@@ -109,8 +110,8 @@ constexpr auto every_other(std::integer_sequence<int, k...>) {
   return std::integer_sequence<int, (2 * k + kOdd)...>{};
 }
 
-// Deal a row to registers as cards: the first cell to the first register, the next to the next. A cell's neighbours
-// then stand in its own lane of the registers beside its own, but for the first register's and the last one's.
+// Deals a row to registers as cards: the first cell to the first register, the next to the next. A cell's neighbours
+// then stand in its own lane of the registers next to its own, but for those of the first register and the last.
 template <int kHands = 1, typename Vector, int kParts>
 TRUNDLE_INLINE void deal(Vector (&row)[kParts]) {
   if constexpr (kHands < kParts) {
@@ -125,7 +126,7 @@ TRUNDLE_INLINE void deal(Vector (&row)[kParts]) {
   }
 }
 
-// The cells of a dealt row in order again: registers are interleaved with those half of them away, as a deck is
+// Puts the cells of a dealt row in order again: registers are interleaved with those half of them away, as a deck is
 // shuffled.
 template <int kHands = 1, typename Vector, int kParts>
 TRUNDLE_INLINE void gather(Vector (&row)[kParts]) {

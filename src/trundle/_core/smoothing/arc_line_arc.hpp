@@ -8,8 +8,8 @@
 
 namespace trundle::smoothing {
 
-// Visits those whose arcs turn by half a circle at most, in units of the radius. Directions and tangents tell which those
-// are: no other angle has to be computed.
+// Visits those whose arcs turn by half a circle at most, in units of the radius. Directions and tangents tell which
+// those are: no other angle has to be computed.
 template <typename Visit>
 void for_each_smooth_curve(const Heading &from, const Heading &to, double radius, Visit &&visit) {
   constexpr double kRounding = 1e-9;

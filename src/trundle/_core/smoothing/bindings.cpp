@@ -1,7 +1,8 @@
-// `PathSmoother` as Python sees it: a path's course made of curves that the robot can drive, clear of costs, with room for its
-// footprint.
+// `PathSmoother` as Python sees it: a path's course made of curves that the robot can drive, clear of costs, with room
+// for its footprint.
 //
-// Two rounds: the first replaces parts of the path by shorter curves, the second by curves along an elastic band beside it.
+// Two rounds: the first replaces parts of the path by shorter curves, the second by curves along an elastic band beside
+// it.
 #include "curves/segments.hpp"
 #include "shared/arrays.hpp"
 #include "shared/memory_pool.hpp"
@@ -88,11 +89,11 @@ Smoothed write(const Request &request, const std::vector<Piece> &pieces) {
       const Piece &last = pieces[end - 1];
       const double *to = request.poses + 3 * (pieces[i].leg + 1);
       const bool whole = last.to.x == to[0] && last.to.y == to[1] && last.to.yaw == to[2];
-      add(last.to, last.stretch.length < 0.0, true, whole ? last.leg + 1 : -1);
+      add(last.to, last.segment.length < 0.0, true, whole ? last.leg + 1 : -1);
     } else {
-      std::vector<Stretch> parts{pieces[i].stretch};
-      while (end < pieces.size() && !pieces[end].is_kept()) parts.push_back(pieces[end++].stretch);
-      const std::vector<Stretch> joined = merged(parts);
+      std::vector<Segment> parts{pieces[i].segment};
+      while (end < pieces.size() && !pieces[end].is_kept()) parts.push_back(pieces[end++].segment);
+      const std::vector<Segment> joined = merged(parts);
       const PlanarPose &to = pieces[end - 1].to;
       for_each_pose(from, joined, request.spacing,
                     [&](const PlanarPose &pose, bool back) { add(pose, back, false, -1); });
@@ -118,7 +119,7 @@ Smoothed smooth(const Request &request, const Settings &settings, PoseChecker &c
   costs.set_ceiling(highest);
   const PathCost before = total(pieces, costs);
   double length = 0.0;
-  for (const Piece &piece : pieces) length += std::fabs(piece.stretch.length);
+  for (const Piece &piece : pieces) length += std::fabs(piece.segment.length);
   // On paths of many hundred metres stations lie further apart: there are about 4000 at most.
   const double apart = std::max(std::clamp(settings.model.radius, 0.25, 1.0), length / 4000.0);
   // Each round may use its share of the tolerance.

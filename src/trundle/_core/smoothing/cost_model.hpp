@@ -1,8 +1,8 @@
 // Pieces of a path, and what they cost.
 //
-// The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, with the higher weight
-// on a border, as in `line_costs`. Arcs are measured along chords as close to them as those of the path returned. To choose
-// among curves, samples half a cell apart are enough.
+// The line integral of the cells' weight is exact for straight lines: clipped at the cells' borders, with the higher
+// weight on a border, as in `line_costs`. Arcs are measured along chords as close to them as those of the path
+// returned. To choose among curves, samples half a cell apart are enough.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Heading {
 
   Heading reversed() const { return {x, y, -cos, -sin}; }
 
-  Heading go(const Stretch &s) const {
+  Heading go(const Segment &s) const {
     if (s.turn == 0.0) return {x + cos * s.length, y + sin * s.length, cos, sin};
     const double turn_cos = std::cos(s.turn), turn_sin = std::sin(s.turn);
     double along = s.length, across = 0.5 * s.length * s.turn;
@@ -50,23 +50,23 @@ struct Settings {
 // A line, an arc or a turn in place. Of a piece of the given path the robot drives the chord while its yaw turns.
 struct Piece {
   PlanarPose from, to;
-  Stretch stretch;
+  Segment segment;
   std::int32_t leg = -1;  // of the given path, on which it lies; -1 where it is new
 
   bool is_kept() const { return leg >= 0; }
-  bool is_turn() const { return stretch.length == 0.0; }
-  int direction() const { return (stretch.length > 0.0) - (stretch.length < 0.0); }
+  bool is_turn() const { return segment.length == 0.0; }
+  int direction() const { return (segment.length > 0.0) - (segment.length < 0.0); }
 
   PlanarPose at(double share) const {
     if (share >= 1.0) return to;
-    const double turn = stretch.turn * share;
-    if (!is_kept()) return Stretch{stretch.length * share, turn}.from(from);
+    const double turn = segment.turn * share;
+    if (!is_kept()) return Segment{segment.length * share, turn}.from(from);
     return {from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), from.yaw + turn};
   }
 
   Piece part(double first, double last) const {
     const double share = last - first;
-    return {at(first), at(last), {stretch.length * share, stretch.turn * share}, leg};
+    return {at(first), at(last), {segment.length * share, segment.turn * share}, leg};
   }
 };
 
@@ -102,7 +102,7 @@ class CostModel {
   // The highest cost of a cell under a piece of the given path, sampled every quarter of a cell.
   int highest(const Piece &piece) const {
     int most = checker_.cost_at(piece.to.x, piece.to.y);
-    const double parts = std::ceil(4.0 * std::fabs(piece.stretch.length) / resolution_);
+    const double parts = std::ceil(4.0 * std::fabs(piece.segment.length) / resolution_);
     for (double i = 0.0; i < parts; ++i) {
       const PlanarPose pose = piece.at(i / parts);
       most = std::max<int>(most, checker_.cost_at(pose.x, pose.y));
@@ -115,19 +115,19 @@ class CostModel {
 
   // Of a piece of the path.
   PathCost of(const Piece &piece) const {
-    const double turn = std::fabs(piece.stretch.turn), length = std::fabs(piece.stretch.length);
+    const double turn = std::fabs(piece.segment.turn), length = std::fabs(piece.segment.length);
     if (piece.is_turn()) return {0.0, planner_cost(piece).total + (piece.is_kept() ? kOutOfBounds : 0.0)};
     const double sum = planner_cost(piece).line;
     const bool out_of_bounds =
         piece.is_kept() && 2.0 * settings_.model.radius * std::sin(0.5 * std::min(turn, kPi)) > 1.001 * length;
-    return {sum, driving_factor(piece.stretch.length) * sum + bending(piece.stretch) + (out_of_bounds ? kOutOfBounds : 0.0)};
+    return {sum, driving_factor(piece.segment.length) * sum + bending(piece.segment) + (out_of_bounds ? kOutOfBounds : 0.0)};
   }
 
-  // The line integral along a new stretch, by samples; infinite where a sample is blocked, or the integral is above `limit`.
-  // `at` moves to the end of the stretch.
-  double sampled_line(Heading &at, const Stretch &stretch, double limit) const {
-    const double parts = std::clamp(std::ceil(2.0 * std::fabs(stretch.length) / resolution_ - 1e-9), 1.0, 1e9);
-    const double share = std::fabs(stretch.length) / parts, most = limit / share, scale = 1.0 / resolution_;
+  // The line integral along a new segment, by samples; infinite where a sample is blocked, or the integral is above
+  // `limit`. `at` moves to the end of the segment.
+  double sampled_line(Heading &at, const Segment &segment, double limit) const {
+    const double parts = std::clamp(std::ceil(2.0 * std::fabs(segment.length) / resolution_ - 1e-9), 1.0, 1e9);
+    const double share = std::fabs(segment.length) / parts, most = limit / share, scale = 1.0 / resolution_;
     const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
     const auto weight = [&](double x, double y) {
       // What is below 0 comes out as a large number, but for the last cell before 0, where no curve lies.
@@ -135,53 +135,54 @@ class CostModel {
       const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
       return col < cols && row < rows ? sample_weights_[costs_.data[row * cols + col]] : kInfinite;
     };
-    const Stretch part{stretch.length / parts, stretch.turn / parts};
+    const Segment part{segment.length / parts, segment.turn / parts};
     Heading middle = at.go({0.5 * part.length, 0.5 * part.turn});
     middle.x *= scale, middle.y *= scale;
     double sum = 0.0;
-    if (stretch.turn == 0.0) {
+    if (segment.turn == 0.0) {
       const double dx = at.cos * part.length * scale, dy = at.sin * part.length * scale;
       for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x + i * dx, middle.y + i * dy);
-      at = at.go(stretch);
+      at = at.go(segment);
     } else {
       // The chord of each part turns by the same angle from one to the next.
       Heading chord = Heading{0.0, 0.0, 1.0, 0.0}.go(part);
       chord.x *= scale, chord.y *= scale;
       for (double i = 0.0; i < parts && sum <= most; ++i) sum += weight(middle.x, middle.y), middle = middle.on(chord);
-      at = at.go(stretch);
+      at = at.go(segment);
     }
     return sum <= most ? share * sum : kInfinite;
   }
 
-  // The line integral along a new stretch, to the end of which `at` goes; infinite where it is blocked, or above `limit`.
-  double line(Heading &at, const Stretch &stretch, double limit) const { return along(new_weights_, at, stretch, limit); }
+  // The line integral along a new segment, to the end of which `at` goes; infinite where it is blocked, or above
+  // `limit`.
+  double line(Heading &at, const Segment &segment, double limit) const { return along(new_weights_, at, segment, limit); }
 
-  // The least that a new stretch can cost.
-  double lower_bound(const Stretch &stretch) const { return driving_factor(stretch.length) * std::fabs(stretch.length) + bending(stretch); }
+  // The least that a new segment can cost.
+  double lower_bound(const Segment &segment) const { return driving_factor(segment.length) * std::fabs(segment.length) + bending(segment); }
 
   // In the planners' unit: without the cost of bending.
   PathCost planner_cost(const Piece &piece) const {
     if (piece.is_turn()) {
       const double weight = path_weights_[checker_.cost_at(piece.from.x, piece.from.y)];
-      return {0.0, settings_.model.turn_cost * std::fabs(piece.stretch.turn) * weight};
+      return {0.0, settings_.model.turn_cost * std::fabs(piece.segment.turn) * weight};
     }
     double sum = 0.0;
     if (piece.is_kept()) {
       sum = line(path_weights_, piece.from.x, piece.from.y, piece.to.x, piece.to.y, kInfinite);
     } else {
       Heading at = Heading::of(piece.from);
-      sum = along(path_weights_, at, piece.stretch, kInfinite);
+      sum = along(path_weights_, at, piece.segment, kInfinite);
     }
     // Off the map every cell counts as the most expensive.
-    if (sum == kInfinite) sum = std::fabs(piece.stretch.length) * path_weights_[252];
-    return {sum, driving_factor(piece.stretch.length) * sum};
+    if (sum == kInfinite) sum = std::fabs(piece.segment.length) * path_weights_[252];
+    return {sum, driving_factor(piece.segment.length) * sum};
   }
 
  private:
   // Cost of a piece of the path that bends more than it may, so that it stays only where nothing else is possible [m].
   static constexpr double kOutOfBounds = 10.0;
 
-  double bending(const Stretch &s) const {
+  double bending(const Segment &s) const {
     return s.length == 0.0 ? 0.0 : settings_.curve_weight * s.turn * s.turn / std::fabs(s.length);
   }
 
@@ -192,15 +193,15 @@ class CostModel {
            lines::line_cost(grid, {x * scale, y * scale}, {to_x * scale, to_y * scale}, limit * scale, 1.0);
   }
 
-  // `at` moves to the end of the stretch.
-  double along(const double *weights, Heading &at, const Stretch &stretch, double limit) const {
+  // `at` moves to the end of the segment.
+  double along(const double *weights, Heading &at, const Segment &segment, double limit) const {
     double parts = 1.0;
-    if (stretch.turn != 0.0) {
+    if (segment.turn != 0.0) {
       // Chords of wider arcs may be longer for the same distance from the arc.
-      const double width = std::sqrt(std::fabs(stretch.length / stretch.turn) / settings_.model.radius);
-      parts = std::clamp(std::ceil(std::fabs(stretch.length) / (spacing_ * width) - 1e-9), 1.0, 1e9);
+      const double width = std::sqrt(std::fabs(segment.length / segment.turn) / settings_.model.radius);
+      parts = std::clamp(std::ceil(std::fabs(segment.length) / (spacing_ * width) - 1e-9), 1.0, 1e9);
     }
-    const Heading step = Heading{0.0, 0.0, 1.0, 0.0}.go({stretch.length / parts, stretch.turn / parts});
+    const Heading step = Heading{0.0, 0.0, 1.0, 0.0}.go({segment.length / parts, segment.turn / parts});
     double sum = 0.0;
     for (double i = 0.0; i < parts && sum <= limit; ++i) {
       const Heading next = at.on(step);

@@ -1,8 +1,9 @@
 // Edges of the lazy chain: new curves between nodes on a path and on the band beside it, and what they cost.
 //
-// An edge's cost is refined in steps, each only when it is asked for: the least that any curve between its ends can cost; the
-// least that its cheapest curve can cost; about what that curve costs, by samples; and whether it holds, exactly, with the
-// footprint. There are two kinds of curves: of wide arcs first, which can be driven faster, then of the tightest.
+// An edge's cost is refined in steps, each only when it is asked for: the least that any curve between its ends can
+// cost; the least that its cheapest curve can cost; about what that curve costs, by samples; and whether it holds,
+// exactly, with the footprint. There are two kinds of curves: of wide arcs first, which can be driven faster, then of
+// the tightest.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct CandidateCurve {
   double cost = kInfinite;
   int first = 0, last = 0;  // directions
   int count = 0;            // of parts; 0: the path's own pieces, or not looked for yet
-  Stretch parts[5];
+  Segment parts[5];
 };
 
 // Two to a station: on the path, and on the band.
@@ -72,7 +73,8 @@ class CurveEdges {
     const double dx = b.x - a.x, dy = b.y - a.y, apart = std::sqrt(dx * dx + dy * dy);
     double least = apart;
     if (limits.changes == 0 && apart > kNothing) {
-      // Somewhere between, the robot drives along the straight line's direction, so it turns by both angles to that in all.
+      // Somewhere between, the robot drives along the straight line's direction, so it turns by both angles to that in
+      // all.
       const double turn = (std::fabs(a.cos * dy - a.sin * dx) + std::fabs(b.cos * dy - b.sin * dx)) / apart;
       least += costs_.settings().curve_weight * turn / (kWide * model_.radius);
     }
@@ -111,7 +113,7 @@ class CurveEdges {
     if (checker.touches(pose.x, pose.y, pose.yaw)) return false;
     double left = limits_of(edge).line, sum = 0.0;
     for (int i = 0; i < edge.curve.count; ++i) {
-      const Stretch &part = edge.curve.parts[i];
+      const Segment &part = edge.curve.parts[i];
       left -= costs_.line(at, part, left);
       if (!(left >= 0.0) || !checker.fits(pose, part, kNoWeights, 0.0, kInfinite, sum)) return false;
       pose = part.from(pose);
@@ -150,8 +152,8 @@ class CurveEdges {
     return limits;
   }
 
-  // The cheapest curve of arcs of a radius. Where the path changes direction it is a Reeds-Shepp curve, of the tightest arcs
-  // alone.
+  // The cheapest curve of arcs of a radius. Where the path changes direction it is a Reeds-Shepp curve, of the tightest
+  // arcs alone.
   void find_cheapest(Edge &edge, double radius, const Limits &limits) const {
     const Heading &begin = nodes_[edge.from].heading, &end = nodes_[edge.to].heading;
     const Station &a = stations_[edge.from / 2], &b = stations_[edge.to / 2];
@@ -179,7 +181,7 @@ class CurveEdges {
     for (int i = 0; i < curve.count; ++i) {
       const CurvePiece &piece = curve.pieces[i];
       if (std::fabs(piece.length) < kNothing) continue;
-      const Stretch part{sign * piece.length * radius, piece.length * piece.steer};
+      const Segment part{sign * piece.length * radius, piece.length * piece.steer};
       const int direction = part.length > 0.0 ? 1 : -1;
       if (candidate.last * direction < 0) ++changes, candidate.cost += model_.change_cost;
       if (candidate.count == 0) candidate.first = direction;
@@ -200,7 +202,7 @@ class CurveEdges {
     Heading at = nodes_[edge.from].heading;
     double line = 0.0, total = curve.cost;  // parts that are not sampled yet count with the least that they can cost
     for (int i = 0; i < curve.count; ++i) {
-      const Stretch &part = curve.parts[i];
+      const Segment &part = curve.parts[i];
       const double length = std::fabs(part.length), factor = costs_.driving_factor(part.length);
       const double left = limits.line - line, room = length + (most - total) / factor;
       const double sum = costs_.sampled_line(at, part, std::min(left, room));

@@ -1,10 +1,10 @@
 // An elastic band: a course beside a path's own that costs less and bends less.
 //
-// Points at even distances h along a part of the path without stops descend ∫ (w + b κ²) ds, with the cells' weight w; its
-// ends and its directions there stay. Kass, Witkin and Terzopoulos, "Snakes: active contour models" (1988): the inner forces
-// are implicit, taken at the next step, so that a step solves one system of five diagonals. The tension is w, so that it
-// balances the slope of w across the band exactly where the line integral is least (Caselles, Kimmel and Sapiro, "Geodesic
-// active contours", 1997).
+// Points at even distances h along a part of the path without stops descend ∫ (w + b κ²) ds, with the cells' weight w;
+// its ends and its directions there stay. Kass, Witkin and Terzopoulos, "Snakes: active contour models" (1988): the
+// inner forces are implicit, taken at the next step, so that a step solves one system of five diagonals. The tension is
+// w, so that it balances the slope of w across the band exactly where the line integral is least (Caselles, Kimmel and
+// Sapiro, "Geodesic active contours", 1997).
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,8 @@ struct BandPoint {
   double x, y;
 };
 
-// The cells' weights as a smooth field: bilinear between the centres of four cells, with its slope from a cell to each side.
+// The cells' weights as a smooth field: bilinear between the centres of four cells, with its slope from a cell to each
+// side.
 class Slope {
  public:
   Slope(const footprint::Costs &costs, const PoseChecker &checker, double cost_weight, double resolution)
@@ -165,7 +166,7 @@ inline std::vector<std::optional<PlanarPose>> band_poses(const std::vector<Piece
     while (!stations[last].fixed) ++last;
     double length = 0.0;
     for (std::size_t i = stations[first].piece; i < stations[last].piece; ++i) {
-      length += std::fabs(pieces[i].stretch.length);
+      length += std::fabs(pieces[i].segment.length);
     }
     const int parts = static_cast<int>(std::lround(length / spacing));
     if (last - first < 2 || parts < 6) continue;
@@ -173,7 +174,7 @@ inline std::vector<std::optional<PlanarPose>> band_poses(const std::vector<Piece
     std::vector<BandPoint> points;
     double done = 0.0;  // length of the pieces before
     for (std::size_t i = stations[first].piece; i < stations[last].piece; ++i) {
-      const double along = std::fabs(pieces[i].stretch.length);
+      const double along = std::fabs(pieces[i].segment.length);
       while (static_cast<int>(points.size()) < parts && h * static_cast<double>(points.size()) < done + along) {
         const PlanarPose pose = pieces[i].at((h * static_cast<double>(points.size()) - done) / along);
         points.push_back({pose.x, pose.y});
@@ -188,7 +189,7 @@ inline std::vector<std::optional<PlanarPose>> band_poses(const std::vector<Piece
     double along = 0.0;
     for (std::size_t k = first + 1; k < last; ++k) {
       for (std::size_t i = stations[k - 1].piece; i < stations[k].piece; ++i) {
-        along += std::fabs(pieces[i].stretch.length);
+        along += std::fabs(pieces[i].segment.length);
       }
       const double at = std::clamp(along / h, 1.0, static_cast<double>(parts) - 2.0);
       const auto index = static_cast<std::size_t>(at);

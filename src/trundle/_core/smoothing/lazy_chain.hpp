@@ -1,17 +1,17 @@
 // The cheapest chain of a path's own pieces and of new curves between its stations: a lazy shortest path.
 //
-// The graph: each station has a node on the path and, where an elastic band leads beside it, one on the band. Edges lead
-// from node to node: the path's own pieces from a station to the next, and new curves that skip some stations. As a change
-// of direction costs something, a node has a label for each direction in which the robot arrives there.
+// The graph: each station has a node on the path and, where an elastic band leads beside it, one on the band. Edges
+// lead from node to node: the path's own pieces from a station to the next, and new curves that skip some stations. As
+// a change of direction costs something, a node has a label for each direction in which the robot arrives there.
 //
-// Idea (lazy search: Dellin and Srinivasa 2016): to cost a curve exactly, and to check the footprint along it, takes far
-// longer than the search. So an edge begins with a lower bound, is sampled when it is the best to its node by that, and is
-// checked exactly when it is in the cheapest chain. One that fails is replaced by its next kind of curve, or removed, and
-// the stations from it on are relaxed again.
+// Idea (lazy search: Dellin and Srinivasa 2016): to cost a curve exactly, and to check the footprint along it, takes
+// far longer than the search. So an edge begins with a lower bound, is sampled when it is the best to its node by that,
+// and is checked exactly when it is in the cheapest chain. One that fails is replaced by its next kind of curve, or
+// removed, and the stations from it on are relaxed again.
 //
-// Invariants: an edge's cost is a lower bound until it is sampled, so no cheaper chain is overlooked by what was sampled.
-// Stations are in order, so one pass of dynamic programming relaxes all. The path's own pieces always hold, so there is
-// always a chain; and every edge has finitely many kinds of curves, so the search ends.
+// Invariants: an edge's cost is a lower bound until it is sampled, so no cheaper chain is overlooked by what was
+// sampled. Stations are in order, so one pass of dynamic programming relaxes all. The path's own pieces always hold, so
+// there is always a chain; and every edge has finitely many kinds of curves, so the search ends.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,8 @@ namespace trundle::smoothing {
 
 class LazyChain {
  public:
-  // `band[k]` is the elastic band's pose at station k, if it has one there. With none at all, the path is only shortened.
+  // `band[k]` is the elastic band's pose at station k, if it has one there. With none at all, the path is only
+  // shortened.
   LazyChain(const std::vector<Piece> &pieces, const std::vector<Station> &stations,
             const std::vector<std::optional<PlanarPose>> &band, const CostModel &costs, double tolerance)
       : pieces_(pieces),
@@ -184,8 +185,8 @@ class LazyChain {
     return chain;
   }
 
-  // Checks the edges of a chain. Those that fail get their next kind of curve; the first station that one of them leads to
-  // is returned, or the number of stations.
+  // Checks the edges of a chain. Those that fail get their next kind of curve; the first station that one of them leads
+  // to is returned, or the number of stations.
   std::size_t check(const std::vector<std::size_t> &chain, PoseChecker &checker) {
     std::size_t changed = stations_.size();
     for (const std::size_t index : chain) {

@@ -25,7 +25,7 @@ struct Station {
 inline std::vector<Station> lay_stations(std::vector<Piece> &pieces, const CostModel &costs, double spacing) {
   std::vector<Piece> cut;
   for (const Piece &piece : pieces) {
-    const int parts = std::max(1, static_cast<int>(std::ceil(std::fabs(piece.stretch.length) / spacing - 1e-9)));
+    const int parts = std::max(1, static_cast<int>(std::ceil(std::fabs(piece.segment.length) / spacing - 1e-9)));
     for (int i = 0; i < parts; ++i) {
       cut.push_back(parts == 1 ? piece : piece.part(static_cast<double>(i) / parts, static_cast<double>(i + 1) / parts));
     }
@@ -42,12 +42,12 @@ inline std::vector<Station> lay_stations(std::vector<Piece> &pieces, const CostM
     if (last_direction * piece.direction() < 0) ++now.changes;
     last_direction = piece.direction();
     now.sum.line += price.line, now.sum.total += price.total;
-    now.bend += std::fabs(piece.stretch.turn);
+    now.bend += std::fabs(piece.segment.turn);
     now.forward += piece.direction() > 0, now.back += piece.direction() < 0;
-    driven += std::fabs(piece.stretch.length);
+    driven += std::fabs(piece.segment.length);
     const bool ends = i + 1 == pieces.size();
     const bool stops = ends || piece.is_turn() || pieces[i + 1].is_turn() || piece.direction() != pieces[i + 1].direction();
-    const double next = ends ? 0.0 : std::fabs(pieces[i + 1].stretch.length);
+    const double next = ends ? 0.0 : std::fabs(pieces[i + 1].segment.length);
     if (!stops && driven + next <= spacing * (1.0 + 1e-9)) continue;
     now.pose = piece.to, now.piece = i + 1, now.fixed = stops;
     stations.push_back(now);
