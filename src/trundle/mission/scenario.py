@@ -18,6 +18,7 @@ from trundle.errors import InputError, ScenarioError
 from trundle.files.choice import Choice, name_alone, shorten
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.files.kinds import SCENARIO
+from trundle.files.opening import exists
 from trundle.files.writing import output_path, write_text
 from trundle.files.yaml_config import build, load_config
 from trundle.geometry import Pose2D
@@ -142,7 +143,8 @@ class Scenario(CostmapSettings, RunSettings):
             ScenarioError: If it cannot be used; every mistake is listed as file:line:column.
         """
         try:
-            if Path(as_path(path, "a scenario's file")).is_dir():
+            place = Path(as_path(path, "a scenario's file"))
+            if exists(place) and place.is_dir():
                 path = Path(path) / "scenario.yaml"
             scenario = load_config(path, cls, kind=SCENARIO)
         except InputError as error:
