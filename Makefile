@@ -10,6 +10,7 @@ VENV ?= .venv
 BUILDER ?= mkdocs
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
+STEP := $(PYTHON) scripts/progress.py
 
 ifeq ($(UV),)
   # An environment that uv made has no pip; venv adds it.
@@ -17,7 +18,7 @@ ifeq ($(UV),)
   INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 else
   CREATE := test -x $(BIN)/python || $(UV) venv --quiet --allow-existing --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
-  INSTALL := VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --compile-bytecode --python $(BIN)/python -c constraints.txt
+  INSTALL := env VIRTUAL_ENV=$(VENV) $(UV) pip install --quiet --compile-bytecode --python $(BIN)/python -c constraints.txt
 endif
 
 # Built with what is installed in $(VENV), so that a rebuild compiles only what changed. FLAGS: see scripts/sanitize.sh.
@@ -26,7 +27,8 @@ BUILD = --no-build-isolation $(FLAGS)
 # Written once here, so that no start has to compile Python first, whatever PYTHONDONTWRITEBYTECODE says.
 COMPILE := $(BIN)/python -m compileall -q src/trundle
 
-SOURCES := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp src/trundle/_core/*/*.hpp) CMakeLists.txt
+KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
+SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
 .PHONY: demo test fuzz check docs build setup dev clean
 
@@ -54,11 +56,11 @@ $(VENV)/.tools: scripts/check_tools.py
 	@mkdir -p $(VENV) && touch $@
 
 $(VENV)/.trundle: Makefile scripts/requirements.py pyproject.toml constraints.txt $(SOURCES) | $(VENV)/.tools
+	@echo "1/4 Creating $(VENV)"
 	@$(CREATE)
-	@echo "Setting up trundle in $(VENV) (builds the C++ kernels; about a minute)"
-	@$(INSTALL) $$($(BIN)/python scripts/requirements.py build)
-	@$(INSTALL) $(BUILD) -e .
-	@$(COMPILE)
+	@$(STEP) "2/4 Installing NumPy, MuJoCo, PyAV and what builds the kernels" -- $(INSTALL) $$($(BIN)/python scripts/requirements.py build demo)
+	@$(STEP) "3/4 Compiling the C++ kernels" --objects build --of $(words $(KERNELS)) -- $(INSTALL) $(BUILD) --no-deps -e .
+	@$(STEP) "4/4 Compiling Python" -- $(COMPILE)
 	@touch $@
 
 $(VENV)/.trundle-dev: $(VENV)/.trundle
@@ -78,7 +80,7 @@ $(VENV)/.trundle-docs: Makefile scripts/requirements.py pyproject.toml | $(VENV)
 	@touch $@
 
 build: setup
-	@$(INSTALL) $(BUILD) -e .
+	@$(INSTALL) $(BUILD) --no-deps -e .
 
 clean:
 	rm -rf $(VENV) build dist site

@@ -23,7 +23,7 @@ from pathlib import Path
 
 from check_tools import missing_build_tools
 
-NOT_HERE = {"mujoco", "mujoco-core", "av"}
+NOT_HERE = {"mujoco"}
 """What trundle imports only where it is used, and does not need in Isaac Sim."""
 
 HARMFUL = {"usd-core", "usd-exchange", "mujoco", "mujoco-core", "newton", "isaacsim"}

@@ -1,4 +1,4 @@
-"""Print the requirements of a purpose from pyproject.toml: `build`, `dev` (tests) or `docs` (the site)."""
+"""Print requirements from pyproject.toml: `build`, `demo` (to run, with videos), `dev` (tests), `docs` (the site)."""
 
 import sys
 import tomllib
@@ -11,10 +11,11 @@ def requirements(purpose: str) -> list[str]:
     lists = {
         # What a build environment of its own would bring; with them in ours, a rebuild compiles only what changed.
         "build": [*project["build-system"]["requires"], "cmake>=3.18", "ninja>=1.10"],
+        "demo": [*project["project"]["dependencies"], *project["project"]["optional-dependencies"]["video"]],
         **project["dependency-groups"],
     }
     return [requirement.replace(" ", "") for requirement in lists[purpose]]
 
 
 if __name__ == "__main__":
-    print(" ".join(requirements(sys.argv[1])))
+    print(" ".join(line for purpose in sys.argv[1:] for line in requirements(purpose)))

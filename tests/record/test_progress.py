@@ -33,3 +33,12 @@ def test_a_terminal_sees_how_far_it_is_and_the_time_left(told, monkeypatch):
 def test_quiet_and_no_terminal_show_nothing(told, monkeypatch):
     assert show(told, monkeypatch, Terminal(), quiet=True) == ""
     assert show(told, monkeypatch, io.StringIO()) == ""
+
+
+def test_plain_lines_tell_each_quarter_where_there_is_no_terminal(told, monkeypatch):
+    lines = show(told, monkeypatch, io.StringIO(), plain=True).splitlines()
+    assert lines[0] == "driving: 0%"
+    assert lines[-2:] == ["driving: 100%", "video: 25%"]
+    assert len(lines) == len(set(lines)) <= 6
+    assert show(told, monkeypatch, io.StringIO(), plain=True, quiet=True) == ""
+    assert "0%" not in show(told, monkeypatch, Terminal(), plain=True)

@@ -256,7 +256,8 @@ def test_what_is_out_of_reach_costs_nothing_and_is_still_seen():
         names = {simulator.model.geom(index).name for index in range(simulator.model.ngeom)}
         assert names & {"lintel", "shelf"} == {"shelf"}
         assert not any(state.contacts for state in drive(simulator, Twist2D(0.0, 0.5), 1.0))
-    assert {geom.name for geom in build_spec(World("w", solids), CARTER).geoms} >= {"lintel", "shelf"}
+    spec = build_spec(World("w", solids), CARTER)  # older MuJoCos do not keep it for its elements
+    assert {geom.name for geom in spec.geoms} >= {"lintel", "shelf"}
 
 
 def test_an_outline_that_is_no_rectangle_becomes_a_prism():

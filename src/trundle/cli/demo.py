@@ -42,5 +42,13 @@ def demo(
 
     scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
     return missions.drive(
-        scenario, out=out, overwrite=overwrite, video=video, view=view, json=json, quiet=quiet, with_place=True
+        scenario,
+        out=out,
+        overwrite=overwrite,
+        video=video,
+        view=view,
+        json=json,
+        quiet=quiet,
+        with_place=True,
+        narrate=True,
     )

@@ -49,7 +49,7 @@ class _Library:
 
 _LIBRARIES = (
     _Library("mujoco", "mujoco", "the built-in physics", "pip install mujoco==4.0.0", needed=True),
-    _Library("av", "av", "videos of runs", "pip install av"),
+    _Library("av", "av", "videos of runs as MP4 rather than GIF", 'pip install "trundle[video]"'),
     _Library("usd-core", "pxr.Usd", "USD worlds and robots", 'pip install "trundle[usd]"'),
     _Library("trimesh", "trimesh", "mesh files", 'pip install "trundle[mesh]"'),
 )

@@ -1,7 +1,8 @@
-"""A progress bar with the time left, on the terminal's error stream."""
+"""How far a run is, on the error stream: a bar with the time left on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Self
 
 from trundle.geometry import Pose2D
@@ -11,19 +12,21 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _EVERY = 5  # steps
+_PLAIN_STEP = 0.25  # of the whole, from one plain line to the next
 
 
 class ProgressBar:
     """An observer that shows how much of the planned length is driven; use it in a `with` block.
 
-    It shows nothing where the error stream is no terminal.
-
     Args:
         quiet: Show nothing at all.
+        plain: Print a line for every quarter where the error stream is no terminal; otherwise nothing is shown there.
     """
 
-    def __init__(self, *, quiet: bool = False) -> None:
+    def __init__(self, *, quiet: bool = False, plain: bool = False) -> None:
         self._quiet = quiet
+        self._plain = plain and not quiet and not sys.stderr.isatty()
+        self._printed: dict[str, int] = {}
         self._bar: Progress | None = None
         self._tasks: dict[str, TaskID] = {}
         self._length_m = 0.0
@@ -42,13 +45,14 @@ class ProgressBar:
 
     def on_start(self, run: RunInfo) -> None:
         """Begin at nothing driven."""
+        self._printed.clear()
         self._length_m = max(run.path_length_m, 1e-6)
         self._driven_m, self._last = 0.0, run.start
         self._show("driving", 0.0, 1.0)
 
     def on_step(self, step: Step) -> None:
         """Add what was driven."""
-        if step.index % _EVERY == 0 and self._bar is not None:
+        if step.index % _EVERY == 0 and (self._plain or self._bar is not None):
             here = step.state.pose
             self._driven_m += here.distance_to(self._last or here)
             self._last = here
@@ -63,17 +67,24 @@ class ProgressBar:
         self._show(what, float(done), float(total))
 
     def _show(self, what: str, done: float, total: float) -> None:
+        if self._plain:
+            self._print(what, done / total)
         if self._bar is None:
             return
         if what not in self._tasks:
             self._tasks[what] = self._bar.add_task(what, total=total)
         self._bar.update(self._tasks[what], completed=done, total=total)
 
+    def _print(self, what: str, share: float) -> None:
+        quarters = int(share / _PLAIN_STEP)
+        if quarters > self._printed.get(what, -1):
+            self._printed[what] = quarters
+            sys.stderr.write(f"{what}: {quarters * _PLAIN_STEP:.0%}\n")
+            sys.stderr.flush()
+
 
 def _make_bar() -> Progress | None:
     """Return a bar that has begun, or none where it could not be seen."""
-    import sys
-
     if not sys.stderr.isatty():
         return None
     from rich.console import Console

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from fractions import Fraction
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol, Self, TypeAlias
 
@@ -112,6 +113,11 @@ def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
     captioned = frame.copy()
     captioned[: corner.height, : corner.width] = np.asarray(corner)
     return captioned
+
+
+def has_encoder() -> bool:
+    """Whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
+    return find_spec("av") is not None
 
 
 def pick_rows(count: int) -> npt.NDArray[np.intp]:

@@ -25,6 +25,7 @@ def drive(
     json: bool,
     quiet: bool,
     with_place: bool = False,
+    narrate: bool = False,
 ) -> int:
     """Run a scenario once, record it, and print how it went.
 
@@ -37,6 +38,7 @@ def drive(
         json: Print one JSON value.
         quiet: No progress bar and no remarks.
         with_place: Whether to add the map and a picture of the scene to the folder.
+        narrate: Whether to say what is being done, and how far it is where there is no terminal for a progress bar.
 
     Returns:
         The exit code: 0 where the robot arrived, else 1.
@@ -54,6 +56,8 @@ def drive(
     # The report comes before the simulator is closed: closing Isaac Sim may end the process.
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))
+        if narrate:
+            output.remark("Building the world, its map and the simulation", quiet=quiet)
         mission = opened.enter_context(scenario.build())
         with ExitStack() as stack:
             observers: list[Observer] = []
@@ -61,8 +65,11 @@ def drive(
                 from trundle.viewer.watcher import Watcher, open_window
 
                 observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
-            bar = stack.enter_context(ProgressBar(quiet=quiet))
-            frames = _scene_frames(mission, quiet=quiet) if video else None
+            bar = stack.enter_context(ProgressBar(quiet=quiet, plain=narrate))
+            frames = None
+            if video:
+                _remark_on_encoder(scenario, quiet=quiet)
+                frames = _scene_frames(mission, quiet=quiet)
             folder = stack.enter_context(
                 RunFolder(
                     out,
@@ -75,11 +82,26 @@ def drive(
                     extras={name: _PLACE[name](mission) for name in place},
                 )
             )
+            if narrate:
+                recorded = "record, pictures and video" if video else "record and pictures"
+                output.remark(f"Planning and driving, then writing {recorded}", quiet=quiet)
             episode = mission.run(observers=[*observers, bar, folder])
         _report(episode, folder, json=json)
     for error in episode.observer_errors:
         raise error
     return 0 if episode.arrived else 1
+
+
+def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
+    """Say what brings videos as MP4 where they cannot be written."""
+    from trundle.record.video import has_encoder
+
+    if has_encoder():
+        return
+    # trundle's own extra would bring MuJoCo as well, which keeps Isaac Sim from starting.
+    in_isaac = scenario.backend.name == isaac.BACKEND
+    install = "python.sh -m pip install --no-deps av" if in_isaac else 'pip install "trundle[video]"'
+    output.remark(f"The video will be a GIF, because PyAV is not installed. For an MP4: {install}", quiet=quiet)
 
 
 def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:

@@ -1,0 +1,18 @@
+"""A run beside no PyAV says what brings its video."""
+
+import sys
+
+import pytest
+
+from support.command_line import Trundle
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_run_without_pyav_says_how_to_get_its_video(
+    trundle: Trundle, monkeypatch: pytest.MonkeyPatch, quiet: bool
+) -> None:
+    monkeypatch.setitem(sys.modules, "av", None)
+    options = ("--quiet",) if quiet else ()
+    done = trundle("run", "maze", "--seed", "1", "--time-limit", "1", "--json", *options)
+    assert "video.gif" in done.json["files"]
+    assert ('For an MP4: pip install "trundle[video]"' in done.err) is not quiet
