@@ -1,4 +1,6 @@
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 
 from trundle.errors import AngleWarning, InputError
 from trundle.geometry import (
+    Goal,
     Pose2D,
     Pose3D,
     Twist2D,
@@ -30,6 +33,38 @@ def test_a_yaw_beyond_a_whole_turn_is_warned_of_where_the_pose_is_made():
         pose = Pose2D(1.0, 2.0, 90)
     assert caught[0].filename == __file__
     assert pose.yaw == wrap_angle(90.0)
+
+
+def test_two_numbers_are_a_goal_with_any_yaw_and_three_or_a_pose_one_with_its_own():
+    for value in ((1, 2), [1.0, 2.0], np.array([1.0, 2.0])):
+        goal = Goal.of(value)
+        assert (goal, goal.yaw_free, goal.pose) == ((1.0, 2.0), True, Pose2D(1.0, 2.0))
+    for value in ((1, 2, 0), Pose2D(1.0, 2.0), Goal(1, 2, 0)):
+        goal = Goal.of(value)
+        assert (goal, goal.yaw_free, goal.pose) == ((1.0, 2.0, 0.0), False, Pose2D(1.0, 2.0))
+    assert (goal.x, goal.y) == (1.0, 2.0)
+    assert Goal.of(goal) is goal
+    assert Pose2D.of(Goal(3.0, 4.0)) == Pose2D(3.0, 4.0)
+
+
+@pytest.mark.parametrize("goal", [Goal(1.0, 2.0), Goal(1.0, 2.0, 0.5)])
+def test_a_goal_survives_pickle_and_copy(goal):
+    for again in (pickle.loads(pickle.dumps(goal)), copy.copy(goal), copy.deepcopy(goal)):
+        assert (type(again), again, again.yaw_free) == (Goal, goal, goal.yaw_free)
+    assert repr(goal).startswith("Goal(x=1.0, y=2.0")
+
+
+@pytest.mark.parametrize("value", [(1.0,), (1, 2, 3, 4), 5.0, None, (math.nan, 0.0), (0.0, 0.0, math.inf), ("a", 1)])
+def test_what_is_no_goal_is_refused(value):
+    with pytest.raises(InputError):
+        Goal.of(value)
+
+
+def test_the_yaw_of_a_goal_is_wrapped_and_degrees_are_warned_of_where_it_is_made():
+    assert Goal(0.0, 0.0, 4.0) == (0.0, 0.0, wrap_angle(4.0))
+    with pytest.warns(AngleWarning, match="yaw 90 is more than a whole turn") as caught:
+        Goal(1.0, 2.0, 90)
+    assert [warning.filename for warning in caught] == [__file__]
 
 
 def test_turning_for_long_is_no_yaw_in_degrees():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from trundle.costmap import Costmap, CostmapSettings
     from trundle.errors import InputError, PlanningError, TrundleError
-    from trundle.geometry import Pose2D, Twist2D
+    from trundle.geometry import Goal, Pose2D, Twist2D
     from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
     from trundle.navigation import Choice, Navigator, NavigatorSettings
@@ -27,6 +27,7 @@ _HOMES = {
     "Costmap": "trundle.costmap",
     "CostmapSettings": "trundle.costmap",
     "Episode": "trundle.mission",
+    "Goal": "trundle.geometry",
     "HeightField": "trundle.maps",
     "InputError": "trundle.errors",
     "Navigator": "trundle.navigation",
@@ -52,6 +53,7 @@ __all__ = [
     "Costmap",
     "CostmapSettings",
     "Episode",
+    "Goal",
     "HeightField",
     "InputError",
     "Navigator",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -100,6 +101,75 @@ class Pose2D:
     def distance_to(self, other: Pose2D) -> float:
         """Distance [m] between the two positions."""
         return math.hypot(other.x - self.x, other.y - self.y)
+
+
+class Goal(tuple[float, ...]):
+    """Where the robot is to stand: x, y [m] and a yaw [rad] in the map frame, or any yaw.
+
+    It is the tuple that people write and records hold, and equal to it: (x, y, yaw), or (x, y) where any yaw will do.
+
+    Args:
+        x: [m].
+        y: [m].
+        yaw: [rad]; None means that any will do.
+
+    Raises:
+        InputError: If a number is NaN or infinite.
+
+    Warns:
+        AngleWarning: As `Pose2D`.
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, x: float, y: float, yaw: float | None = None) -> Self:
+        """Check the numbers; see the class."""
+        if yaw is not None:
+            yaw = as_number(yaw, "yaw of a goal")
+            warn_of_degrees(yaw, "yaw", stacklevel=2)
+            yaw = wrap_angle(yaw) if math.isfinite(yaw) else yaw
+        pose = Pose2D(x, y, 0.0 if yaw is None else yaw)
+        return super().__new__(cls, (pose.x, pose.y) if yaw is None else pose.as_tuple())
+
+    @classmethod
+    def of(cls, value: Pose2D | Sequence[float]) -> Goal:
+        """Take (x, y), which means any yaw, (x, y, yaw), a pose, whose yaw counts, or a goal.
+
+        Raises:
+            InputError: If it is none of these.
+        """
+        if isinstance(value, Goal):
+            return value
+        pose = Pose2D.of(value)
+        yaw_free = not isinstance(value, Pose2D) and len(value) == 2
+        return cls(pose.x, pose.y, None if yaw_free else pose.yaw)
+
+    @property
+    def x(self) -> float:
+        """[m]."""
+        return self[0]
+
+    @property
+    def y(self) -> float:
+        """[m]."""
+        return self[1]
+
+    @property
+    def yaw_free(self) -> bool:
+        """Whether any yaw will do."""
+        return len(self) == 2
+
+    @property
+    def pose(self) -> Pose2D:
+        """The goal as a pose; its yaw is 0 where any will do."""
+        return Pose2D(*self)
+
+    def __getnewargs__(self) -> tuple[float, ...]:  # type: ignore[override]
+        return tuple(self)
+
+    def __repr__(self) -> str:
+        yaw = "" if self.yaw_free else f", yaw={self[2]}"
+        return f"Goal(x={self.x}, y={self.y}{yaw})"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """Missions: a scenario is run once, from start to goal, and gives an episode."""
 
-from trundle.mission.episode import Episode, Goal, Metrics, Outcome
+from trundle.geometry import Goal
+from trundle.mission.episode import Episode, Metrics, Outcome
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer, RunInfo, Step
 from trundle.mission.sampling import sample_mission

@@ -7,17 +7,16 @@ import pathlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import TypeAlias, cast
+from typing import cast
 
 from trundle.errors import InputError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.mission.path_file import load_paths
 from trundle.mission.record_file import RECORD, check_record, read_record
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
 from trundle.values import as_path
 
-Goal: TypeAlias = tuple[float, float] | tuple[float, float, float]
 """(x, y) [m], to be reached with any yaw, or (x, y, yaw) [m, m, rad]; map frame."""
 
 
@@ -150,7 +149,7 @@ class Episode:
             trajectory=trajectory,
             paths=paths,
             start=Pose2D.of(facts.start),
-            goals=facts.goals,
+            goals=tuple(Goal.of(goal) for goal in facts.goals),
             goals_reached=facts.goals_reached,
             name=facts.name,
             robot=facts.robot,
@@ -177,9 +176,8 @@ class Episode:
             self.message,
             f"{self.metrics.time_s:.1f} s, {self.metrics.distance_m:.2f} m driven, SPL {self.metrics.spl:.2f}",
         ]
-        ends = (self.start, *self.goals)
         title = f"{self.name}: {self.outcome.value.replace('_', ' ')}"
-        return to_png(draw_drive(self.trajectory, self.paths, ends, title, lines))
+        return to_png(draw_drive(self.trajectory, self.paths, self.start, self.goals, title, lines))
 
     @property
     def arrived(self) -> bool:
@@ -211,7 +209,7 @@ class _Facts:
     outcome: Outcome
     message: str
     start: tuple[float, float, float]
-    goals: tuple[Goal, ...]
+    goals: tuple[tuple[float, float] | tuple[float, float, float], ...]
     goals_reached: int
     name: str
     robot: str

@@ -10,8 +10,7 @@ from typing import cast
 import numpy as np
 
 from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError
-from trundle.geometry import Pose2D
-from trundle.mission.episode import Goal
+from trundle.geometry import Goal, Pose2D
 from trundle.navigation import Navigator
 from trundle.path import Path
 
@@ -23,19 +22,14 @@ def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float
         InputError: If these are no poses, or there is none.
     """
     if isinstance(goal, Pose2D):
-        return (_read_goal(goal),)
+        return (Goal.of(goal),)
     if not isinstance(goal, Sequence | np.ndarray) or isinstance(goal, str):
         raise ScenarioError(f"a goal is a pose, (x, y) or (x, y, yaw), or a list of these; got {goal!r}")
     if len(goal) == 0:
         raise ScenarioError("a run needs at least one goal")
     if all(isinstance(part, numbers.Real) for part in goal):
-        return (_read_goal(cast("Sequence[float]", goal)),)
-    return tuple(_read_goal(cast("Pose2D | Sequence[float]", part)) for part in goal)
-
-
-def _read_goal(goal: Pose2D | Sequence[float]) -> Goal:
-    pose = Pose2D.of(goal)
-    return (pose.x, pose.y) if not isinstance(goal, Pose2D) and len(goal) == 2 else pose.as_tuple()
+        return (Goal.of(cast("Sequence[float]", goal)),)
+    return tuple(Goal.of(cast("Pose2D | Sequence[float]", part)) for part in goal)
 
 
 def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
@@ -57,7 +51,7 @@ def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tup
                 raise
             if index == 0 and not navigator.waits_to_plan:
                 unreachable = error
-            here = Pose2D.of(goal)
+            here = goal.pose
         else:
             plans.append(path)
             here = path.goal

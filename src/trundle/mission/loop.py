@@ -172,7 +172,7 @@ class _Drive:
     def _is_there(self, pose: Pose2D) -> bool:
         """Whether the simulator's true pose is at the goal; the navigator may have been told another one."""
         goal = self._info.goals[self._reached]
-        return self._navigator.goal_checker.is_within(pose, Pose2D.of(goal), any_yaw=len(goal) == 2)
+        return self._navigator.goal_checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free)
 
     def _record(self, state: RobotState, command: Twist2D) -> None:
         path = self._navigator.path

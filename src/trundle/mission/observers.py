@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
-from trundle.mission.episode import Episode, Goal
+from trundle.mission.episode import Episode
 from trundle.navigation import NavigationStatus
 from trundle.path import Path
 from trundle.robots import Robot

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from trundle.files.opening import is_file
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
 from trundle.pictures.colors import GOAL, PLANNED, START, speed_color
@@ -24,13 +24,14 @@ _LEVELS = 16
 def draw_drive(
     trajectory: Trajectory,
     paths: Sequence[Path],
-    ends: Sequence[Pose2D | Sequence[float]],
+    start: Pose2D,
+    goals: Sequence[Goal],
     title: str,
     lines: Sequence[str],
 ) -> Image.Image:
     """Draw the paths, where the robot drove, brighter where it was faster, and the start and the goals."""
     seen = [trajectory.poses[:, :2], *(path.poses[:, :2] for path in paths)]
-    plan = Plan(np.concatenate([*seen, [Pose2D.of(end).as_tuple()[:2] for end in ends]]))
+    plan = Plan(np.concatenate([*seen, [(end.x, end.y) for end in (start, *goals)]]))
     for path in paths:
         plan.line(path.poses[:, :2], PLANNED, 9.0)
     top = max(float(np.abs(trajectory.v).max()), 1e-6)
@@ -38,13 +39,12 @@ def draw_drive(
     edges = [0, *(np.flatnonzero(np.diff(levels)) + 1).tolist(), len(trajectory) - 1]
     for first, last in itertools.pairwise(edges):
         plan.line(trajectory.poses[first : last + 1, :2], speed_color(levels[first] / _LEVELS), 3.5)
-    start, *goals = ends
     for goal in goals:
-        if isinstance(goal, Pose2D) or len(goal) == 3:
-            plan.marker(Pose2D.of(goal), GOAL)
-        else:
+        if goal.yaw_free:
             plan.target(goal, GOAL)
-    plan.marker(Pose2D.of(start), START)
+        else:
+            plan.marker(goal.pose, GOAL)
+    plan.marker(start, START)
     return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
 
 

@@ -21,10 +21,10 @@ from trundle.files.kinds import SCENARIO
 from trundle.files.opening import exists
 from trundle.files.writing import output_path, write_text
 from trundle.files.yaml_config import build, load_config
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
-from trundle.mission.episode import Episode, Goal
+from trundle.mission.episode import Episode
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.sampling import sample_mission
@@ -294,14 +294,14 @@ class Scenario(CostmapSettings, RunSettings):
 
     def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
         given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)
-        goals = tuple(_as_goal(numbers) for numbers in given)
+        goals = tuple(Goal.of(numbers) for numbers in given)
         start = None if self.start is None else Pose2D.of(self.start)
         if start is not None and goals:
             return start, goals
         first, last = sample_mission(
             navigator.costmap, self.seed, start=start, goal=goals[0] if start is None and goals else None
         )
-        return first, goals or (last.as_tuple(),)
+        return first, goals or (Goal.of(last),)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -360,7 +360,3 @@ class Mission(Setting):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _as_goal(numbers: tuple[float, ...]) -> Goal:
-    return (numbers[0], numbers[1]) if len(numbers) == 2 else (numbers[0], numbers[1], numbers[2])

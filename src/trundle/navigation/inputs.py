@@ -10,7 +10,7 @@ from typing import cast
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
-from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
@@ -58,10 +58,8 @@ def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
     return Pose2D.of(numbers)
 
 
-def read_goal(
-    goal: Pose2D | Sequence[float] | float, y: float | None = None, yaw: float | None = None
-) -> tuple[Pose2D, bool]:
-    """Take a goal as `Navigator.set_goal` does: the pose, and whether any yaw will do.
+def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, yaw: float | None = None) -> Goal:
+    """Take a goal as `Navigator.set_goal` does.
 
     Raises:
         InputError: If these are not two or three finite numbers.
@@ -70,12 +68,10 @@ def read_goal(
         if y is None:
             raise InputError("set_goal needs x and y, and may take a yaw")
         x = cast("float", goal)
-        given: Sequence[float] = (x, y) if yaw is None else (x, y, yaw)
-    elif y is not None or yaw is not None:
+        return Goal(x, y, yaw)
+    if y is not None or yaw is not None:
         raise InputError(f"set_goal takes x, y and a yaw as numbers, or one pose, got {(goal, y, yaw)!r}")
-    else:
-        given = goal.as_tuple() if isinstance(goal, Pose2D) else as_sequence(goal)
-    return Pose2D.of(given), len(given) == 2
+    return Goal.of(goal if isinstance(goal, Pose2D) else as_sequence(goal))
 
 
 def credible_twist(twist: object, robot: Robot) -> Twist2D:

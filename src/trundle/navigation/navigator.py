@@ -14,7 +14,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.files.choice import Choice
-from trundle.geometry import Pose2D, Twist2D, pad_outline
+from trundle.geometry import Goal, Pose2D, Twist2D, pad_outline
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
@@ -121,8 +121,7 @@ class Navigator:
 
     def reset(self) -> None:
         """Forget the goal and everything about it."""
-        self._goal: Pose2D | None = None
-        self._any_yaw = False
+        self._goal: Goal | None = None
         self._forget_progress()
         self.status = NavigationStatus.IDLE
 
@@ -137,14 +136,14 @@ class Navigator:
         Raises:
             InputError: If these are not two or three finite numbers.
         """
-        self._goal, self._any_yaw = read_goal(goal, y, yaw)
+        self._goal = read_goal(goal, y, yaw)
         self._forget_progress()
         self.status = NavigationStatus.DRIVING
 
     @property
     def goal(self) -> Pose2D | None:
         """Where it is going; the yaw is 0 where any yaw will do."""
-        return self._goal
+        return None if self._goal is None else self._goal.pose
 
     @property
     def path(self) -> Path | None:
@@ -196,7 +195,7 @@ class Navigator:
         began = clock.perf_counter()
         try:
             path = self.planner.plan(
-                self.costmap, start, self._goal, goal_yaw_free=self._any_yaw, deadline_s=deadline_s
+                self.costmap, start, self._goal.pose, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
             )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         except PlanningStoppedError as error:
@@ -245,7 +244,7 @@ class Navigator:
     def _decide(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         if self._goal is None or self.status in FINAL:
             return _STAND
-        if self.goal_checker.is_reached(pose, twist, self._goal, any_yaw=self._any_yaw):
+        if self.goal_checker.is_reached(pose, twist, self._goal.pose, any_yaw=self._goal.yaw_free):
             self.status = NavigationStatus.ARRIVED
             return _STAND
         if (self._followed is None or self._tries.pending) and not self._plan_first(pose, twist):

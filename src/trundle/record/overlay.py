@@ -10,9 +10,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps.masks import SpeedMask
-from trundle.mission import Episode, Goal, Outcome, Trajectory
+from trundle.mission import Episode, Outcome, Trajectory
 from trundle.mission.metrics import CLEARANCE_CAP
 from trundle.path import Path
 from trundle.pictures.colors import (
@@ -251,8 +251,8 @@ def _draw_robot(view: MapView, robot: Robot, pose: Pose2D, color: Rgb) -> None:
 
 def _draw_goal(view: MapView, robot: Robot, goal: Goal) -> None:
     """Draw a goal: with its yaw as the footprint to reach, without as a target alone."""
-    if len(goal) == 3:
-        _draw_robot(view, robot, Pose2D.of(goal), GOAL)
+    if not goal.yaw_free:
+        _draw_robot(view, robot, goal.pose, GOAL)
         return
     view.disc(goal, 10, PAGE)
     view.ring(goal, 10, GOAL, 3)

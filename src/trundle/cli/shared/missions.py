@@ -128,7 +128,6 @@ def _write_map(mission: Mission) -> WriteExtra:
 
 def _write_scene(mission: Mission) -> WriteExtra:
     def write(path: Path, episode: Episode) -> None:
-        from trundle.geometry import Pose2D
         from trundle.viewer.offscreen import render
 
         picture = render(
@@ -137,7 +136,7 @@ def _write_scene(mission: Mission) -> WriteExtra:
             mission.start,
             camera="overview",
             path=episode.paths[0].poses if episode.paths else None,
-            goal=Pose2D.of(mission.goals[-1]),
+            goal=mission.goals[-1].pose,
         )
         picture.save(path)
 

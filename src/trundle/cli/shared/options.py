@@ -15,8 +15,8 @@ from trundle.angles import parse_angle, warn_of_degrees
 from trundle.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from trundle.geometry import Goal as Target
     from trundle.geometry import Pose2D
-    from trundle.mission import Goal as Target
 
 
 def _pose(name: str, help: str, negative: str | None = None) -> Parameter:
@@ -174,27 +174,26 @@ def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: 
 
 def parse_pose(option: str, text: str) -> Pose2D:
     """Read `X,Y` or `X,Y,YAW` [m, m, rad]; the yaw may be in degrees, `90deg`."""
-    from trundle.geometry import Pose2D
-
-    return Pose2D(*parse_goal(option, text))
+    return parse_goal(option, text).pose
 
 
 def parse_goal(option: str, text: str) -> Target:
     """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
+    from trundle.geometry import Goal as Target
     from trundle.geometry import wrap_angle
 
     *position, yaw = text.split(",")
     form = "X,Y or X,Y,YAW"
     if len(position) != 2:
         x, y = parse_numbers(option, text, form, at_least=2, at_most=2)
-        return (x, y)
+        return Target(x, y)
     try:
         angle = parse_angle(yaw)
     except ValueError:
         raise InputError(f"{option} {text!r}: YAW {yaw!r} is not an angle; write {ANGLE_FORM}") from None
     x, y = parse_numbers(option, ",".join(position), form, at_least=2, at_most=2)
     warn_of_degrees(angle, f"{option} {text}: YAW")
-    return (x, y, wrap_angle(angle))
+    return Target(x, y, wrap_angle(angle))
 
 
 def parse_pairs(option: str, texts: list[str] | None, example: str) -> dict[str, bool | int | float | str]:

@@ -12,8 +12,7 @@ from trundle.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap
-    from trundle.geometry import Pose2D
-    from trundle.mission import Goal
+    from trundle.geometry import Goal, Pose2D
     from trundle.robots import Robot
     from trundle.worlds import World
 
@@ -170,9 +169,10 @@ def pick_ends(costmap: Costmap, start: Pose2D | None, goal: Goal | None, *, seed
     Raises:
         ScenarioError: If none can be picked.
     """
+    from trundle.geometry import Goal
     from trundle.mission import sample_mission
 
     if start is not None and goal is not None:
         return start, goal
     first, last = sample_mission(costmap, seed, start=start, goal=goal)
-    return first, goal or last.as_tuple()
+    return first, goal or Goal.of(last)
