@@ -14,10 +14,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from trundle.errors import AngleWarning, InputError
 from trundle.files.config_fields import ACCEPT_DEGREES, DEGREES, REFUSE_DEGREES
 from trundle.files.kinds import describe_mismatch, kind_of_keys
-from trundle.files.yaml_nodes import compose, compose_text, keys_of, place
+from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.files.yaml_problems import describe_problems
-
-__all__ = ["Config", "Plain", "build", "compose", "compose_text", "load_config", "place", "plain_value", "validate"]
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)

@@ -17,7 +17,8 @@ from trundle.errors import InputError, RobotError, UnknownNameError
 from trundle.files.config_fields import Angle
 from trundle.files.kinds import ROBOT
 from trundle.files.uris import Folders, split_folders
-from trundle.files.yaml_config import Config, Plain, build, compose, plain_value, validate
+from trundle.files.yaml_config import Config, Plain, build, plain_value, validate
+from trundle.files.yaml_nodes import compose
 from trundle.geometry import FloatArray, Twist2D
 from trundle.guard import ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry

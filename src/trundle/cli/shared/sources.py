@@ -25,7 +25,7 @@ def is_map(path: Path) -> bool:
     """
     import yaml
 
-    from trundle.files.yaml_config import compose
+    from trundle.files.yaml_nodes import compose
 
     if path.suffix.lower() == ".map":
         return True
@@ -41,7 +41,7 @@ def is_scenario(path: Path) -> bool:
     """
     import yaml
 
-    from trundle.files.yaml_config import compose
+    from trundle.files.yaml_nodes import compose
 
     node = compose(path)
     return isinstance(node, yaml.MappingNode) and any(key.value in ("world", "map") for key, _ in node.value)
