@@ -15,6 +15,7 @@ from trundle.errors import InputError
 from trundle.values import as_array, as_number
 
 FloatArray = npt.NDArray[np.float64]
+"""An array of float64; its shape and unit are given where it is used."""
 
 
 def wrap_angle(angle: float) -> float:

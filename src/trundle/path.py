@@ -14,6 +14,7 @@ from trundle.geometry import FloatArray, Pose2D, format_pose, path_length, wrap_
 from trundle.values import as_array
 
 PathStatus = Literal["found", "partial"]
+"""Whether a path reaches its goal, or only comes as near to it as possible."""
 
 
 @dataclass(frozen=True, slots=True)

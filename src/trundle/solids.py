@@ -16,6 +16,7 @@ from trundle.geometry import FloatArray, Pose3D, rotation_matrices
 from trundle.values import as_array
 
 Color: TypeAlias = tuple[float, float, float, float]
+"""Red, green, blue and opacity, each 0 to 1."""
 
 _VERTICES_AT_ONCE = 1 << 14  # So few that they stay in the processor's cache.
 
@@ -118,6 +119,7 @@ class OccupancyCells:
 
 
 Shape: TypeAlias = Box | Cylinder | Sphere | Mesh | OccupancyCells
+"""Every shape that a `Solid` can have."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,13 @@ from trundle.maps.cells import OCCUPIED
 from trundle.values import is_finite_number
 
 FREE_SPACE = 0
+"""Cost of a cell that is farther from every obstacle than the inflation radius."""
 INSCRIBED = 253
+"""Cost of a cell in which the robot's inscribed circle touches an obstacle."""
 LETHAL = 254
+"""Cost of an occupied cell."""
 NO_INFORMATION = 255
+"""Cost of an unknown cell that is blocked."""
 
 DEFAULT_MARGIN_M = 0.3
 """By how much the inflation reaches past the circumscribed radius by default [m]."""

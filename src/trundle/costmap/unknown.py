@@ -11,7 +11,9 @@ from trundle.errors import InputError, MapError
 from trundle.maps.cells import FREE, UNKNOWN
 
 UnknownPolicy = Literal["blocked", "free", "costly"]
+"""What unknown cells count as."""
 UNKNOWN_POLICIES: tuple[UnknownPolicy, ...] = get_args(UnknownPolicy)
+"""Every `UnknownPolicy`."""
 
 DEFAULT_UNKNOWN_COST = 200
 """What an unknown cell costs at least where unknown space is costly: by NavFn's weights 4.2 times a free one."""

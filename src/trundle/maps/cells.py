@@ -12,8 +12,11 @@ from trundle.geometry import Pose2D
 Cells: TypeAlias = npt.NDArray[np.int8]
 
 FREE = 0
+"""A cell that is certainly free."""
 OCCUPIED = 100
+"""A cell that is certainly occupied."""
 UNKNOWN = -1
+"""A cell of which nothing is known."""
 MAX_CELLS = 400_000_000
 """More cells than this are taken for a mistake; 1 km² at 0.05 m has as many."""
 

@@ -30,9 +30,12 @@ Kind: TypeAlias = Literal[
     "disconnected",
     "unseen",
 ]
+"""What is wrong with a map; the table in docs/maps.md explains each."""
 Severity: TypeAlias = Literal["error", "warning", "info"]
+"""How bad a finding is."""
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
+"""Every `Kind`."""
 PLACEMENT_KINDS: tuple[Kind, ...] = ("half_cell", "flipped", "rotated", "shifted")
 """The kinds that need a world to compare with."""
 
