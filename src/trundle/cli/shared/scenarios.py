@@ -1,0 +1,106 @@
+"""A scenario of the first argument and the options: what `run` drives, and what `scenario` writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from trundle.cli.shared import isaac, options, settings, sources
+from trundle.errors import InputError, UnknownNameError
+from trundle.mission import Scenario
+from trundle.mission.choices import MapOptions
+from trundle.worlds import world_names
+from trundle.worlds.options import check_options
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True)
+class ScenarioOptions:
+    """What a mission depends on, beside the settings of its costmap and its navigator.
+
+    Attributes:
+        time_limit: Simulated time after which the run is stopped [s].
+    """
+
+    robot: Annotated[str | None, Parameter(help="A robot by name, or the path of its YAML.")] = None
+    start: options.Start = None
+    goal: options.Goals = None
+    planner: Annotated[str | None, Parameter(help="A planner by name.")] = None
+    planner_options: options.PlannerOptions = None
+    controller: Annotated[str | None, Parameter(help="A controller by name.")] = None
+    controller_options: options.ControllerOptions = None
+    smoother: options.SmootherName = None
+    smoother_options: options.SmootherOptions = None
+    backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")] = (
+        None
+    )
+    seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None
+    world_options: options.Settings = None
+    exclude: options.Exclude = None
+    floor_z: options.FloorZ = None
+    paths: options.Paths = None
+    compat: options.Compat = None
+    keepout: options.Keepout = None
+    speed_mask: options.SpeedMaskFile = None
+    time_limit: float | None = None
+    costmap: settings.CostmapOptions = None
+    navigation: settings.RunOptions = None
+    isaac_options: isaac.IsaacOptions | None = None
+
+    def make(self, source: str) -> Scenario:
+        """Make the scenario of a map, a world by name or file, or another scenario.
+
+        Raises:
+            InputError: If an option cannot be used; one line for each.
+            UnknownNameError: If a name is not known.
+        """
+        given = {
+            "robot": self.robot,
+            "start": options.parse_pose("--start", self.start).as_tuple() if self.start else None,
+            "backend": self.backend,
+            "seed": self.seed,
+            "compat": self.compat,
+            "keepout": None if self.keepout is None else str(self.keepout),
+            "speed_mask": None if self.speed_mask is None else str(self.speed_mask),
+            "floor_z": self.floor_z,
+            "time_limit_s": self.time_limit,
+        }
+        changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}
+        changes |= settings.given(self.costmap) | settings.given(self.navigation)
+        if self.goal:
+            goals = [options.parse_goal("--goal", text) for text in self.goal]
+            changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
+        source = isaac.world_of(source, self.backend, self.isaac_options)
+        world_options = sources.read_settings(source, self.world_options, self.exclude, self.paths)
+        base = _read(source, world_options, changes)
+        chosen = {
+            "planner": settings.choose("planner", self.planner, self.planner_options, base.planner),
+            "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
+            "smoother": settings.choose("smoother", self.smoother, self.smoother_options, base.smoother),
+        }
+        return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)
+
+
+DEFAULTS = ScenarioOptions()
+"""Where no option is given."""
+
+
+def _read(source: str, world_options: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
+    """Make a scenario of the first argument, with what the options change."""
+    if source in world_names():
+        return Scenario.make(world={"name": source, "options": world_options}, **changes)
+    if not sources.looks_like_file(source):
+        raise UnknownNameError("world", source, world_names())
+    if not sources.is_yaml(source) and not source.lower().endswith(".map"):
+        return Scenario.make(world={"name": source, "options": world_options}, **changes)
+    if sources.is_map(Path(source)):
+        if world_options:
+            check_options(source, "a map", world_options, list(MapOptions.model_fields))
+            changes = {"map_options": world_options, **changes}
+        return Scenario.make(map=source, **changes)
+    if world_options:
+        raise InputError(f"--set and --exclude are for worlds, by name or file; {source} is a scenario")
+    return Scenario.make(**{**Scenario.load(source).model_dump(), **changes})
