@@ -35,7 +35,7 @@ import numpy as np
 
 from fuzz import loader_seeds
 from trundle.errors import MapError, RobotError, TrundleError, WorldError
-from trundle.guard import Child, ReadLimits
+from trundle.guard import Child, ReadCall, ReadLimits
 
 LIMITS = ReadLimits(seconds=5.0, gigabytes=2.0)
 """Less time than users have: a file that takes longer is refused here sooner."""
@@ -150,7 +150,7 @@ class Reader:
 
 def _world(child: Child, file: Path) -> None:
     options: dict[str, Any] = {"missing": "skip"} if file.suffix == ".sdf" else {}
-    child.read("trundle.worlds.load:read_world", (str(file), options), what=str(file), error=WorldError, limits=LIMITS)
+    child.read(ReadCall("trundle.worlds.load:read_world", (str(file), options), str(file), WorldError, LIMITS))
 
 
 def _model(child: Child, file: Path) -> None:
@@ -163,7 +163,7 @@ def _model(child: Child, file: Path) -> None:
     refused: TrundleError | None = None
     for target, args, error in calls:
         try:
-            child.read(target, args, what=str(file), error=error, limits=LIMITS)
+            child.read(ReadCall(target, args, str(file), error, LIMITS))
         except TrundleError as problem:
             refused = problem
     if refused is not None:
@@ -172,7 +172,7 @@ def _model(child: Child, file: Path) -> None:
 
 def _usd(child: Child, file: Path) -> None:
     try:
-        child.read("trundle.sim.mujoco.joints:read_joints", (file,), what=str(file), error=RobotError, limits=LIMITS)
+        child.read(ReadCall("trundle.sim.mujoco.joints:read_joints", (file,), str(file), RobotError, LIMITS))
     finally:
         _world(child, file)
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from trundle.errors import InputError, PlanningError, UnknownNameError, WorldError, WorldWarning
-from trundle.guard import Child, ReadLimits, read_guarded, read_limits
+from trundle.guard import Child, ReadCall, ReadLimits, read_guarded, read_limits
 
 SHORT = ReadLimits(seconds=1.0)
 PLENTY = ReadLimits(seconds=60.0)
@@ -22,9 +22,11 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory and
 
 
 def call(function: str, *args, limits: ReadLimits = PLENTY, **kwargs):
-    return read_guarded(
-        f"support.guarded_calls:{function}", args, kwargs, what="scene.usd", error=WorldError, limits=limits
-    )
+    return read_guarded(guarded(function, *args, limits=limits, **kwargs))
+
+
+def guarded(function: str, *args, limits: ReadLimits = PLENTY, **kwargs) -> ReadCall:
+    return ReadCall(f"support.guarded_calls:{function}", args, "scene.usd", WorldError, limits, kwargs)
 
 
 def test_values_come_back_and_frozen_arrays_stay_frozen():
@@ -98,13 +100,12 @@ def test_it_leaves_no_core_leads_its_group_and_loads_only_what_it_needs():
 
 
 def test_one_child_answers_several_requests_and_a_crash_starts_another():
-    kwargs = {"what": "f", "error": WorldError, "limits": PLENTY}
     with Child() as child:
-        first = child.read("support.guarded_calls:state", (), **kwargs)["pid"]
-        assert child.read("support.guarded_calls:state", (), **kwargs)["pid"] == first
+        first = child.read(guarded("state"))["pid"]
+        assert child.read(guarded("state"))["pid"] == first
         with pytest.raises(WorldError, match="crashed"):
-            child.read("support.guarded_calls:crash", (), **kwargs)
-        assert child.read("support.guarded_calls:state", (), **kwargs)["pid"] != first
+            child.read(guarded("crash"))
+        assert child.read(guarded("state"))["pid"] != first
 
 
 def test_options_that_cannot_be_handed_over_are_refused():
@@ -116,8 +117,8 @@ SCRIPT = """
 import sys
 sys.path[:0] = {tests!r}
 from trundle.errors import WorldError
-from trundle.guard import ReadLimits, read_guarded
-read_guarded("support.guarded_calls:nap", ({folder!r},), what="f", error=WorldError, limits=ReadLimits(seconds=300))
+from trundle.guard import ReadCall, ReadLimits, read_guarded
+read_guarded(ReadCall("support.guarded_calls:nap", ({folder!r},), "f", WorldError, ReadLimits(seconds=300)))
 """
 
 

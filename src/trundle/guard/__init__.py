@@ -7,6 +7,6 @@ it is no sandbox, and what it sends is trusted.
 """
 
 from trundle.guard.limits import ReadLimits, read_limits
-from trundle.guard.process import Child, in_kit, read_guarded
+from trundle.guard.process import Child, ReadCall, in_kit, read_guarded
 
-__all__ = ["Child", "ReadLimits", "in_kit", "read_guarded", "read_limits"]
+__all__ = ["Child", "ReadCall", "ReadLimits", "in_kit", "read_guarded", "read_limits"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import logging
 import os
@@ -13,6 +14,8 @@ import subprocess
 import sys
 import time
 import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self, cast
 
@@ -54,48 +57,51 @@ def in_kit() -> bool:
     return "omni.kit.app" in sys.modules or "omni.kit_app" in sys.modules or "carb" in sys.modules
 
 
-def read_guarded(
-    target: str,
-    args: tuple[Any, ...],
-    kwargs: dict[str, Any] | None = None,
-    *,
-    what: str,
-    error: type[InputError],
-    limits: ReadLimits,
-    imports: tuple[str, ...] = (),
-    stacklevel: int = 1,
-) -> Any:
-    """Call a function of ours that reads somebody's file: in a child, or here where the limits or Kit say so.
+@dataclass(frozen=True, slots=True)
+class ReadCall:
+    """A call of a function of ours that reads somebody's file.
 
-    Args:
+    Attributes:
         target: The function, as `"module:function"`.
         args: Its arguments, plain values.
-        kwargs: As `args`.
         what: The file, for messages.
-        error: Type of the exception where the child fails.
+        error: Type of the exception if the child fails.
         limits: Of time and memory.
+        kwargs: As `args`.
         imports: Libraries that do not count as what the file takes; they need not be there.
+    """
+
+    target: str
+    args: tuple[Any, ...]
+    what: str
+    error: type[InputError]
+    limits: ReadLimits
+    kwargs: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    imports: tuple[str, ...] = ()
+
+
+def read_guarded(call: ReadCall, *, stacklevel: int = 1) -> Any:
+    """Make a call in a child, or in this process if its limits or Kit say so.
+
+    Args:
+        call: What to read, and how.
         stacklevel: Of warnings; 1 is the caller.
 
     Returns:
         What the function returns; its arrays are read-only.
 
     Raises:
-        InputError: Of the type `error`, if the file takes too much time or memory, or crashes what reads it.
+        InputError: Of the type `call.error`, if the file takes too much time or memory, or crashes what reads it.
         Exception: Whatever the function raises.
 
     Warns:
         As the function does.
     """
-    if limits.trusted or in_kit():
-        import importlib
-
-        module, _, name = target.partition(":")
-        return getattr(importlib.import_module(module), name)(*args, **kwargs or {})
+    if call.limits.trusted or in_kit():
+        module, _, name = call.target.partition(":")
+        return getattr(importlib.import_module(module), name)(*call.args, **call.kwargs)
     with Child() as child:
-        return child.read(
-            target, args, kwargs, what=what, error=error, limits=limits, imports=imports, stacklevel=stacklevel + 1
-        )
+        return child.read(call, stacklevel=stacklevel + 1)
 
 
 class Child:
@@ -111,24 +117,14 @@ class Child:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def read(
-        self,
-        target: str,
-        args: tuple[Any, ...],
-        kwargs: dict[str, Any] | None = None,
-        *,
-        what: str,
-        error: type[InputError],
-        limits: ReadLimits,
-        imports: tuple[str, ...] = (),
-        stacklevel: int = 1,
-    ) -> Any:
-        """Call a function in the child; see `read_guarded`."""
+    def read(self, call: ReadCall, *, stacklevel: int = 1) -> Any:
+        """Make a call in the child; see `read_guarded`."""
+        what, error, limits = call.what, call.error, call.limits
         request = {
-            "target": target,
-            "args": args,
-            "kwargs": kwargs or {},
-            "imports": imports,
+            "target": call.target,
+            "args": call.args,
+            "kwargs": dict(call.kwargs),
+            "imports": call.imports,
             "seconds": limits.seconds,
             "bytes": int(limits.gigabytes * 1e9),
             "log_level": logging.getLogger("trundle").getEffectiveLevel(),

@@ -20,7 +20,7 @@ from trundle.files.uris import Folders, split_folders
 from trundle.files.yaml_config import Config, Plain, build, plain_value, validate
 from trundle.files.yaml_nodes import compose
 from trundle.geometry import FloatArray, Twist2D
-from trundle.guard import ReadLimits, read_guarded, read_limits
+from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
@@ -392,15 +392,15 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> 
 
 
 def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], limits: ReadLimits) -> dict[str, Plain]:
-    return read_guarded(
+    call = ReadCall(
         "trundle.robots.from_model:read_robot",
         (path, given, folders),
         what=str(path),
         error=RobotError,
         limits=limits,
         imports=("mujoco",),
-        stacklevel=4,
     )
+    return read_guarded(call, stacklevel=4)
 
 
 def _make(settings: dict[str, Plain], where: str, node: yaml.Node | None = None) -> Robot:

@@ -13,7 +13,7 @@ import numpy as np
 
 from trundle.errors import WorldError, WorldWarning
 from trundle.files.opening import check_regular
-from trundle.guard import ReadLimits, read_guarded
+from trundle.guard import ReadCall, ReadLimits, read_guarded
 from trundle.maps.from_world import find_outlier
 from trundle.values import as_path
 from trundle.worlds.leave_out import leave_out
@@ -83,15 +83,15 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
         raise WorldError(f"{file}: {error.strerror or error}") from error
     if target == _MAPS:
         return read_world(str(file), options)
-    return read_guarded(
+    call = ReadCall(
         "trundle.worlds.load:read_world",
         (str(file), options),
         what=str(file),
         error=WorldError,
         limits=limits,
         imports=_LIBRARIES.get(target, ()),
-        stacklevel=3,
     )
+    return read_guarded(call, stacklevel=3)
 
 
 def read_world(path: str, options: dict[str, Any]) -> WorldLike:

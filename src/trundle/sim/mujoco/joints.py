@@ -11,7 +11,7 @@ import mujoco
 from trundle.errors import InputError, RobotError, RobotWarning
 from trundle.files.model_spec import compile_spec, read_mjcf
 from trundle.files.xml_elements import XmlElement, read_xml
-from trundle.guard import read_guarded, read_limits
+from trundle.guard import ReadCall, read_guarded, read_limits
 from trundle.robots import DifferentialDrive, Robot
 from trundle.robots.from_model import read_robot
 from trundle.robots.model_wheels import wheels_named
@@ -57,15 +57,15 @@ def list_joints(
         joints = _model_joints(robot_spec(robot).compile())
         return [joint for joint in joints if joint.type != "floating" and joint.name not in hidden]
     imports = ("trundle.sim.mujoco.usd",) if Path(source).suffix.lower() in _USD_SUFFIXES else ("mujoco",)
-    return read_guarded(
+    call = ReadCall(
         "trundle.sim.mujoco.joints:read_joints",
         (Path(source),),
         what=os.fspath(source),
         error=RobotError,
         limits=limits,
         imports=imports,
-        stacklevel=2,
     )
+    return read_guarded(call, stacklevel=2)
 
 
 def read_joints(path: Path) -> list[Joint]:
