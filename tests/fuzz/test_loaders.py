@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from fuzz.fuzz_loaders import LOADERS, play, play_apart, report
-from trundle.errors import RobotError
+from trundle.errors import RobotError, TrundleError
+from trundle.guard import Child
 from trundle.sim.mujoco.joints import list_joints
 
 
@@ -28,10 +29,48 @@ def test_a_joint_about_no_axis_is_refused(tmp_path):
         list_joints(file, trusted=True)
 
 
-@pytest.mark.parametrize("number", [242, 338])
-def test_values_of_another_type_or_out_of_range_are_refused(number):
-    """A limit that is no number, and a transform of numbers too large to multiply."""
-    assert play("usd", range(number, number + 1), 2, time.monotonic() + 60.0)[1] == []
+STAGE = """#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 0.01
+)
+def Xform "World" {
+    def Cube "Box" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {
+        double size = 100
+        double3 xformOp:translate = (1, 2, 3)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+    def Cylinder "Post" { double height = 200
+        double radius = 20
+    }
+    def PointInstancer "Racks" {
+        point3f[] positions = [(0, 0, 0), (300, 0, 0)]
+        int[] protoIndices = [0, 0]
+        rel prototypes = </World/Racks/Rack>
+        def Sphere "Rack" {
+            double radius = 30
+        }
+    }
+    def PhysicsRevoluteJoint "Joint" { rel physics:body0 = </World/Box>
+        rel physics:body1 = </World/Post>
+        float physics:lowerLimit = -90
+    }
+}
+"""
+
+
+@pytest.mark.filterwarnings("ignore::trundle.errors.WorldWarning", "ignore::RuntimeWarning")
+@pytest.mark.parametrize(
+    ("old", "new"), [("float physics", "floaoat physics"), ("metersPerUnit = 0.01", "metersPerUnit = 1e300")]
+)
+def test_values_of_another_type_or_out_of_range_are_refused(tmp_path, old, new):
+    file = tmp_path / "scene.usda"
+    with Child() as child:
+        file.write_text(STAGE)
+        LOADERS["usd"](child, file)
+        file.write_text(STAGE.replace(old, new))
+        with pytest.raises(TrundleError, match=r"scene\.usda"):
+            LOADERS["usd"](child, file)
 
 
 def test_findings_of_one_kind_are_reported_together_and_do_not_end_the_fuzz(monkeypatch, tmp_path):
