@@ -106,7 +106,7 @@ class HybridAStar:
         nodes were expanded, cells of the field settled, and poses checked with the outline. With `partial` the status
         may be 1, 4 or 5 with poses all the same: they lead to the pose nearest to the goal of those that were tried.
         `outline` is kept free at poses at most `step` apart; with `inner`, of as many corners, only what that sweeps.
-        With `thorough` it searches in smaller cells and motions before it says 1.
+        With `thorough` it searches in smaller cells and by shorter motions.
         """
     @property
     def bytes(self) -> int: ...

@@ -213,17 +213,21 @@ class HybridAStarPlanner(PosePlanner):
 
     def _find(self, query: Query, patience: Patience) -> _Answer:
         padding = self._padding_at_ends(query)
-        answer = self._find_padded(query, patience, padding, thorough=False)
+        less = min(max(_LESS_PADDING * padding, LEAST_PADDING_M), padding)
+        answer = self._find_padded(query, patience, padding)
+        if answer.status in _ALL_TRIED and less < padding:
+            answer = self._find_padded(query, patience, less)
         if answer.status not in _ALL_TRIED:
             return answer
         # A closer look takes long, and finds nothing where an end is enclosed.
         enclosure = find_enclosure(query, patience, _BOXES_AN_EXPANSION * self.settings.max_expansions)
         if enclosure is not None:
             return answer._replace(enclosure=enclosure)
-        less = min(max(_LESS_PADDING * padding, LEAST_PADDING_M), padding)
-        return self._find_padded(query, patience, less, thorough=True)
+        closer = self._find_padded(query, patience, less, thorough=True)
+        total = answer.expansions + closer.expansions
+        return closer._replace(path=closer.path or answer.path, expansions=total)
 
-    def _find_padded(self, query: Query, patience: Patience, padding: float, *, thorough: bool) -> _Answer:
+    def _find_padded(self, query: Query, patience: Patience, padding: float, *, thorough: bool = False) -> _Answer:
         costmap, settings = query.costmap, self.settings
         checked = CheckedOutline.of(costmap.footprint, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(

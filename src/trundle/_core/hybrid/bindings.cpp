@@ -112,33 +112,27 @@ class HybridAStar {
 
  private:
   HybridPath search(const HybridQuery &query, const SearchLimits &limits, HybridMemory &memory) const {
+    if (query.thorough) return look_closely(query, limits, memory);
     HybridPath path = HybridSearch(settings_, query, limits, memory).find();
     // A start that is hard to get away from may be a matter of shorter motions; a goal is not, as curves end there.
-    const bool stuck = path.stuck && path.status == SearchStatus::kUnreachable;
-    if (stuck) {
+    if (path.stuck && path.status == SearchStatus::kUnreachable) {
       path = HybridSearch(settings_, query, limits, memory, kHalfStates).find();
     }
-    if (!query.thorough || path.status != SearchStatus::kUnreachable || path.spent || path.closed_off) return path;
-    return look_closely(query, limits, memory, std::move(path), stuck);
+    return path;
   }
 
   // A gap that a robot fits with a centimetre to spare may lie between the states and motions of the first search.
-  // Returns its answer where a search as close as is worth it finds no other, spent where that did not end; `halved` if
-  // it was one in half the cells.
-  HybridPath look_closely(HybridQuery query, const SearchLimits &limits, HybridMemory &memory, HybridPath path,
-                         bool halved) const {
+  // Returns the answer of the closest search, or of the first one that found a path or was spent.
+  HybridPath look_closely(HybridQuery query, const SearchLimits &limits, HybridMemory &memory) const {
     query.max_expansions = std::min(query.max_expansions, kMostClose);
+    HybridPath path;
     for (const StateGrid &states : {kHalfStates, kCloseStates, kClosestStates}) {
-      if (halved && !states.close) continue;
-      HybridPath closer = HybridSearch(settings_, query, limits, memory, states).find();
-      if (closer.spent) {
-        path.expansions += closer.expansions, path.spent = true;
-        break;
-      }
-      const bool soon_over = closer.expansions < kSoonOver;
-      closer.expansions += path.expansions;
-      path = std::move(closer);
-      if (path.status != SearchStatus::kUnreachable || (states.close && !soon_over)) break;
+      const std::uint64_t before = path.expansions;
+      path = HybridSearch(settings_, query, limits, memory, states).find();
+      const bool soon_over = path.expansions < kSoonOver;
+      path.expansions += before;
+      const bool is_over = path.status != SearchStatus::kUnreachable || path.spent || path.closed_off;
+      if (is_over || (states.close && !soon_over)) break;
     }
     return path;
   }

@@ -48,7 +48,7 @@ struct HybridQuery {
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
   const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
-  bool thorough;           // whether to search in smaller cells before saying that there is no path
+  bool thorough;           // whether to search in smaller cells and by shorter motions
   bool partial;            // whether a path to the nearest pose is wanted where none leads to the goal
 };
 
