@@ -1,3 +1,4 @@
+from importlib import resources
 from pathlib import Path
 
 from support.command_line import Trundle
@@ -60,3 +61,16 @@ def test_a_file_that_is_not_there(trundle: Trundle) -> None:
     assert done.code == 2
     assert "none.urdf" in done.err
     assert "Traceback" not in done.err
+
+
+def test_a_robot_that_tips_over_is_refused_as_by_a_run(trundle: Trundle, tmp_path: Path) -> None:
+    text = Path(str(resources.files("trundle.robots") / "catalogue" / "nova_carter.yaml")).read_text()
+    begin, end = text.index("casters:"), text.index("lidars:")
+    (tmp_path / "bare.yaml").write_text(text[:begin] + text[end:])
+    listed = trundle("joints", "bare.yaml")
+    assert listed.code == 2
+    assert "is behind all of its wheels, and it has no casters. Add one there, for example casters: [" in listed.err
+    assert trundle("drive", "bare.yaml", "--command", "0.3,0,1").err == listed.err
+    advice = listed.err[listed.err.index("casters: [") :].strip()
+    (tmp_path / "carried.yaml").write_text(text[:begin] + advice + "\n" + text[end:])
+    assert trundle("joints", "carried.yaml").code == 0

@@ -9,6 +9,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.pictures.colors import BAD, KEPT_OUT, PLANNED
 from trundle.planning import planner_names
+from trundle.planning.planner import PLANNERS
 from trundle.record.zones import SpeedZones
 from trundle.robots import Robot
 
@@ -311,3 +312,17 @@ def test_a_smoothed_plan_is_drawn_with_the_planned_one(trundle: Trundle, room_ma
     assert rows["astar"]["length_m"] != pytest.approx(planned["length_m"])
     unknown = trundle("plan", room_map, *ends, "--smoother", "constraint")
     assert (unknown.code, "Did you mean 'constrained'?" in unknown.err) == (2, True)
+
+
+def test_a_path_that_touches_something_is_no_success(
+    trundle: Trundle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(PLANNERS._builtin, "straight", "support.planners:StraightPlanner")
+    room(door_m=1.5).save(tmp_path / "door.yaml")
+    ends = ("--start", "0.5,0", "--goal", "5.5,0")
+    done = trundle("plan", "door.yaml", "--planner", "straight", *ends, "--json")
+    assert done.code == 1
+    assert done.json["touches"][0] == pytest.approx(2.8, abs=0.2)
+    assert "the path of planner 'straight' touches something at (2." in done.err
+    free = trundle("plan", "door.yaml", "--planner", "straight", *ends[:3], "1.5,0", "--json")
+    assert (free.code, free.json["touches"]) == (0, None)

@@ -15,6 +15,14 @@ def costmap(room, carter):
     return Costmap.from_grid(room, carter.outline)
 
 
+def costmap_with_a_block(costmap):
+    costs = costmap.data.copy()
+    costs[:, costs.shape[1] // 2 :] = 254
+    return Costmap(
+        costs, costmap.resolution, costmap.origin, costmap.footprint, inflation_radius=costmap.inflation_radius
+    )
+
+
 def closed(rows, cols):
     data = np.zeros((rows, cols), dtype=np.int8)
     data[[0, -1], :] = 100
@@ -83,8 +91,10 @@ def test_a_given_end_is_kept(costmap):
 def test_a_given_end_close_to_a_wall_is_accepted_and_one_inside_refused(costmap):
     start, _ = sample_mission(costmap, 0, start=(7.75, 4.5, 0.0))  # 0.2 m before the east wall, nose to it
     assert start.x == 7.75
-    with pytest.raises(ScenarioError, match="cannot stand"):
+    with pytest.raises(ScenarioError, match=r"\(20, 4.5\) lies outside the map, which covers x 0 to 8"):
         sample_mission(costmap, 0, start=(20.0, 4.5))
+    with pytest.raises(ScenarioError, match="cannot stand"):
+        sample_mission(costmap_with_a_block(costmap), 0, start=(5.0, 2.5))
     with pytest.raises(InputError, match="both given"):
         sample_mission(costmap, 0, start=(1.0, 1.0), goal=(2.0, 2.0))
     with pytest.raises(InputError, match="min_distance"):

@@ -2,9 +2,10 @@ import numpy as np
 
 from support.planted_maps import changed, map_of, room
 from trundle.maps.check import check_grid
-from trundle.pictures.colors import WARNING
+from trundle.pictures.colors import BAD, GOOD, WARNING
 from trundle.pictures.text import plain
 from trundle.record.map_report import count_by_severity, draw_report
+from trundle.worlds import World
 
 
 def test_a_report_shows_a_ring_at_each_place_and_a_line_for_each_finding():
@@ -26,6 +27,15 @@ def test_findings_of_one_kind_share_a_line():
     assert few.size == more.size
     ringed = [(np.asarray(picture) == WARNING).all(axis=2).sum() for picture in (few, more)]
     assert ringed[1] > 2 * ringed[0]
+
+
+def test_a_map_that_agrees_with_its_world_nowhere_is_not_shown_in_green():
+    grid = map_of(room())
+    report = check_grid(grid, world=World.generate("office", seed=1))
+    assert "mismatch" in report.kinds()
+    picture = np.asarray(draw_report(grid, report, title="room"))
+    assert (picture == BAD).all(axis=2).any()
+    assert not (picture == GOOD).all(axis=2).any()
 
 
 def test_all_of_a_findings_letters_can_be_drawn():

@@ -8,6 +8,8 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
+from trundle.cli.shared.given import check_given
+from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 
 _LONGER_S = 0.5
 
@@ -47,6 +49,8 @@ def compare(
     from trundle.record.run_folder import save_png
 
     target = options.output_file(out, "compare.png", (".png",))
+    for run in (first, second):
+        check_given(run, RUN, DRIVE, TABLE, ARRAYS)
     motions = Motion.load(first), Motion.load(second)
     comparison = compare_motions(*motions, align=align)
     one, other = first.resolve().name, second.resolve().name

@@ -80,7 +80,6 @@ def robot(
         track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
     """
     from trundle.doctor.drive_check import check_drive
-    from trundle.robots import Robot
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
     from trundle.worlds import World
@@ -88,7 +87,7 @@ def robot(
     simulator_options = isaac.simulator_options(isaac_options, backend)
     if backend == "mujoco":
         import_engine()
-    machine = Robot.load(name)
+    machine = sources.load_robot(name)
     given = {"wheel_radius": wheel_radius, "track_width": track_width}
     changes = {key: value for key, value in given.items() if value is not None}
     for key, value in changes.items():

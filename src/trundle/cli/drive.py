@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError
+from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
@@ -78,7 +80,6 @@ def drive(
     """
     from trundle.record.drive_log import DriveLog
     from trundle.record.folder_claim import FolderClaim, check_free
-    from trundle.robots import Robot
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
     from trundle.teleop.terminal import check_terminal, drive_by_keys
@@ -91,7 +92,7 @@ def drive(
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
     isaac.check_window(view, backend)
-    machine = Robot.load(robot, paths=options.join_paths(paths))
+    machine = sources.load_robot(robot, paths)
     if teleop and not view:
         check_terminal()
     if backend == "mujoco":
@@ -102,6 +103,7 @@ def drive(
         place = stack.enter_context(isaac.open_place(world, settings=kept, seed=seed, backend=backend, given=given))
         pose = sources.start_pose(place, start)
         if like is not None:
+            check_given(like, RUN, DRIVE, TABLE, ARRAYS)
             commands, begin = commands_of(like)
             pose = begin if start is None else pose
         if backend != isaac.BACKEND or floor_z is not None:

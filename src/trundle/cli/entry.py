@@ -117,7 +117,9 @@ def _dispatch(arguments: Sequence[str]) -> int:
         refused = _explain(error)
         if refused is not None:
             raise refused from error
-        return _fail(f"{error}\nSee: trundle {verb} --help")
+        from trundle.cli.shared.usage import describe_usage
+
+        return _fail("\n".join(describe_usage(error, arguments)))
     return code if isinstance(code, int) else DONE
 
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
+from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 
 if TYPE_CHECKING:
     from trundle.export import Kind, Scene
@@ -83,6 +85,7 @@ def export(
     from trundle.worlds import World
     from trundle.worlds.floors import lower_world
 
+    check_given(source, WORLD, ROBOT, SCENARIO, MAP)
     target, form = choose_file(source, to, out)
     given = {
         "robot": robot,

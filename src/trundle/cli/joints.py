@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import isaac, options, output
+from trundle.cli.shared import isaac, options, output, sources
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz")
 
@@ -45,10 +45,15 @@ def joints(
     from trundle.sim.mujoco.engine import import_engine
 
     import_engine()
-    from trundle.robots import Robot
     from trundle.sim.mujoco.joints import list_joints
+    from trundle.sim.mujoco.simulator import check_stands
 
-    found = list_joints(robot if robot.lower().endswith(MODEL_SUFFIXES) else Robot.load(robot))
+    if robot.lower().endswith(MODEL_SUFFIXES):
+        found = list_joints(robot)
+    else:
+        machine = sources.load_robot(robot)
+        check_stands(machine)
+        found = list_joints(machine)
     if json:
         output.print_json(found)
         return 0

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output, settings, sources
+from trundle.cli.shared.given import check_given
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
+from trundle.files.kinds import MAP, ROBOT
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
@@ -79,12 +81,16 @@ def plan(
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
     from trundle.mission import RunSettings
     from trundle.navigation import Choice, Navigator
+    from trundle.planning import PathCheck
     from trundle.record.overlay import draw_plan
     from trundle.record.run_folder import save_png
     from trundle.sim import simulator_names
 
     if backend not in simulator_names():
         raise UnknownNameError("backend", backend, simulator_names())
+    for text, kind in ((map_file, MAP), (robot, ROBOT), (keepout, MAP), (speed_mask, MAP)):
+        if text is not None:
+            check_given(text, kind)
     first = options.parse_pose("--start", start) if start else None
     last = options.parse_goal("--goal", goal) if goal else None
     target = _find_target(out)
@@ -119,8 +125,17 @@ def plan(
     if target is not None:
         picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask, before=before)
         save_png(picture, target)
+    hit = PathCheck(path).first_hit(navigator.costmap)
+    if hit is not None:
+        x, y, _ = hit.pose
+        output.remark(
+            f"trundle: the path of planner {planner!r} touches something at ({x:.2f}, {y:.2f}); it cannot be driven",
+            quiet=False,
+        )
+        code = code or 1
     facts = {
         "status": path.status,
+        "touches": None if hit is None else hit.pose,
         "remaining_m": path.remaining_m,
         "length_m": path.length,
         "cost": path.cost,

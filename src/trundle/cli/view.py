@@ -57,11 +57,10 @@ def view(
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
-    from trundle.robots import Robot
     from trundle.sim.mujoco.engine import import_engine
 
     given = isaac.simulator_options(isaac_options, backend)
-    machine = Robot.load(robot, paths=options.join_paths(paths))
+    machine = sources.load_robot(robot, paths)
     width, height = parse_size(size)
     if backend == "mujoco":
         import_engine()

@@ -9,7 +9,7 @@ from pathlib import Path
 from trundle.errors import InputError
 from trundle.files.yaml_nodes import compose, keys_of
 
-MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE = (
+MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE, TABLE, ARRAYS = (
     "a map",
     "a robot",
     "a scenario",
@@ -17,6 +17,8 @@ MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE = (
     "a picture",
     "the folder of a run",
     "the folder of a drive",
+    "a table",
+    "a file of arrays",
 )
 
 _SUFFIXES = {
@@ -25,8 +27,8 @@ _SUFFIXES = {
     WORLD: (".sdf", ".world", ".glb", ".gltf", ".obj", ".stl", ".ply", ".dae", ".usd", ".usda", ".usdc", ".usdz"),
     "a video": (".mp4",),
     "a recording": (".mcap", ".db3", ".bag"),
-    "a table": (".csv", ".parquet"),
-    "a file of arrays": (".npz", ".npy"),
+    TABLE: (".csv", ".parquet"),
+    ARRAYS: (".npz", ".npy"),
     "a page": (".html", ".pdf", ".md"),
     "a program": (".py", ".sh"),
 }

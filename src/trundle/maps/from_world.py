@@ -25,7 +25,9 @@ Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
 Style: TypeAlias = Literal["exact", "isaac"]
 
-MIN_RESOLUTION = 1e-4
+MIN_RESOLUTION, MAX_RESOLUTION = 1e-4, 5.0
+"""Cells of a map of a world [m]: no robot finds its path on coarser ones, and 50 is a slip for 0.05."""
+
 FAR = 2_000.0
 """A wider world [m] is warned of: often its unit is not the metre, or a solid is far away by mistake."""
 
@@ -89,8 +91,10 @@ def rasterise_world(
         raise MapError(
             f"a map is made of a World, got {type(world).__name__}; World.load(path) and World.generate(name) make one"
         )
-    if not (is_finite_number(resolution) and resolution >= MIN_RESOLUTION):
-        raise MapError(f"resolution must be at least {MIN_RESOLUTION} m a cell, got {resolution!r}")
+    if not (is_finite_number(resolution) and MIN_RESOLUTION <= resolution <= MAX_RESOLUTION):
+        raise MapError(
+            f"resolution is the edge of a cell in metres, {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g}, got {resolution!r}"
+        )
     if coverage not in ("any", "centre"):
         raise MapError(f'coverage is {coverage!r}, it must be "any" or "centre"')
     if style not in ("exact", "isaac"):
@@ -314,7 +318,10 @@ def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _L
     seeds = np.ascontiguousarray(_cells_of(points, layout)[:, ::-1])
     for (x, y), (row, col) in zip(points, seeds, strict=True):
         if cells[row, col] == OCCUPIED:
-            raise MapError(f"the seed ({x:g}, {y:g}) lies in an obstacle {where}; give a point that is free")
+            raise MapError(
+                f"the seed ({x:g}, {y:g}) lies in a cell of {layout.resolution:g} m that an obstacle {where} reaches "
+                "into; give a point that is free, or a smaller resolution"
+            )
     return flood_free(cells, seeds)
 
 

@@ -116,6 +116,8 @@ def _pick_two(
 def _pick_other(
     costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator, min_distance: float, fixed: Pose2D
 ) -> _Place:
+    if not costmap.contains(*(int(index) for index in costmap.world_to_cell(fixed.x, fixed.y))):
+        raise ScenarioError(f"({fixed.x:g}, {fixed.y:g}) lies outside the map, which covers {_extent(costmap)}")
     area = _area_near(costmap, areas, fixed)
     if area == 0:
         raise ScenarioError(
@@ -135,6 +137,12 @@ def _pick_other(
             f"room to turn (swing radius {costmap.circumscribed_radius:.2f} m)"
         )
     return best
+
+
+def _extent(costmap: Costmap) -> str:
+    rows, cols = costmap.shape
+    x, y = costmap.cell_to_world(np.array([-0.5, -0.5, rows - 0.5, rows - 0.5]), np.array([-0.5, cols - 0.5] * 2))
+    return f"x {x.min():g} to {x.max():g}, y {y.min():g} to {y.max():g} m"
 
 
 def _area_near(costmap: Costmap, areas: npt.NDArray[np.int32], pose: Pose2D) -> int:

@@ -269,3 +269,10 @@ def test_a_turned_map_of_a_round_room_is_not_put_right_by_guess():
     assert "rotated" in report.ambiguous
     assert "nothing is put right" in report.findings[0].fix
     assert report.corrected is None or "rotated" not in report.corrected_kinds
+
+
+def test_a_map_of_one_occupied_cell_is_not_compared():
+    data = np.zeros((100, 100), dtype=np.int8)
+    data[50, 50] = 100
+    (finding,) = [one for one in check_grid(OccupancyGrid(data, EDGE), world=room()).findings if one.kind == "mismatch"]
+    assert "the map has 1 occupied cells, too few to tell its place by" in finding.message

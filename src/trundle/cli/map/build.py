@@ -82,9 +82,8 @@ def build(
         max_cells: The most cells to accept; left out: 400 million.
     """
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
-    from trundle.robots import Robot
 
-    machine = Robot.load(robot, paths=options.join_paths(paths))
+    machine = sources.load_robot(robot, paths)
     low, high = machine.z_range
     band = (low if z_min is None else z_min, high if z_max is None else z_max)
     area, seeds = _parse_bounds(bounds), _parse_free(free)

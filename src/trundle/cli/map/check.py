@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output, sources
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError
+from trundle.files.kinds import MAP
 from trundle.record.map_report_lines import MOST_LINES, tell_report
 
 if TYPE_CHECKING:
@@ -73,9 +75,10 @@ def check(
     from trundle.maps.ros_writer import choose_mode
     from trundle.robots import Robot
 
+    check_given(map_file, MAP)
     first = options.parse_pose("--start", start) if start else None
     goals = [options.parse_pose("--goal", text) for text in goal or []]
-    machine = Robot.load(robot, paths=options.join_paths(paths)) if robot is not None else None
+    machine = sources.load_robot(robot, paths) if robot is not None else None
     given = sources.read_settings(world, settings, exclude, paths, robot=robot)
     place = sources.load_place(world, seed=seed, settings=given) if world is not None or given else None
     if place is not None:

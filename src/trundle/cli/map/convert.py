@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError
+from trundle.files.kinds import MAP
 
 if TYPE_CHECKING:
     from trundle.maps import OccupancyGrid
@@ -77,6 +79,8 @@ def convert(
     from trundle.maps.ros_writer import choose_mode
 
     sources = [map_file] if second is None else [map_file, second]
+    for source in sources:
+        check_given(source, MAP)
     rectangle = _parse_crop(crop)
     grids = _load(sources, compat, source_resolution, source_origin)
     target = options.output_file(out, "map.yaml", (".yaml", ".yml", _MOVINGAI))

@@ -9,7 +9,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from trundle.cli.shared import isaac, options, settings, sources
+from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
+from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 from trundle.mission import Scenario
 from trundle.mission.choices import MapOptions
 from trundle.worlds import world_names
@@ -57,6 +59,10 @@ class ScenarioOptions:
             InputError: If an option cannot be used; one line for each.
             UnknownNameError: If a name is not known.
         """
+        check_given(source, SCENARIO, MAP, WORLD)
+        for text, kind in ((self.robot, ROBOT), (self.keepout, MAP), (self.speed_mask, MAP)):
+            if text is not None:
+                check_given(text, kind)
         given = {
             "robot": self.robot,
             "start": options.parse_pose("--start", self.start).as_tuple() if self.start else None,

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trundle.cli.shared.given import check_given
 from trundle.cli.shared.options import join_paths, parse_pose, parse_settings
 from trundle.errors import InputError, UnknownNameError
+from trundle.files.kinds import MAP, ROBOT, WORLD
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap
@@ -64,6 +66,19 @@ def is_yaml(text: str) -> bool:
     return text.lower().endswith((".yaml", ".yml"))
 
 
+def load_robot(text: str, paths: list[str] | None = None) -> Robot:
+    """Load a robot by name or from its file; `paths` are the folders of --paths.
+
+    Raises:
+        UnknownNameError: If it is neither; the nearest name is offered.
+        InputError: If the file cannot be used.
+    """
+    from trundle.robots import Robot
+
+    check_given(text, ROBOT)
+    return Robot.load(text, paths=join_paths(paths))
+
+
 def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
     """Generate a world by name, or load it from a file: a map, SDF, MJCF, URDF, a mesh.
 
@@ -73,12 +88,11 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
     """
     from trundle.worlds import World, world_names
 
+    check_given(text, WORLD, MAP)
     if text in world_names():
         return World.generate(text, **{"seed": seed, **dict[str, Any](settings)})
     if not looks_like_file(text):
         raise UnknownNameError("world", text, world_names())
-    if is_yaml(text) and not is_map(Path(text)):
-        raise InputError(f"{text}: not a map: it has no image: key")
     return World.load(text, **dict[str, Any](settings))
 
 

@@ -20,6 +20,7 @@ from trundle.maps.grid import OccupancyGrid
 LEAST_AGREEMENT = 0.5
 """Below this the map is taken for one of another place."""
 
+_LEAST_OCCUPIED = 8  # cells
 _CLEAR = 0.97
 """A map that agrees so well is not searched for with cells of another size."""
 
@@ -102,6 +103,8 @@ def check_placement(
         return _unverified("give the world to compare the map with it")
     if not _is_drawn(grid):
         return _incomparable("the map has no occupied or no free cell: there is nothing to compare")
+    if (occupied := int((grid.data == OCCUPIED).sum())) < _LEAST_OCCUPIED:
+        return _incomparable(f"the map has {occupied} occupied cells, too few to tell its place by")
     try:
         lattice = Lattice(grid, world, z_range)
         matching, cells = find_matches(lattice)

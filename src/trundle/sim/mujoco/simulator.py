@@ -13,6 +13,7 @@ from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.files.model_spec import log_warnings
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot, WheelSpeeds
+from trundle.robots.balance import describe_imbalance
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.mujoco.contacts import ContactReader
@@ -228,6 +229,15 @@ def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, in
     return (int(left.qposadr[0]), int(right.qposadr[0])), (int(left.dofadr[0]), int(right.dofadr[0]))
 
 
+def check_stands(robot: Robot) -> None:
+    """Check that a robot stands on its wheels and casters.
+
+    Raises:
+        RobotError: If it tips over, or MuJoCo cannot model it.
+    """
+    _resting_state(robot, TIMESTEP, "trailing")
+
+
 def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArray:
     """Joint positions of the robot after it has settled on a bare floor, looking along x from the origin.
 
@@ -249,9 +259,7 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArra
     rest = data.qpos.copy()
     upright = 1.0 - 2.0 * (rest[4] ** 2 + rest[5] ** 2)
     if not (np.isfinite(rest).all() and upright > math.cos(_LARGEST_TILT)):
-        raise RobotError(
-            f"the robot {robot.name!r} does not stand on its wheels; check body.center_of_mass and casters"
-        )
+        raise RobotError(describe_imbalance(robot))
     # Height, roll and pitch are what settling is for; everything else starts where it was put.
     height = rest[2]
     tilt = np.array([rest[3], rest[4], rest[5], 0.0])

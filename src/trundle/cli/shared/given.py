@@ -1,0 +1,68 @@
+"""What an argument plainly is, where a verb wants something else: the message names it and says what to give."""
+
+from __future__ import annotations
+
+import os
+
+from trundle.errors import InputError
+from trundle.files.kinds import DRIVE, MAP, PICTURE, ROBOT, RUN, SCENARIO, WORLD, describe_mismatch, find_kind
+
+_ADVICE = {
+    (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
+    (SCENARIO, MAP): "give the map that it names, or drive it with trundle run {text}",
+    (SCENARIO, WORLD): "give the world or map that it names, or drive it with trundle run {text}",
+    (PICTURE, MAP): "give the map's YAML file, which names its image and says its resolution",
+    (PICTURE, WORLD): "of a map give the YAML file, which names its image and says its resolution",
+    (ROBOT, WORLD): "give it with --robot {text}",
+    (ROBOT, MAP): "give it with --robot {text}",
+    (WORLD, ROBOT): "give a robot first, and this with --world {text}",
+    (MAP, ROBOT): "give a robot first, and this with --world {text}",
+    (SCENARIO, ROBOT): "give the robot that it names",
+    (RUN, SCENARIO): "to repeat it give {text}/scenario.yaml",
+    (RUN, MAP): "give the YAML file of a map",
+    (DRIVE, SCENARIO): "to repeat its commands, trundle drive ROBOT --like {text}",
+    (
+        "a simulator",
+        RUN,
+    ): "drive with trundle drive ROBOT --like RUN --backend {text}, and compare the folders",
+    ("a folder", MAP): "give the YAML file of a map in it",
+}
+
+
+def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
+    """Refuse a file or a name that is plainly of another kind than those wanted; the first of them is the main one.
+
+    What is neither there nor a known name is left to its loader to name.
+
+    Raises:
+        InputError: If it is; it says what to give instead.
+    """
+    text = os.fspath(text)
+    kinds = _kinds_of_name(text)
+    if not kinds:
+        found = find_kind(text)
+        kinds = [] if found is None else [found]
+    if not kinds or set(kinds) & set(wanted):
+        return
+    advice = next((_ADVICE[kinds[0], kind] for kind in wanted if (kinds[0], kind) in _ADVICE), None)
+    *others, last = wanted
+    message = describe_mismatch(text, kinds[0], f"{', '.join(others)} or {last}" if others else last)
+    raise InputError(message if advice is None else f"{message}; {advice.format(text=text)}")
+
+
+def _kinds_of_name(text: str) -> list[str]:
+    """What there is of this name."""
+    from trundle.control import controller_names
+    from trundle.planning import planner_names
+    from trundle.robots import robot_names
+    from trundle.sim import simulator_names
+    from trundle.worlds import world_names
+
+    names = {
+        WORLD: world_names,
+        ROBOT: robot_names,
+        "a planner": planner_names,
+        "a controller": controller_names,
+        "a simulator": simulator_names,
+    }
+    return [kind for kind, known in names.items() if text in known()]
