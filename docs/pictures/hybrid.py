@@ -1,4 +1,4 @@
-"""Make hybrid_astar.png: a robot that shall stand in an aisle with its nose out, by arcs alone and turning in place.
+"""Make hybrid_astar.png: a robot that parks in an aisle with its nose out, with arcs only and with turns in place.
 
 python docs/pictures/hybrid.py
 """
@@ -31,7 +31,7 @@ def main() -> None:
     robot = Robot.load("nova_carter")
     costmap = make_costmap(robot)
     pictures = []
-    for in_place, what in ((False, "arcs of 0.4 m, both ways"), (True, "the same, with turns in place")):
+    for in_place, what in ((False, "arcs of 0.4 m, both directions"), (True, "the same, with turns in place")):
         path = create_planner("hybrid_astar", in_place=in_place).plan(costmap, START, GOAL)
         changes = int(np.count_nonzero(np.diff(path.backward)))
         back = float(np.hypot(*np.diff(path.poses[:, :2], axis=0).T)[path.backward].sum())

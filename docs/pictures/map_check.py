@@ -1,4 +1,4 @@
-"""Make map_check.png: a map with planted mistakes, and what `trundle map check` says of it.
+"""Make map_check.png: a map with planted mistakes, and what `trundle map check` reports.
 
 python docs/pictures/map_check.py FOLDER
 """
@@ -14,17 +14,17 @@ from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid, convert_grid
 from trundle.worlds import World
 
-# Boxes (x, y, x end, y end) [m] and what is painted there: -1 unknown, 0 free, 100 occupied.
+# Boxes (x, y, x end, y end) [m] and their value: -1 unknown, 0 free, 100 occupied.
 PLANTED = (
     (-10.5, 2.5, -9.5, 3.5, -1),  # a hole
     (-10.0, -3.0, -9.95, -2.95, 100),  # a speck
-    (-4.2, 2.5, -4.0, 4.1, 100),  # a narrow way between two racks
+    (-4.2, 2.5, -4.0, 4.1, 100),  # a narrow passage between two racks
     (14.9, 3.0, 15.3, 3.6, 0),  # a gap in the outer wall
     (8.0, 7.0, 9.2, 8.2, 100),  # walls around a place…
     (8.1, 7.1, 9.1, 8.1, 0),  # …that cannot be reached
 )
 TURNED = Pose2D(0.0, 0.0, math.radians(7.0))
-"""How the frame of the robot's first pose lies in the world's."""
+"""Pose of the frame of the robot's first pose in the world's frame."""
 
 
 def plant(grid: OccupancyGrid) -> OccupancyGrid:

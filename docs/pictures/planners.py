@@ -25,7 +25,7 @@ EACH = ("manhattan_astar", "astar", "any_angle", "hybrid_astar", "least_cost", "
 
 
 def draw_each(map_file: str) -> None:
-    """Draw the path of each planner in a picture of its own, side by side."""
+    """Draw the path of each planner in a separate picture, side by side."""
     robot = Robot.load("nova_carter")
     costmap = Costmap.from_grid(OccupancyGrid.load(map_file), robot)
     pictures = []

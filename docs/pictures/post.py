@@ -43,7 +43,7 @@ _PERIOD = 0.05
 class OtherTrack:
     """A robot whose wheels are commanded with another track than it has.
 
-    Its limits hold for what is commanded, as in Isaac Sim's DifferentialController: the robot itself turns faster.
+    Its limits apply to commands, as in Isaac Sim's DifferentialController: the robot turns faster than that.
     """
 
     def __init__(self, world: trundle.World, robot: Robot, track_width: float) -> None:
@@ -127,7 +127,7 @@ def drive_as_the_post(track_width: float) -> Episode:
 
 
 def drive_as_trundle(**controller_options: float) -> Episode:
-    """Drive as `trundle run` does by itself, but for options of the controller."""
+    """Drive with the defaults of `trundle run`, except for options of the controller."""
     place, robot = make_place(), Robot.load("nova_carter")
     controller = trundle.Choice.of("regulated_pure_pursuit", **controller_options)
     navigator = trundle.Navigator(place.grid, robot, controller=controller, settings=SETTINGS)
@@ -136,7 +136,7 @@ def drive_as_trundle(**controller_options: float) -> Episode:
 
 
 def drive_square(track_width: float) -> FloatArray:
-    """Command four times 2 m and a quarter turn, by time alone; return the poses, shape (N, 3)."""
+    """Command four times 2 m and a quarter turn, open-loop by time; return the poses, shape (N, 3)."""
     robot = post_robot()
     side, turn = (Twist2D(0.4, 0.0), 5.0), (Twist2D(0.0, np.pi / 8.0), 4.0)
     rest = (Twist2D(), 0.5)
@@ -181,9 +181,9 @@ def draw_start(wrong: Episode, right: Episode, own: Episode) -> Image.Image:
 
 def draw_square(wrong: FloatArray, right: FloatArray) -> Image.Image:
     """Draw the square as commanded and as driven with both tracks."""
-    told = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]])
+    commanded = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]])
     curves = [
-        Curve(told[:, 0], told[:, 1], PLANNED, "told", 11),
+        Curve(commanded[:, 0], commanded[:, 1], PLANNED, "commanded", 11),
         Curve(wrong[:, 0], wrong[:, 1], BAD, f"wheel base {POST_TRACK:g} m", 4),
         Curve(right[:, 0], right[:, 1], START, f"track {own_track():g} m", 4),
     ]
@@ -199,7 +199,7 @@ def own_track() -> float:
 
 
 def main(folder: Path) -> None:
-    """Write the pictures, and print what they are of."""
+    """Write the pictures, and print how each run ended."""
     costmap, robot = make_place().costmap, post_robot()
     wrong, right, own = drive_as_the_post(POST_TRACK), drive_as_the_post(own_track()), drive_as_trundle()
     save_png(draw_run(costmap, robot, wrong), folder / "post_run.png")

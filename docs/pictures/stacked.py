@@ -1,4 +1,4 @@
-"""What the pictures of docs/images share that show one thing above or beside another."""
+"""Pictures of docs/images that are made of two, one above or beside the other."""
 
 from __future__ import annotations
 
