@@ -1,5 +1,6 @@
 # make demo   set up, then drive a robot across the built-in warehouse
 # make test   set up, then run the tests
+# make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
@@ -30,13 +31,17 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test fuzz check docs build setup dev clean
+.PHONY: demo test test-wheels fuzz check docs build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
 
 test: dev
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel"
+
+# Builds wheels without the compiled files of this folder: minutes.
+test-wheels: dev
+	$(BIN)/python -m pytest -m wheel
 
 fuzz: dev
 	$(BIN)/python -m pytest -n 2 --explore --explore-seconds $(FUZZ_SECONDS)
