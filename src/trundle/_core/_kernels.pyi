@@ -210,7 +210,7 @@ def grid_search(
     seconds: float | None = None,
     cancel: npt.NDArray[np.uint8] | None = None,
 ) -> tuple[npt.NDArray[np.int32], float]:
-    """No cells, and a cost of 0, where there is no way; no cells and NaN where it was stopped."""
+    """No cells, and a cost of 0, where there is no path; no cells and NaN where it was stopped."""
 
 def cost_field(
     costs: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32],

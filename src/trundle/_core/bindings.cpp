@@ -1,4 +1,4 @@
-// The Python module `trundle._core._kernels`. Each folder declares what it offers in a `bind_*` of its own.
+// The Python module `trundle._core._kernels`: the kernels of each folder are declared by its `bind_*`.
 #include <nanobind/nanobind.h>
 
 namespace nb = nanobind;

@@ -1,4 +1,4 @@
-// Kernels of this folder besides `LeastCost`.
+// Kernels of straight lines: what they cost, and the cheapest shortcut of a path.
 #pragma once
 
 #include "shared/arrays.hpp"

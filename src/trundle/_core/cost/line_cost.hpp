@@ -1,4 +1,4 @@
-// What a straight line over a grid costs whose cells have a weight each.
+// The cost of a straight line over a grid whose cells have a weight each.
 //
 // Points are (x, y) in grid units: cell (row, col) is the square [col, col + 1] × [row, row + 1]. A line costs ∫ weight
 // ds, clipped exactly at the cells' borders. A line along a border takes the higher weight of the two cells; one

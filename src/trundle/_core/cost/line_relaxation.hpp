@@ -48,8 +48,8 @@ inline std::array<Point, 3> choices(const Point &a, const Point &b, const Point 
   return {b, {b.x + across_x, b.y + across_y}, {b.x - across_x, b.y - across_y}};
 }
 
-// Moves the vertices of a line of two pieces or more where that makes it cheaper. What the pieces cost is kept for as
-// long as their ends stay.
+// Moves the vertices of a line of two pieces or more where that makes it cheaper. Costs of pieces are kept while their ends
+// stay.
 class MovingLine {
  public:
   MovingLine(const WeightedGrid &grid, std::vector<Point> &line, double offset)
@@ -59,7 +59,7 @@ class MovingLine {
     choices_.back().fill(line.back());
   }
 
-  // Every vertex stays or goes one step; answers what the line costs then.
+  // Every vertex stays or moves one step. Returns the cost of the line then.
   double move() {
     const std::size_t last = line_.size() - 1;
     bool was_new = false;  // whether the choices of the vertex before have changed

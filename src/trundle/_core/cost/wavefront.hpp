@@ -6,7 +6,7 @@
 // none falls, given the cells around it (tile_sweeper.hpp). What that lowers in the neighbouring tiles is offered to
 // them, and puts them on the open list. A tile is settled again whenever a neighbour offers it less than it has.
 //
-// Invariants: costs only fall, and each is that of a real path. A tile is on the open list, or deferred, as long as
+// Invariants: costs only fall, and each comes from a source over steps and triangles. A tile is on the open list, or deferred, as long as
 // something that was offered to it has not been swept through it. So a cell's cost is final once no rank on the open
 // list is below it, given ranks that never fall along a path.
 //

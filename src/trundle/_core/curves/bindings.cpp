@@ -8,7 +8,7 @@
 
 namespace trundle {
 
-// Row i: up to five pairs of length [m], negative backwards, and curvature [1/m]; what is not needed is 0.
+// Row i: up to five pairs of length [m], negative backwards, and curvature [1/m]; the rest is 0.
 static nb::ndarray<nb::numpy, double> shortest_curves(In<double, 2> starts, In<double, 2> goals, double radius,
                                                       bool reverse) {
   if (starts.shape(1) != 3 || goals.shape(1) != 3 || starts.shape(0) != goals.shape(0)) {

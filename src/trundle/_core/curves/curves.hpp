@@ -36,7 +36,7 @@ inline double wrap(double angle) {
   return angle;
 }
 
-// The same in [0, 2 pi); what is a rounding below a full turn is none.
+// The same in [0, 2 pi); an angle less than a rounding below a full turn becomes 0.
 inline double full_turn(double angle) {
   while (angle < 0.0) angle += 2.0 * kPi;
   while (angle >= 2.0 * kPi) angle -= 2.0 * kPi;

@@ -5,7 +5,7 @@
 
 namespace trundle {
 
-// What a field is computed for, and within which limits.
+// The goals of a field, and the limits of its computation.
 struct Task {
   In<std::int64_t, 2> goals;
   int threads;

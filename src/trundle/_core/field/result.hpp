@@ -60,7 +60,7 @@ TRUNDLE_INLINE Number write(const Number (*values)[kTile], std::uint64_t changed
   return joined<kLaneCount<decltype(largest)> / 2>(largest, more)[0];
 }
 
-// What a thread works with: a tile, and where its numbers are if they are not kept.
+// A thread's memory: a tile, and its numbers where they are not kept.
 template <typename Cost, typename Number>
 struct Workspace {
   Tile<Cost, Number> tile;

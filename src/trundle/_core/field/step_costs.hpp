@@ -1,4 +1,4 @@
-// What the steps between a tile's cells, and to those beside it, cost: made from the grid's costs where they are
+// Costs of the steps between a tile's cells, and to those around it: made from the grid's costs where they are
 // needed, a row at a time.
 #pragma once
 
@@ -107,7 +107,7 @@ struct HalfSteps {
   }
 };
 
-// Between two rows. A diagonal step needs both cells beside it free.
+// Steps between two rows. A diagonal step needs both cells beside it free.
 template <int kBytes, typename Number>
 TRUNDLE_INLINE void make_steps(const HalfSteps<kBytes, Number> &low, const HalfSteps<kBytes, Number> &high,
                                bool diagonals, Steps<Number> &steps) {

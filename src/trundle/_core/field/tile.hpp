@@ -12,7 +12,7 @@
 
 namespace trundle {
 
-// What lies beyond a tile: below, above, on the left, on the right, and beyond the corners low left, low right, high
+// The sides of a tile: below, above, on the left, on the right, and beyond the corners low left, low right, high
 // left and high right.
 enum Side { kLow, kHigh, kLeft, kRight, kCorner, kSides = 8 };
 constexpr int kSideRow[kSides] = {-1, 1, 0, 0, -1, -1, 1, 1}, kSideCol[kSides] = {0, 0, -1, 1, -1, 1, -1, 1};
@@ -44,7 +44,7 @@ class Tile {
   std::uint32_t offering;
   std::vector<std::int32_t> goals;
 
-  // What comes of it: the rows that changed, a bit for each; and the least cost that a cell beyond each side gets by a
+  // The result: the rows that changed, a bit for each; and the least cost that a cell beyond each side gets by a
   // step from here, where that is less than it has, else kFar.
   std::uint64_t changed;
   Number offers[kSides];

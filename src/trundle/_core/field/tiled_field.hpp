@@ -1,6 +1,6 @@
 // A cost field tile by tile, by one thread or several.
 //
-// A tile is taken from the open list, settled with what its neighbours offer, and offers them what comes of it, until
+// A tile is taken from the open list, settled with what its neighbours offer, and offers them its new costs, until
 // no tile is open (tile_queue.hpp, tile.hpp). Costs only fall, and the result is the one smallest fixed point of all
 // steps, whatever the order: the same for any number of threads.
 //

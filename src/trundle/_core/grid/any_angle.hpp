@@ -37,7 +37,7 @@ class AnyAngleMemory {
     kCone,
     kOver,   // a corner: between the path straight on and the line, over the blocked cell that was passed
     kPast,   // a corner: between the path straight on and the direction ahead, past the blocked cell in front
-    kAlong,  // a corner at the end of a path along a line: between the line and what is across it
+    kAlong,  // a corner at the end of a path along a line: between the line and the direction across it
   };
   struct Node {
     double left, right;  // of a cone, in half cells
@@ -164,8 +164,8 @@ class AnyAngleSearch {
     memory_.open.push({total, slot});
   }
 
-  // Carries what a root sees between two rays from a line through a run of the row ahead, to the next line. A ray along
-  // the line does not bound anything but the goal.
+  // Projects a root's cone between two rays from a line through a run of the row ahead, to the next line. A ray along the
+  // line bounds nothing but the goal.
   void carry_on(std::uint32_t root, std::int32_t line, int ahead, Run run, Ray left_ray, Ray right_ray) {
     const PointNodes::Node &from = memory_.roots[root];
     const std::int32_t row = ahead > 0 ? line : line - 1;
@@ -218,7 +218,7 @@ class AnyAngleSearch {
         continue;
       }
       const Run run{col == first ? last_blocked(grid_, row, col) + 1 : col, next_blocked(grid_, row, col)};
-      // Rays through the ends of the run on this line, where it is narrower than what is seen.
+      // Rays through the ends of the run on this line, where it is narrower than the cone.
       const PointNodes::Node &from = memory_.roots[node.root];
       const std::int32_t rise = 2 * node.line - from.at.y;
       const Ray left = 2.0 * run.begin > node.left ? Ray{2 * run.begin - from.at.x, rise} : node.left_ray;
@@ -230,7 +230,7 @@ class AnyAngleSearch {
     if (node.right == 2.0 * (last + 1)) meet_end(node, last + 1, 1);
   }
 
-  // What is seen of a line ends at a corner of cells.
+  // The cone's end on a line is a corner of cells.
   void meet_end(const Node &node, std::int32_t col, int side) {
     const std::int32_t row = row_ahead(node), behind = row - node.ahead;
     const bool left = blocked(row, col - 1), right = blocked(row, col);
@@ -241,7 +241,7 @@ class AnyAngleSearch {
     }
   }
 
-  // A blocked cell of the row ahead ends at a column, and what is to this side of it is free.
+  // A blocked cell of the row ahead ends at a column, and the cell on this side of it is free.
   void pass(const Node &node, std::int32_t col, int side) {
     const std::int32_t along = 2 * col - memory_.roots[node.root].at.x;
     if (side > 0 ? along > 0 : along < 0) add_root(node.root, {2 * col, 2 * node.line}, node.ahead, side, Kind::kPast);
@@ -258,7 +258,7 @@ class AnyAngleSearch {
                  static_cast<std::int8_t>(side), kind});
   }
 
-  // What a corner sees that the one before it does not.
+  // Projects the cone that a corner sees and the root before it does not.
   void expand_corner(const Node &node) {
     const PointNodes::Node &root = memory_.roots[node.root];
     const HalfCell before = memory_.roots[root.parent].at;

@@ -103,7 +103,7 @@ inline std::array<std::array<std::uint8_t, 256>, 9> onward_steps(int connectivit
   return table;
 }
 
-// What a search knows of every cell, forgotten at once: the number of the search above 48 bits, and below them what the
+// A search's cost of every cell, cleared at once: the number of the search above 48 bits, and below them what the
 // cost from the start leaves of 2⁴⁸ - 1. So more is newer or cheaper, and memory that was never written is neither.
 class CellCosts {
  public:
@@ -112,7 +112,7 @@ class CellCosts {
   CellCosts(const CellCosts &) = delete;
   CellCosts &operator=(const CellCosts &) = delete;
 
-  // Begin a search on a map of so many cells.
+  // Begins a search on a map of `cells` cells.
   void begin(std::size_t cells) {
     if (cells != cells_) {
       std::free(std::exchange(data_, nullptr));

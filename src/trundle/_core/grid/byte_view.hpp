@@ -1,4 +1,4 @@
-// A caller's bytes as they lie, and how they become bits.
+// A caller's bytes with any strides, and how they are packed to bits.
 #pragma once
 
 #include <cstddef>

@@ -8,8 +8,7 @@
 // A change in a window leaves the other components as they are if it joins and parts nothing. That shows in the window
 // and the cells around it alone (`patch`); else the map is labelled again.
 //
-// Invariant: `begins_` and `labels_` hold the runs of all rows in order, those of row r from `rows_[r]` to `rows_[r +
-// 1]`.
+// Invariant: `begins_` and `labels_` hold the runs of all rows in order; those of row r begin at `rows_[r]`.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Kernels of this folder besides `BinaryGrid`.
+// The kernel of grids whose cells have a weight each.
 #pragma once
 
 #include <nanobind/stl/pair.h>

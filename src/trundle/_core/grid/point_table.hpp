@@ -1,4 +1,4 @@
-// What a search knows of the points of a grid: a hash table by point.
+// A hash table of a search's nodes by their point on the grid.
 #pragma once
 
 #include <algorithm>

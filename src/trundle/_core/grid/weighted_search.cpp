@@ -35,8 +35,8 @@ struct Cell {
 constexpr int kRow[8] = {0, 1, 0, -1, 1, 1, -1, -1};
 constexpr int kCol[8] = {1, 0, -1, 0, 1, -1, -1, 1};
 
-// Neighbours that may be reached best through a cell that was itself reached by a step k: those behind it and beside it
-// are reached more cheaply from the cell before, whatever the weights are. The last row is for the start.
+// The neighbours whose best path may lead through a cell that was reached by a step k: those behind it and beside it are
+// reached more cheaply from the cell before, whatever the weights are. The last row is for the start.
 constexpr int kOnward[9][8] = {{0, 1, 3, 4, 7, -1},    {0, 1, 2, 4, 5, -1}, {1, 2, 3, 5, 6, -1},
                                {0, 2, 3, 6, 7, -1},    {0, 1, 4, 5, 7, -1}, {1, 2, 4, 5, 6, -1},
                                {2, 3, 5, 6, 7, -1},    {0, 3, 4, 6, 7, -1}, {0, 1, 2, 3, 4, 5, 6, 7}};

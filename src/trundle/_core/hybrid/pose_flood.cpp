@@ -1,6 +1,6 @@
 // A flood over poses: whether the poses near one end that the footprint may take are closed off from the other end.
 //
-// The poses (x, y, yaw) are divided into boxes. The outline that is handed in is the footprint, shrunk by as much as a
+// The poses (x, y, yaw) are divided into boxes. The outline given is the footprint, shrunk by as much as a
 // point of it moves within a box: where the shrunk outline at a box's middle touches something, so does the footprint
 // at every pose of the box. Boxes that are left are filled from one end over their faces, whatever the motions of the
 // robot: a continuous path cannot leave a region of boxes but over a face of one of them that is left, too. So if the

@@ -47,7 +47,7 @@ struct HybridQuery {
   bool any_yaw;
   double step;             // how far a point of the outline may move between two checked poses [m]
   std::uint64_t max_expansions;
-  const double *inner;     // the outline that has to be free, where that need not be all of `outline`; null else
+  const double *inner;     // the outline that has to be free, if that is not `outline`; or null
   bool thorough;           // whether to search in smaller cells and by shorter motions
   bool partial;            // whether a path to the nearest pose is wanted where none leads to the goal
 };
@@ -55,7 +55,7 @@ struct HybridQuery {
 struct HybridPath {
   SearchStatus status = SearchStatus::kUnreachable;
   bool spent = false;       // whether it stopped at the most expansions
-  bool closed_off = false;  // whether not even the inscribed circle gets there
+  bool closed_off = false;  // whether there is no path even for the inscribed circle
   bool pocket = false;      // whether no motions lead to the goal from anywhere but nearby
   bool stuck = false;       // whether the motions hardly lead away from the start
   double cost = 0.0;

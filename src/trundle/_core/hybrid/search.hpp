@@ -110,7 +110,7 @@ class HybridSearch {
       cos_[k] = std::cos(yaws_[k]), sin_[k] = std::sin(yaws_[k]);
     }
     memory_.nodes.push_back({query_.start.x, query_.start.y, 0.0, heuristic_.least_cost(query_.start), kNoNode, 0, 0, true});
-    // Where a curve is free nothing else is needed, and no field is begun.
+    // Where a curve is free, no field is needed.
     shoot(0);
     HybridNode &start = memory_.nodes[0];
     if (best_cost_ > settings_.heuristic_weight * start.to_go) {

@@ -15,7 +15,7 @@ namespace trundle {
 // How a robot moves, and what that costs; lengths in metres.
 struct MotionModel {
   double radius;            // of the tightest arc; 0 for a robot that only turns in place
-  bool reverse, in_place;   // what it can do
+  bool reverse, in_place;   // whether it drives backwards, and turns in place
   double reverse_penalty;   // what a metre backwards costs, in metres; at least 1
   double change_cost;       // of a change between forward and backward
   double turn_cost;         // of a radian turned in place

@@ -1,4 +1,4 @@
-// Triangles drawn into a depth buffer: what is seen of a scene, without a graphics driver.
+// Triangles drawn into a depth buffer: a picture of a scene without a graphics driver.
 #include "images/kernels.hpp"
 
 #include <algorithm>

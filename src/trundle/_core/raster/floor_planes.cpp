@@ -42,7 +42,7 @@ struct Span {
   static std::int64_t whole(double value) { return static_cast<std::int64_t>(std::clamp(value, -1.0, 1e15)); }
 };
 
-// Four samples and what lies between them.
+// Four samples and the bilinear surface between them.
 struct Patch {
   double h00, h10, h01, h11;
 

@@ -17,7 +17,7 @@ struct Part {
   std::array<Point3, 16> corners;
   std::size_t count = 0;
 
-  // What lies within [low, high] along x or y.
+  // The part within [low, high] along x or y.
   Part within(double Point3::*axis, double low, double high) const {
     return beyond(axis, low, 1.0).beyond(axis, high, -1.0);
   }
@@ -124,7 +124,7 @@ class FloorRaster {
     return most >= low_ + p[3] && least <= high_ + p[4];
   }
 
-  // What the heights of a part over a cell say alone: whether all of it is out of the band, or in it.
+  // Whether all of a part over a cell is out of the band, or in it, by its heights alone.
   bool is_out(const Heights &part, std::int64_t row, std::int64_t col) const {
     const double *p = plane(row, col), swing = 0.5 * (std::abs(p[1]) + std::abs(p[2]));
     return !(part.most >= p[0] - swing + low_ + p[3] && part.least <= p[0] + swing + high_ + p[4]);

@@ -19,7 +19,7 @@ namespace trundle {
 constexpr std::int8_t kOccupied = 100;
 constexpr std::int64_t kTile = 8;       // Edge of a tile [cells].
 constexpr std::int64_t kManyLarge = 1000;  // After as many large polygons others are expected to lie over them.
-// What has no thickness counts where it touches: a negative depth of this many metres.
+// A surface without thickness marks the cells that it touches: a negative depth, of this many metres.
 constexpr double kTouch = -1e-9;
 
 struct Point2 {
@@ -36,7 +36,7 @@ inline Point2 cut(const Point3 &a, const Point3 &b, double height) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-// Which rows (or columns) of a grid count as reached; `depth` in cells, `slack` by how much what is marked may be too
+// Which rows (or columns) of a grid count as reached; `depth` in cells, `slack` by how much the polygon may be too
 // small.
 struct Reach {
   double depth;
@@ -118,7 +118,7 @@ class Raster {
     return mark_rows(reach);
   }
 
-  // Whether all cells of a rectangle are known to be occupied: by looking at them where they are few, else by tiles,
+  // Whether all cells of a rectangle are known to be occupied: by the cells where they are few, by tiles where they are many,
   // once there were many such rectangles. Cells only ever become occupied, so each tile remembers how far it was found
   // full, and looking is soon for nothing.
   bool is_full(std::int64_t row, std::int64_t end_row, std::int64_t col, std::int64_t end_col) {

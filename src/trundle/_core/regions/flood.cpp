@@ -73,7 +73,7 @@ struct Window {
 }  // namespace
 
 // Turn the `from` cells around `start` into `to`; return how many. (Heckbert, A Seed Fill Algorithm, Graphics Gems
-// 1990: of the row that a run was seen from, only what lies beyond the run there is looked at again.)
+// 1990: of the row that a run was seen from, only the part beyond the run there is scanned again.)
 static std::int64_t flood(std::int8_t *cells, std::int64_t rows, std::int64_t cols, std::int64_t start,
                           std::int8_t from, std::int8_t to, std::vector<Window> &stack) {
   if (cells[start] != from) return 0;

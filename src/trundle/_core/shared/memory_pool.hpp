@@ -26,7 +26,7 @@ class MemoryPool {
     kept_.push_back(std::move(memory));
   }
 
-  // Free what is kept.
+  // Frees the memory that is kept.
   void clear() {
     std::lock_guard lock(lock_);
     kept_.clear();

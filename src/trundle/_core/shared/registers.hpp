@@ -10,7 +10,7 @@
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TRUNDLE_INLINE inline
 #define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__)
-#define TRUNDLE_TARGET(...)  // what is not inlined would be compiled for another processor
+#define TRUNDLE_TARGET(...)  // functions that are not inlined would be compiled for another processor
 #else
 #define TRUNDLE_INLINE inline __attribute__((always_inline))
 #define TRUNDLE_LAMBDA(...) [&](__VA_ARGS__) __attribute__((always_inline))
@@ -19,7 +19,7 @@
 
 namespace trundle {
 
-// As many numbers as fit into a register of so many bytes.
+// A register of `kBytes` bytes as a vector of numbers.
 template <typename Number, int kBytes>
 struct Register {
   typedef Number Vector __attribute__((vector_size(kBytes)));

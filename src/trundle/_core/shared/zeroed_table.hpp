@@ -12,7 +12,7 @@ namespace trundle {
 template <typename T>
 class ZeroedTable {
  public:
-  // Zeros again if it grows; otherwise what it held.
+  // Holds zeros again if it grows, and its old contents otherwise.
   void fit(std::size_t size) {
     if (size <= size_) return;
     data_.reset(static_cast<T *>(std::calloc(size, sizeof(T))));

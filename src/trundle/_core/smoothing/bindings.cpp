@@ -146,7 +146,7 @@ bool is_number(double value, double least, double most) { return value >= least 
 
 }  // namespace
 
-// Keeps what was found out about footprints for the next path; several threads may smooth with it at once.
+// Keeps memory for the next path; several threads may smooth with it at once.
 class PathSmoother {
  public:
   nb::tuple smooth(In<std::uint8_t, 2> costs, double resolution, In<double, 2> outline, In<double, 2> poses,

@@ -110,7 +110,7 @@ class CostModel {
     return most;
   }
 
-  // What a metre driven costs, besides the weight of its cell; lengths backwards are negative.
+  // Factor of the cost of a metre driven; lengths backwards are negative.
   double driving_factor(double length) const { return length < 0.0 ? settings_.model.reverse_penalty : 1.0; }
 
   // Of a piece of the path.
@@ -130,7 +130,7 @@ class CostModel {
     const double share = std::fabs(segment.length) / parts, most = limit / share, scale = 1.0 / resolution_;
     const auto rows = static_cast<std::size_t>(costs_.rows), cols = static_cast<std::size_t>(costs_.cols);
     const auto weight = [&](double x, double y) {
-      // What is below 0 comes out as a large number, but for the last cell before 0, where no curve lies.
+      // Numbers below 0 become large ones, but for those above -1, where no curve lies.
       const auto col = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x));
       const auto row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y));
       return col < cols && row < rows ? sample_weights_[costs_.data[row * cols + col]] : kInfinite;

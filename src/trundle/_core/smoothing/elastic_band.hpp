@@ -91,7 +91,7 @@ class Band {
   static constexpr double kStill = 1e-3, kFarthest = 0.1;  // a step [m]
   static constexpr double kHeld = 0.3, kHeldBySlope = 4.0;  // what holds a point at its place, alone and by the slope
 
-  // Of the factors L D Lᵀ, by what the next row and the one after take of this one, and of the moves.
+  // A row of the factors L D Lᵀ: its entries for the next row and the one after; and the moves of its point.
   struct Row {
     double once, twice, x, y;
   };
@@ -99,7 +99,7 @@ class Band {
   // Solves (held + tension + bending) move = pull for the inner points. Returns how far a point moved at most.
   double step() {
     Row last{}, second_last{};  // with the right side in place of the moves
-    double under_last = 0.0;    // of the diagonal, what the last row's factor was before it was divided
+    double under_last = 0.0;    // the last row's factor before it was divided by the diagonal
     Slope::Value here = slope_.at(points_[2].x, points_[2].y);
     double behind = 0.5 * tension_ * (slope_.at(points_[1].x, points_[1].y).weight + here.weight);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
