@@ -86,7 +86,7 @@ def test_the_picture_shows_both() -> None:
         ("time_s,x\n0,0\n1,1\n", "no column y"),
         ("time_s,x,y,yaw,v,w,command_v,command_w\n0,0,0,0,0,0,0,zero\n", "not a number"),
         ("time_s,x,y,yaw,v,w,command_v,command_w\n0,0,0,0,0,0,0,nan\n1,0,0,0,0,0,0,0\n", "not finite"),
-        ("time_s,x,y,yaw,v,w,command_v,command_w\n0,0,0,0,0,0,0,0\n0,0,0,0,0,0,0,0\n", "times must rise"),
+        ("time_s,x,y,yaw,v,w,command_v,command_w\n0,0,0,0,0,0,0,0\n0,0,0,0,0,0,0,0\n", "times must increase"),
     ],
 )
 def test_a_bad_record_is_refused_by_what_is_wrong(tmp_path: Path, text: str, message: str) -> None:

@@ -24,11 +24,11 @@ class Outcome(StrEnum):
     """How a run ended."""
 
     ARRIVED = "arrived"
-    """The robot stands at the last goal and touched nothing on the way."""
+    """The robot stands at the last goal and touched nothing."""
     COLLIDED = "collided"
     """It touched something that is not the floor."""
     STUCK = "stuck"
-    """It did not get on for too long."""
+    """It made no progress within the time allowance."""
     TIMED_OUT = "timed_out"
     """The time limit was over first."""
     NO_PATH = "no_path"
@@ -46,7 +46,7 @@ class Metrics:
     Attributes:
         time_s: Simulated time [s].
         distance_m: Driven by base_link [m].
-        path_length_m: Planned [m]: the first plan to each goal, summed; plans made on the way do not count.
+        path_length_m: Planned [m]: the first plan to each goal, summed; replans do not count.
         spl: Success weighted by path length, 0..1: success · l / max(distance, l) with l = `shortest_path_m` (Anderson
             et al., "On Evaluation of Embodied Navigation Agents", 2018). 0 unless arrived.
         min_clearance_m: Smallest distance [m] from the oriented footprint, at all poses of the trajectory, to a solid
@@ -57,8 +57,8 @@ class Metrics:
         smoothness_rad_per_m: Turning per distance [rad/m]: the sum of all changes in yaw, as positive numbers, over
             `distance_m`; lower is smoother. "Angle over length" of Heiden et al., "Bench-MR" (RA-L 2021), with the
             yaw of the driven robot. None if it drove less than 0.01 m.
-        planning_ms: Wall time spent on planning, all goals and replans [ms].
-        replans: How often it planned again, beyond the first plan to each goal.
+        planning_ms: Wall time of all planning, replans included [ms].
+        replans: Plans beyond the first to each goal.
         real_time_factor: Simulated time over the wall time of the loop.
         contacts: Names of what it touched, in order of first touch.
         shortest_path_m: Length [m] of the shortest path of the footprint's inscribed disc through the goals in turn, in
@@ -91,20 +91,20 @@ class Episode:
 
     Attributes:
         outcome: How it ended.
-        message: The outcome in words, with what was touched or what is in the way.
+        message: The outcome in words, with what was touched or what blocks the path.
         metrics: Its figures.
         trajectory: Where it was and what was commanded.
         paths: Every path that was followed, in order.
-        start: Where it started, map frame.
-        goals: Where it was to go, in order.
-        goals_reached: How many of them it reached.
+        start: The start pose, map frame.
+        goals: The goals, in order.
+        goals_reached: The number of goals reached.
         name: Name of the run.
         robot: Name of the robot.
         planner: Name of the planner.
         controller: Name of the controller.
         seed: Of the simulator.
-        time_limit_s: When it would have been stopped [s].
-        observer_errors: What observers raised; they were dropped, and the run went on. They are not recorded.
+        time_limit_s: Simulated time at which the run would have been stopped [s].
+        observer_errors: What observers raised; they were dropped, and the run continued. They are not recorded.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
     """
 

@@ -33,7 +33,7 @@ def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float
 
 
 def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
-    """Plan to every goal from the one before, so that a blocked goal is found out before anything moves.
+    """Plan to every goal from the one before, so that a blocked goal is reported before anything moves.
 
     Returns:
         The plans, as far as there are any, and why there is no path to the first goal, if so; not where planning only

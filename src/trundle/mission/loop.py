@@ -1,4 +1,4 @@
-"""`run`: the one loop in which a navigator drives a simulator, and observers are told."""
+"""`run`: the loop in which a navigator drives a simulator and observers are notified."""
 
 from __future__ import annotations
 
@@ -41,22 +41,22 @@ def run(
 ) -> Episode:
     """Drive a robot from a start to a goal, or through several.
 
-    Ctrl-C (KeyboardInterrupt) while it drives ends the run as aborted; the observers are told the end as always.
+    Ctrl-C (KeyboardInterrupt) while it drives ends the run as aborted; the observers still get its end.
 
     Args:
         sim: What moves the robot.
-        navigator: What drives it; its goal, if it has one, is forgotten.
-        start: Where it starts: a pose, (x, y) or (x, y, yaw); map frame.
-        goal: Where it is to go: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these.
+        navigator: What drives it; a goal that it has is replaced.
+        start: The start: a pose, (x, y) or (x, y, yaw); map frame.
+        goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these.
         time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
             what the planned paths take at the robot's top speed, or at what a speed mask allows.
-        observers: Who is told, in this order.
+        observers: Notified in this order.
         seed: Of the simulator.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
         name: Name of the run.
 
     Returns:
-        The episode. Not getting there is an outcome, not an exception.
+        The episode. Not reaching the goal is an outcome, not an exception.
 
     Raises:
         InputError: If a pose is not two or three finite numbers, there is no goal, or the time limit is not positive.
@@ -94,7 +94,7 @@ def run(
 
 
 class _Drive:
-    """One run under way."""
+    """One run in progress."""
 
     def __init__(
         self,
@@ -127,13 +127,13 @@ class _Drive:
         except KeyboardInterrupt:
             outcome, message = Outcome.ABORTED, "stopped by Ctrl-C"
         except SimulationError as error:
-            outcome, message = Outcome.ABORTED, f"the simulator gave up: {error}"
+            outcome, message = Outcome.ABORTED, f"the simulator failed: {error}"
         wall_s = clock.perf_counter() - began
         if not self._rows:  # Ctrl-C came before the first one
             self._append(state, Twist2D(), -1)
         self._close_leg()
         if self._contacts and outcome is not Outcome.COLLIDED:
-            outcome, message = Outcome.COLLIDED, f"touched {', '.join(self._contacts)} on the way; {message}"
+            outcome, message = Outcome.COLLIDED, f"touched {', '.join(self._contacts)} while driving; {message}"
         episode = self._make_episode(outcome, message, wall_s)
         self._audience.on_end(episode)
         return replace(episode, observer_errors=tuple(self._audience.errors))
@@ -161,16 +161,19 @@ class _Drive:
             if status is NavigationStatus.NO_PATH:
                 return Outcome.NO_PATH, str(navigator.error or "no path to the goal was found")
             if status is NavigationStatus.PLANNING_TIMED_OUT:
-                return Outcome.PLANNING_TIMED_OUT, f"given up at {_words(state.pose)}: {navigator.error}"
+                return (
+                    Outcome.PLANNING_TIMED_OUT,
+                    f"planning timed out at {_words(state.pose)}: {navigator.error}",
+                )
             if status is NavigationStatus.STUCK:
                 return Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s"
             if state.time >= self._info.time_limit_s - 1e-9:
-                return Outcome.TIMED_OUT, f"not there within {self._info.time_limit_s:.1f} s"
+                return Outcome.TIMED_OUT, f"goal not reached within {self._info.time_limit_s:.1f} s"
             state = self._sim.step(command, dt)
             self._record(state, command)
 
     def _is_there(self, pose: Pose2D) -> bool:
-        """Whether the simulator's true pose is at the goal; the navigator may have been told another one."""
+        """Whether the simulator's true pose is at the goal; the navigator may have been given another one."""
         goal = self._info.goals[self._reached]
         return self._navigator.goal_checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free)
 
@@ -200,7 +203,7 @@ class _Drive:
         )
 
     def _close_leg(self) -> None:
-        """Take over the navigator's figures for the goal that it drove to; the next `set_goal` clears them."""
+        """Add up the navigator's planning time and replans for this goal; the next `set_goal` clears them."""
         self._planning_s += self._navigator.planning_time_s
         self._replans += self._navigator.replans
 

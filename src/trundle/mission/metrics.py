@@ -1,4 +1,4 @@
-"""From a trajectory to its figures."""
+"""The metrics of a trajectory."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from trundle.mission.trajectory import Trajectory
 from trundle.mission.truth import CLEARANCE_CAP, Truth
 from trundle.path import Path
 
-_LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance says nothing
+_LEAST_DISTANCE = 0.01  # [m]: below it, turning per distance is meaningless
 _CHUNK = 1_000_000  # distances at a time
 
 
@@ -30,7 +30,7 @@ def compute_metrics(
     contacts: Sequence[str],
     truth: Truth | None = None,
 ) -> Metrics:
-    """Compute the figures of a run; see `Metrics` for what they are.
+    """Compute the metrics of a run; see `Metrics` for their definitions.
 
     Args:
         trajectory: The run.

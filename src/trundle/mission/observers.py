@@ -1,4 +1,4 @@
-"""`Observer`: what looks on while a run is under way, and what it is told."""
+"""`Observer`: what follows a run, and the data that it gets."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _LOGGER = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunInfo:
-    """What observers are told before the first step.
+    """What observers get before the first step.
 
     Attributes:
         name: Name of the run.
         robot: The robot that is driven.
         costmap: What it plans and drives on.
         start: Where it starts, map frame.
-        goals: Where it is to go, in order.
+        goals: The goals, in order.
         path_length_m: Length [m] of the plans to all goals, as far as there are any.
         time_limit_s: When the run is stopped [s].
         dt: Control period [s].
@@ -55,15 +55,15 @@ class RunInfo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """What observers are told after the start (index 0) and after every control period.
+    """What observers get after the start (index 0) and after every control period.
 
     Attributes:
         index: Number of control periods driven.
-        state: What the simulator knows now.
+        state: Of the simulator now.
         command: What was commanded during the period that ends now.
         goal: Index of the goal that it drives to.
         path: The path that it follows, or none.
-        status: How the navigator stands.
+        status: Of the navigator.
     """
 
     index: int
@@ -76,7 +76,7 @@ class Step:
 
 @runtime_checkable
 class Observer(Protocol):
-    """Looks on. One that raises is told nothing more, and the run goes on; see `Episode.observer_errors`."""
+    """Follows a run. One that raises is dropped, and the run continues; see `Episode.observer_errors`."""
 
     def on_start(self, run: RunInfo) -> None:
         """Before the first step; nothing has moved yet."""
@@ -100,23 +100,25 @@ class Audience:
         self.errors: list[BaseException] = []
 
     def on_start(self, info: RunInfo) -> None:
-        """Tell them before the first step."""
-        self._tell(lambda observer: observer.on_start(info))
+        """Notify them before the first step."""
+        self._notify(lambda observer: observer.on_start(info))
 
     def on_step(self, step: Step) -> None:
-        """Tell them after the start and every control period."""
-        self._tell(lambda observer: observer.on_step(step))
+        """Notify them after the start and every control period."""
+        self._notify(lambda observer: observer.on_step(step))
 
     def on_end(self, episode: Episode) -> None:
-        """Tell them the end."""
+        """Notify them of the end."""
         # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
-        self._tell(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
+        self._notify(lambda observer: observer.on_end(episode), also=KeyboardInterrupt)
 
-    def _tell(self, tell: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
+    def _notify(self, notify: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
         for observer in tuple(self._observers):
             try:
-                tell(observer)
+                notify(observer)
             except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
-                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
+                _LOGGER.warning(
+                    "%s failed and is dropped from the run: %s", type(observer).__name__, error or type(error).__name__
+                )
                 self._observers.remove(observer)
                 self.errors.append(error)

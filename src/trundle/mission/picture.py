@@ -17,7 +17,7 @@ from trundle.pictures.colors import GOAL, PLANNED, START, speed_color
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 
-_MOST = 1000  # [px], each way
+_MOST = 1000  # largest width and height [px]
 _LEVELS = 16
 
 

@@ -80,7 +80,7 @@ def sample_mission(
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:
-    """Known cells that are farther from blocked ones than half of the robot's width."""
+    """Known cells farther from obstacles than half of the robot's width."""
     corners = costmap.footprint
     edges = np.roll(corners, -1, axis=0) - corners
     normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
@@ -146,7 +146,7 @@ def _extent(costmap: Costmap) -> str:
 
 
 def _area_near(costmap: Costmap, areas: npt.NDArray[np.int32], pose: Pose2D) -> int:
-    """Number of the area nearest to a pose, 0 where there is none as near as the robot is long.
+    """Label of the area nearest to a pose, 0 where none is within the swing radius.
 
     A robot may stand closer to a wall than it could pass along it.
     """
@@ -160,7 +160,7 @@ def _area_near(costmap: Costmap, areas: npt.NDArray[np.int32], pose: Pose2D) -> 
 
 
 def _places(costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator) -> Iterator[_Place]:
-    """Places in random order where the robot can turn all round."""
+    """Places in random order where the robot can turn by 360°."""
     cells = np.flatnonzero(areas > 0)
     drawn = rng.choice(cells, size=min(_MAX_TRIED, len(cells)), replace=False)
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)

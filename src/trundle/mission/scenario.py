@@ -310,12 +310,12 @@ class Setting:
 
     Attributes:
         scenario: The exact scenario, with the start and the goals that were picked.
-        world: Where it drives.
-        robot: What drives.
+        world: The world.
+        robot: The robot.
         grid: The map.
-        navigator: The autonomy.
-        start: Where it starts.
-        goals: Where it is to go, in order.
+        navigator: Planner, controller and recovery.
+        start: The start pose.
+        goals: The goals, in order.
     """
 
     scenario: Scenario

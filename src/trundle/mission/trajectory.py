@@ -34,7 +34,7 @@ class Trajectory:
         x, y, yaw: True pose of base_link, map frame [m, m, rad].
         v, w: True twist in base_link [m/s, rad/s].
         commanded_v, commanded_w: The command, before the robot's limits [m/s, rad/s].
-        odometry_x, odometry_y, odometry_yaw: Pose that the wheels tell, in a frame that starts at the start.
+        odometry_x, odometry_y, odometry_yaw: Wheel odometry, in a frame with its origin at the start pose.
         goal: Index of the goal that it was driving to; int64.
         path: Index in `Episode.paths` of the path that it was following, −1 for none; int64.
 

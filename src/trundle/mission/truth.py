@@ -1,4 +1,4 @@
-"""What a run is measured on: the solids of the simulated world, whatever the robot's map says."""
+"""Ground truth of a run's metrics: the solids of the simulated world, not the robot's map."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from trundle.worlds import World
 MeasuredOn: TypeAlias = Literal["world", "map"]
 
 CLEARANCE_CAP = 2.0
-"""Clearances above this [m] are not told apart."""
+"""Clearances are capped at this [m]."""
 
 _END_TOLERANCE_M = 0.5
 """How far an end of the shortest path may be moved: the cells hold all of every solid, and more at its edges."""

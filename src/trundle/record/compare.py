@@ -1,4 +1,4 @@
-"""How far apart two runs of the same commands went, as numbers and as a picture."""
+"""How far two runs of the same commands diverge, as numbers and as a picture."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Comparison:
     """Two motions at the same times.
 
     Attributes:
-        time: Of the first motion, as far as both go [s], shape (N,).
+        time: Of the first motion, over the time that both cover [s], shape (N,).
         position_error: Distance between the two positions [m], shape (N,).
         yaw_error: Second yaw minus the first, wrapped [rad], shape (N,).
         max_position_error_m: Largest distance [m].
@@ -31,8 +31,8 @@ class Comparison:
         final_position_error_m: Distance at the end [m].
         final_yaw_error_rad: Difference in yaw at the end, as a positive number [rad].
         rms_position_error_m: Root mean square distance [m].
-        max_command_difference: Largest difference of what was commanded, of v [m/s] or w [rad/s], the greater; above 0
-            the two were not driven by the same commands.
+        max_command_difference: Largest difference between the commands, in v [m/s] or w [rad/s]; above 0 the two were
+            not driven by the same commands.
         first, second: The two motions, the second at the times of the first.
     """
 
@@ -52,7 +52,7 @@ class Comparison:
 def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Comparison:
     """Compare two motions over the time that both have.
 
-    The second is interpolated linearly to the times of the first; its commands are those that held then.
+    The second is interpolated linearly to the times of the first; its commands are those in force at that time.
 
     Args:
         first: The reference.
@@ -67,8 +67,8 @@ def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Co
     turned = float(abs(_wrapped(second.yaw[0] - first.yaw[0])))
     if apart > _SAME_START_M or turned > _SAME_START_RAD:
         raise InputError(
-            f"the runs start {apart:.3f} m and {turned:.3f} rad apart: drive both from one start, or compare them from "
-            "their own with --align"
+            f"the runs start {apart:.3f} m and {turned:.3f} rad apart: drive both from the same start, or move the "
+            "second onto the first with --align"
         )
     begin, end = max(first.time[0], second.time[0]), min(first.time[-1], second.time[-1])
     rows = (first.time >= begin - 1e-9) & (first.time <= end + 1e-9)
@@ -95,7 +95,7 @@ def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Co
 
 
 def draw_comparison(comparison: Comparison, names: tuple[str, str]) -> Image.Image:
-    """Draw both ways from above, their distance over time, and their speeds beside what was commanded."""
+    """Draw both trajectories from above, their distance over time, and their speeds beside the commands."""
     one, other, time = comparison.first, comparison.second, comparison.time
     distance = [Curve(time, 1000.0 * comparison.position_error, BAD, "")]
     yaw = [Curve(time, np.degrees(comparison.yaw_error), BAD, "")]
@@ -127,17 +127,17 @@ def draw_comparison(comparison: Comparison, names: tuple[str, str]) -> Image.Ima
 
 
 def _speed_curves(
-    time: FloatArray, told: FloatArray, one: FloatArray, other: FloatArray, names: tuple[str, str]
+    time: FloatArray, commanded: FloatArray, one: FloatArray, other: FloatArray, names: tuple[str, str]
 ) -> list[Curve]:
     return [
-        Curve(time, told, FAINT, "commanded", 2),
+        Curve(time, commanded, FAINT, "commanded", 2),
         Curve(time, one, START, names[0], 4),
         Curve(time, other, GOAL, names[1], 2),
     ]
 
 
 def _at(motion: Motion, time: FloatArray) -> Motion:
-    """The motion at other times; commands are those of the control period that holds then."""
+    """The motion at other times; commands are those of the control period that contains each time."""
     yaw = np.interp(time, motion.time, np.unwrap(motion.yaw))
     held = np.minimum(np.searchsorted(motion.time, time - 1e-9), len(motion.time) - 1)
     linear = {name: np.interp(time, motion.time, getattr(motion, name)) for name in ("x", "y", "v", "w")}

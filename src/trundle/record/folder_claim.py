@@ -1,4 +1,4 @@
-"""`FolderClaim`: the folder of one run, which nothing else writes into and whose earlier run is not lost."""
+"""`FolderClaim`: exclusive use of a run's folder, without losing an earlier run in it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RUN_FILES = (
     "video.mp4",
     "video.gif",
 )
-"""What says that a folder holds a run. The first two come last in a run, and say that it is there."""
+"""Files by which a folder is known to hold a run. The first two are written last and complete it."""
 
 PREVIOUS = "previous-run"
 """The folder, within a run's, that keeps the run that is being replaced."""
@@ -58,7 +58,7 @@ def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, e
 
 
 class FolderClaim:
-    """A folder that is this run's alone while the claim is open; use it in a `with` block.
+    """Exclusive use of a folder while the claim is open; use it in a `with` block.
 
     A folder in which nothing was written is removed again at the end, if it was made here.
 
@@ -124,7 +124,7 @@ class FolderClaim:
         self._try(self._drop_previous)
 
     def close(self) -> None:
-        """Let others write there; closing twice does nothing."""
+        """Release the folder; closing twice does nothing."""
         if not self._is_open:
             return
         self._is_open = False
@@ -168,7 +168,7 @@ class FolderClaim:
             path.replace(self.path / path.name)
         self._previous.rmdir()
         sync_folder(self.path)
-        _LOGGER.info("the run in %s was being replaced, which was stopped: it is put back", self.path)
+        _LOGGER.info("replacing the run in %s was interrupted: the earlier run is restored", self.path)
 
     def _drop_previous(self) -> None:
         if not self._previous.is_dir():
@@ -197,7 +197,7 @@ def _new_folder(root: Path, name: str) -> Path:
 
 
 def _lock(folder: Path) -> int | None:
-    """Lock a folder by a file in it, which a killed process lets go of by itself; none where files cannot be locked."""
+    """Lock a folder by a file in it; the lock ends with its process. None where files cannot be locked."""
     path = folder / LOCK
     while True:
         folder.mkdir(parents=True, exist_ok=True)  # Whoever held the lock may have removed it, and the folder.

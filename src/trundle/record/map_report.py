@@ -41,7 +41,7 @@ def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str, robot_are
         grid: The map.
         report: What was found in it.
         title: Headline.
-        robot_area: What the robot's footprint covers [m²]: smaller free areas are told last, on one line, and have no
+        robot_area: What the robot's footprint covers [m²]: smaller free areas are listed last, on one line, and have no
             ring. None means the smallest robot's.
     """
     groups, small = group_findings(report.findings, robot_area)

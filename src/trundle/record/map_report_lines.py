@@ -20,7 +20,7 @@ def tell_report(title: str, report: MapReport, robot_area: float | None, *, most
     Args:
         title: Of the map.
         report: What was found in it.
-        robot_area: What the robot's footprint covers [m²]; smaller free areas are told last. None means the smallest
+        robot_area: What the robot's footprint covers [m²]; smaller free areas are listed last. None means the smallest
             robot's.
         most: The most lines; None lists every finding.
     """
@@ -43,14 +43,14 @@ def _tell_finding(finding: Finding) -> list[str]:
 
 def _tell_groups(groups: list[Group], room: int) -> list[str]:
     """Two lines a group where there is room: the worst keep what to do about them the longest."""
-    told = len(groups) if len(groups) <= room else room - 1
-    spare = room - told - (told < len(groups))
+    listed = len(groups) if len(groups) <= room else room - 1
+    spare = room - listed - (listed < len(groups))
     lines: list[str] = []
-    for number, group in enumerate(groups[:told]):
+    for number, group in enumerate(groups[:listed]):
         what, fix = _tell_group(group)
         lines += [what, fix] if number < spare else [what]
-    if told < len(groups):
-        rest = ", ".join(dict.fromkeys(group[0].kind for group in groups[told:]))
+    if listed < len(groups):
+        rest = ", ".join(dict.fromkeys(group[0].kind for group in groups[listed:]))
         lines.append(f"and more: {rest}; --all lists them")
     return lines
 
@@ -71,7 +71,7 @@ def _place(finding: Finding) -> str:
 
 
 def _tell_unverified(report: MapReport) -> list[str]:
-    """What could not be looked for, and why; a reason that begins with the kinds is not told after them."""
+    """What could not be looked for, and why; a reason that begins with the kinds is not repeated after them."""
     lines: list[str] = []
     remarks = list(report.remarks)
     for name, kinds in (("unverified", report.unverified), ("ambiguous", report.ambiguous)):

@@ -15,7 +15,7 @@ from trundle.pictures.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, cost_pal
 from trundle.record.zones import SpeedZones
 
 SMOOTH = 2
-"""Lines are drawn on so many times as many pixels each way, then averaged."""
+"""Lines are drawn at this multiple of the resolution and averaged (anti-aliasing)."""
 
 LONG_SIDE = 1000
 MAX_SIDE = 2000
@@ -26,14 +26,14 @@ _WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of
 
 
 class MapView:
-    """The part of a map that matters, with what is drawn on it.
+    """The part of a map in focus, with what is drawn on it.
 
     Args:
         costmap: The map as the robot sees it.
         focus: Points [m] in the map frame, shape (N, 2), that must be seen; none means the whole map.
         long_side: Least length of the longer side, in pixels of the finished picture.
         max_side: Largest length of the longer side; larger maps are shown with several cells a pixel.
-        zones: Where speed is limited; what is kept out the costmap knows itself.
+        zones: Speed limits; keep-out zones are part of the costmap.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What moved when, read from what a run or a drive left: `trajectory.npz` or `drive.csv`."""
+"""The motion of a robot over time, read from the record of a run or a drive: `trajectory.npz` or `drive.csv`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "comm
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Where a robot was and what it was told, a row per control period, in arrays of shape (N,).
+    """Where a robot was and its commands, one row per control period, in arrays of shape (N,).
 
     Attributes:
         time: Simulated time [s], rising.
@@ -43,7 +43,7 @@ class Motion:
         """Read the folder of a run or of a drive, or the file in it.
 
         Raises:
-            InputError: If there is no such folder or file, or it is neither; it says what was looked for.
+            InputError: If there is no such folder or file, or it is neither; the message says what was looked for.
         """
         place = Path(as_path(path, "the folder or file of a run"))
         is_folder = exists(place) and place.is_dir()
@@ -54,7 +54,7 @@ class Motion:
             raise InputError(f"{path}: {looked}; give the folder that trundle run or trundle drive wrote")
         columns = _read_csv(file) if file.suffix.lower() == ".csv" else _read_trajectory(file)
         if len(columns["time"]) < 2 or (np.diff(columns["time"]) <= 0.0).any():
-            raise InputError(f"{file}: the times must rise, and be two at least")
+            raise InputError(f"{file}: the times must increase, with at least two rows")
         return cls(**columns)
 
 

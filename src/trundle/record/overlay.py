@@ -38,7 +38,7 @@ from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
 
 _SPEED_LEVELS = 24
-_OUTLINES = 14  # footprints drawn along the way, about
+_OUTLINES = 14  # about how many footprints are drawn along a path
 _LEAST_GAP_M = 1.2
 _LEGEND = (
     Mark("line", PLANNED, "planned"),
@@ -172,7 +172,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
 
 
 def describe(episode: Episode) -> list[str]:
-    """Return the figures of a run as lines of text: no wall times, so that the same run gives the same picture."""
+    """Return the metrics of a run as lines of text, without wall times, so that equal runs give equal pictures."""
     metrics = episode.metrics
     capped = metrics.min_clearance_m >= CLEARANCE_CAP
     figures = [
@@ -233,7 +233,7 @@ def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatA
 
 
 def _heading(poses: FloatArray, before: int, after: int) -> float:
-    """Yaw while driving from one pose to the next: a planned path turns at its corners, a driven one on the way."""
+    """Yaw while driving from one pose to the next: a planned path turns at its corners, a driven one in between."""
     step = poses[after, :2] - poses[before, :2]
     if np.hypot(*step) < 0.2:
         return float(poses[after, 2])
@@ -250,7 +250,7 @@ def _draw_robot(view: MapView, robot: Robot, pose: Pose2D, color: Rgb) -> None:
 
 
 def _draw_goal(view: MapView, robot: Robot, goal: Goal) -> None:
-    """Draw a goal: with its yaw as the footprint to reach, without as a target alone."""
+    """Draw a goal: as the footprint to reach where it has a yaw, else as a target."""
     if not goal.yaw_free:
         _draw_robot(view, robot, goal.pose, GOAL)
         return

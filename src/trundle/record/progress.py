@@ -16,7 +16,7 @@ _PLAIN_STEP = 0.25  # of the whole, from one plain line to the next
 
 
 class ProgressBar:
-    """An observer that shows how much of the planned length is driven; use it in a `with` block.
+    """An observer that shows the share of the planned length that is driven; use it in a `with` block.
 
     Args:
         quiet: Show nothing at all.
@@ -44,14 +44,14 @@ class ProgressBar:
             self._bar = None
 
     def on_start(self, run: RunInfo) -> None:
-        """Begin at nothing driven."""
+        """Start the bar at 0."""
         self._printed.clear()
         self._length_m = max(run.path_length_m, 1e-6)
         self._driven_m, self._last = 0.0, run.start
         self._show("driving", 0.0, 1.0)
 
     def on_step(self, step: Step) -> None:
-        """Add what was driven."""
+        """Advance the bar."""
         if step.index % _EVERY == 0 and (self._plain or self._bar is not None):
             here = step.state.pose
             self._driven_m += here.distance_to(self._last or here)
@@ -59,11 +59,11 @@ class ProgressBar:
             self._show("driving", min(0.99, self._driven_m / self._length_m), 1.0)
 
     def on_end(self, episode: Episode) -> None:
-        """Fill the bar."""
+        """Complete the bar."""
         self._show("driving", 1.0, 1.0)
 
     def report(self, what: str, done: int, total: int) -> None:
-        """Show how far something else is, e.g. the video: `done` parts of `total`."""
+        """Show the progress of another task, e.g. the video: `done` parts of `total`."""
         self._show(what, float(done), float(total))
 
     def _show(self, what: str, done: float, total: float) -> None:
@@ -84,7 +84,7 @@ class ProgressBar:
 
 
 def _make_bar() -> Progress | None:
-    """Return a bar that has begun, or none where it could not be seen."""
+    """Return a started bar, or None where it could not be seen."""
     if not sys.stderr.isatty():
         return None
     from rich.console import Console

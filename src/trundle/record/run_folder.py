@@ -31,7 +31,7 @@ _VERSIONS = ("numpy", "mujoco", "isaacsim", "pillow", "av")
 
 
 WriteExtra = Callable[[Path, Episode], object]
-"""Writes a further file of a run: told where, and how the run went."""
+"""Writes a further file of a run, given its path and the episode."""
 
 
 class RunFolder:
@@ -50,12 +50,12 @@ class RunFolder:
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
         frames: Where the video's pictures come from; none means a drawn view from above.
-        report: Told how far the video is.
+        report: Called with the progress of the video.
         extras: Further files by name, and what writes them.
 
     Attributes:
         path: The folder.
-        record: What `episode.json` holds; none before the end.
+        record: The content of `episode.json`; None before the end.
 
     Raises:
         OutputError: If the folder holds a run, another run is writing there, or it cannot be written to.
@@ -94,7 +94,7 @@ class RunFolder:
         self._claim.close()
 
     def on_start(self, run: RunInfo) -> None:
-        """Take note of what is driven.
+        """Keep what is driven.
 
         Raises:
             OutputError: If it has recorded a run already.
@@ -104,7 +104,7 @@ class RunFolder:
         self._info = run
 
     def on_step(self, step: Step) -> None:
-        """Keep nothing: the episode has all of it."""
+        """Do nothing: the episode has every step."""
 
     def on_end(self, episode: Episode) -> None:
         """Write the files. One that fails, or is stopped by Ctrl-C, does not keep the others from being written.
@@ -114,7 +114,7 @@ class RunFolder:
         """
         info = self._info
         if info is None:
-            raise OutputError("the run folder was not told of the start of the run")
+            raise OutputError("the run folder got the end of a run without its start: pass it to run(observers=[…])")
         with self._claim.replacing():
             self._save("trajectory.npz", episode.trajectory.save)
             self._save("paths.npz", lambda path: save_paths(path, episode.paths))
@@ -128,7 +128,7 @@ class RunFolder:
             raise OutputError(f"in {self.path}: " + "; ".join(self._failures))
 
     def _save(self, file: str, write: Callable[[Path], object]) -> None:
-        """Write a file; where `write` answers with a name, that is what it wrote."""
+        """Write a file; where `write` returns a name, that is the file written."""
         try:
             name = write(self.path / file)
             self._files.append(name if isinstance(name, str) else file)
@@ -149,7 +149,7 @@ class RunFolder:
             self._save("video.mp4", lambda path: write_video(path, info, episode, self._frames, report=self._report))
 
     def _save_record(self, episode: Episode, *, complete: bool) -> None:
-        """Write episode.json. Without it there is no run: what was written before it is no reason to go on.
+        """Write episode.json, without which the folder holds no run.
 
         Raises:
             OutputError: If it cannot be written.

@@ -18,7 +18,7 @@ _DASH = 18.0
 
 
 def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, width: float = 5.0) -> None:
-    """Draw lines so that each is seen along all of its length, whatever else runs there.
+    """Draw lines so that each stays visible along its whole length.
 
     Where several lie on each other, stripes of their colours take turns; the stripes are those of the first of them.
 

@@ -31,7 +31,7 @@ MAX_DRAWN_SIDE = 1280  # more cells than this share pixels
 
 Pixels: TypeAlias = npt.NDArray[np.uint8]
 Report: TypeAlias = Callable[[str, int, int], None]
-"""Told what is being made, how many of its parts are done, and of how many."""
+"""Called with what is being made, how many of its parts are done, and of how many."""
 
 
 class FrameSource(Protocol):
@@ -62,7 +62,7 @@ def write_video(
         run: What ran.
         episode: How it went.
         frames: Where the pictures come from; none means a drawn view from above.
-        report: Told how far it is.
+        report: Called with the progress.
 
     Returns:
         The name of the file that was written: of the .mp4, or of a .gif beside it.
@@ -182,7 +182,7 @@ def _encode_gif(target: Path, pictures: Iterable[Pixels], fps: int) -> str:
 
 
 class DrawnFrames:
-    """Frames drawn from above: the map, the planned paths, the way driven so far and the robot.
+    """Frames drawn from above: the map, the planned paths, the trajectory so far and the robot.
 
     Args:
         run: What ran.
@@ -212,7 +212,7 @@ class DrawnFrames:
         """Nothing to release."""
 
     def render(self, pose: Pose2D) -> Pixels:
-        """Draw the next frame; the way from the last one stays."""
+        """Draw the next frame; the trajectory so far stays visible."""
         if self._last is not None:
             step = [(self._last.x, self._last.y), (pose.x, pose.y)]
             self._view.line(step, ROBOT, 2)

@@ -25,10 +25,10 @@ _LIMIT_SHARE = 0.3
 def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None = None) -> None:
     """Check that a controller keeps the promises of `trundle.control.Controller`.
 
-    It stands without a path; follows a straight and a bent path to their ends in an open room, each time anew;
-    answers finite twists within the robot's speed limits; changes nothing that it is given; gives the same answers to
-    the same questions; leaves one controller's path to that controller; and takes a speed limit, which it keeps or
-    leaves to the navigator, and forgets once it is taken away.
+    Without a path it commands zero. It follows a straight and a bent path to their ends in an open room, each time
+    after a reset. It returns finite twists within the robot's speed limits, does not modify its arguments, is
+    deterministic, and shares no state with other controllers. It accepts a speed limit, which it obeys or leaves to the
+    navigator, and drops the limit when that is removed.
 
     Args:
         make: Makes the controller for a robot.

@@ -1,4 +1,4 @@
-"""What every planner must keep to."""
+"""The check that every planner must pass."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def _check_reset(simulator: Simulator, tolerances: Tolerances) -> None:
         for _ in range(20):
             state = simulator.step(Twist2D(0.0, 0.0), _PERIOD)
         distance = state.pose.distance_to(pose)
-        expect(distance <= tolerances.rest_m, f"a robot told to stand moves {distance:.4f} m in a second")
+        expect(distance <= tolerances.rest_m, f"a robot commanded to stand still moves {distance:.4f} m in a second")
 
 
 def _check_repeats(simulator: Simulator) -> None:

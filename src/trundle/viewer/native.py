@@ -1,4 +1,4 @@
-"""MuJoCo's own window: shows a robot in a world where there is a screen, and reads keys for driving by hand."""
+"""MuJoCo's own window: shows a robot in a world, and reads the keys for teleoperation."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class NativeWindow:
         self, world: World, robot: Robot, pose: Pose2D | Sequence[float] | None = None, *, chase: bool = False
     ) -> None:
         if not has_screen():
-            raise SimulationError("there is no screen that shows OpenGL; draw a picture instead")
+            raise SimulationError("no screen with OpenGL was found; write a picture instead (-o scene.png)")
         import mujoco.viewer
 
         if pose is None:
@@ -91,7 +91,7 @@ class NativeWindow:
 
     @property
     def is_open(self) -> bool:
-        """Whether nobody has closed it yet."""
+        """Whether it is still open."""
         return bool(self._handle.is_running())
 
     def show(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST) -> None:
@@ -118,7 +118,7 @@ class NativeWindow:
         return keys
 
     def wait(self) -> None:
-        """Wait until somebody closes it."""
+        """Wait until it is closed."""
         while self.is_open:
             time.sleep(0.05)
 

@@ -1,4 +1,4 @@
-"""What draws a model's pictures: OpenGL where there is a driver, else software of our own."""
+"""Renderers of a model: OpenGL where there is a driver, else our software renderer."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Painter(Protocol):
 
 
 def open_painter(model: mujoco.MjModel, size: tuple[int, int]) -> Painter:
-    """Open the best painter that works here: EGL, then OSMesa, then ours. `size` is (width, height) in pixels."""
+    """Open the best renderer available: EGL, then OSMesa, then ours. `size` is (width, height) in pixels."""
     kind = find_gl()
     if kind is not None:
         try:
@@ -107,7 +107,7 @@ class GlPainter:
         return np.ascontiguousarray(pixels[::-1])
 
     def _aim_shadows(self, data: mujoco.MjData, camera: Camera) -> None:
-        """Spread the shadow map over what the camera looks at, and let the sun shine the way that the camera looks.
+        """Spread the shadow map over what the camera looks at, and align the sun with the line of sight.
 
         Beyond the shadow map the floor is speckled, but only towards the sun: so that is kept behind the camera.
         """

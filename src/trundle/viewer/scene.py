@@ -51,7 +51,7 @@ class SceneRenderer:
     ) -> None:
         width, height = (int(edge) for edge in size)
         if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
-            raise InputError(f"a picture's size must be 1 to {MAX_SIZE} pixels each way, got {width} x {height}")
+            raise InputError(f"a picture's size must be 1 to {MAX_SIZE} pixels wide and high, got {width} x {height}")
         self._camera = camera
         self._stage = Stage(
             world, robot, size=(width, height), path=path, goal=goal, samples=samples, shadow_size=shadow_size
@@ -78,7 +78,7 @@ class SceneRenderer:
             SimulationError: If it was closed.
         """
         if self._painter is None:
-            raise SimulationError("this SceneRenderer was closed; make a new one")
+            raise SimulationError("this SceneRenderer is closed; create a new one")
         pose = Pose2D.of(pose)
         self._stage.place(pose, wheel_positions)
         return self._painter.paint(self._stage.data, self._stage.aim(self._camera, pose))

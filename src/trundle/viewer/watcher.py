@@ -25,7 +25,7 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
     from trundle.viewer.native import NativeWindow, has_screen
 
     if not has_screen():
-        raise InputError("--view needs a screen that shows OpenGL, and there is none here; leave it out")
+        raise InputError("--view needs a screen with OpenGL, and none was found; run without it")
     return NativeWindow(world, robot, pose, chase=True)
 
 
@@ -47,7 +47,7 @@ class Watcher:
         self._began = time.monotonic()
 
     def on_step(self, step: Step) -> None:
-        """Show the robot, and wait until it is due there."""
+        """Show the robot, and wait until real time has caught up."""
         if self._window.is_open:
             self._mark(step)
             self._window.show(step.state.pose, step.state.wheel_positions)
