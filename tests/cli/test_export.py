@@ -89,7 +89,7 @@ def test_a_script_takes_the_world_that_is_a_usd_file_as_it_is(trundle: Trundle, 
     [
         (
             ("trip.yaml", "--to", "sdf"),
-            "sdf files hold no scenarios; a scenario can be written as isaac-script, mjcf, usd",
+            "the format sdf cannot hold a scenario; a scenario can be written as isaac-script, mjcf, usd",
         ),
         (("trip.yaml", "--to", "usd", "--set", "rows=3"), "this is a scenario"),
         (("trip.yaml", "--to", "usd", "--profile", "isac"), "Did you mean 'isaac'"),

@@ -1,4 +1,4 @@
-"""The formats that are written: which there are, what they hold, and the functions that write them."""
+"""The export formats: their names and suffixes, what each can hold, and the functions that write them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from trundle.robots import Robot
 from trundle.worlds import World
 
 Kind: TypeAlias = Literal["world", "robot", "scenario"]
-"""Of things that are written."""
+"""What can be exported."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class Format:
     """A format.
 
     Attributes:
-        suffixes: Of its files; the first is the usual one.
+        suffixes: File suffixes; the first is the usual one.
         world: `"module:function"` that writes a world, taking the world and the path, or none.
         robot: The same for a robot.
         scene: The same for a robot in a world.
@@ -37,7 +37,7 @@ class Format:
     scene: str | None = None
 
     def writer(self, kind: Kind) -> str | None:
-        """The function that writes a kind of thing, or none."""
+        """The function that writes this kind, or None."""
         return {"world": self.world, "robot": self.robot, "scenario": self.scene}[kind]
 
 
@@ -60,28 +60,28 @@ FORMATS = {
         "trundle.export.usd:export_scene",
     ),
 }
-"""By name."""
+"""The formats by name."""
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """Name of the format that a file's suffix stands for.
+    """Return the name of the format for a file's suffix.
 
     Raises:
-        InputError: If it stands for none.
+        InputError: If no format has this suffix.
     """
     suffix = output_path(path).suffix.lower()
     for name, known in FORMATS.items():
         if suffix in known.suffixes:
             return name
     suffixes = ", ".join(f"{known.suffixes[0]} ({name})" for name, known in sorted(FORMATS.items()))
-    raise InputError(f"{path}: a file that is written ends in one of {suffixes}")
+    raise InputError(f"{path}: unknown file format; the name must end in one of {suffixes}")
 
 
 def export_world(world: World, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
     """Write a world to a file.
 
     What is written loads back to the same solids: their names, shapes, poses and colours. A GLB holds meshes alone, and
-    round shapes in it are drawn round their circles by at most 0.5 %. A map holds what its height band shows. Blocked
+    its round shapes are at most 0.5 % larger. A map holds the solids in its height band. Blocked
     cells of a large map are written as boxes, in USD as one mesh of them.
 
     Args:
@@ -125,7 +125,7 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None =
 
 
 def export_scene(scene: Scene, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
-    """Write a robot in a world, at its start, to a file; as `isaac-script` also the way that it shall go.
+    """Write a robot in a world, at its start pose, to a file; `isaac-script` includes the planned paths.
 
     Args:
         scene: What is written.
@@ -155,9 +155,9 @@ def _export(kind: Kind, thing: object, path: str | os.PathLike[str], to: str | N
     target = chosen.writer(kind)
     if target is None:
         able = ", ".join(sorted(key for key, known in FORMATS.items() if known.writer(kind)))
-        raise InputError(f"{name} files hold no {kind}s; a {kind} can be written as {able}")
+        raise InputError(f"the format {name} cannot hold a {kind}; a {kind} can be written as {able}")
     if file.suffix.lower() not in chosen.suffixes:
-        raise InputError(f"{file}: a file in the format {name} ends in {' or '.join(chosen.suffixes)}")
+        raise InputError(f"{file}: the name of a {name} file must end in {' or '.join(chosen.suffixes)}")
     if exists(file) and file.is_dir():
         raise OutputError(f"cannot write {file}: it is a folder")
     if isinstance(thing, World) and not thing.solids and name not in ("mjcf", "usd"):

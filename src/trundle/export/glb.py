@@ -19,7 +19,7 @@ _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0
 
 
 def export_world(world: World, path: Path) -> None:
-    """Write a world: every solid is a node of its name with a mesh and a material of its colour.
+    """Write a world: each solid is a node with its name, a mesh and a material of its colour.
 
     glTF has no boxes or cylinders: they are written as meshes, round ones at most 0.5 % larger and never smaller.
 

@@ -1,4 +1,4 @@
-"""A scenario as one Python file for Isaac Sim, for people who want no dependency: the plan, and a follower for it."""
+"""A scenario as one Python file for Isaac Sim, without dependencies: the planned path and a follower for it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Zone: TypeAlias = tuple[float, float, float]
 """From a distance along a stretch to another [m, m], no faster than this [m/s]."""
 
 _STOP_TO_TURN = 0.35
-"""At bends sharper than this [rad] the follower stops and turns: it has no footprint to see whether a curve is free."""
+"""At bends sharper than this [rad] the follower stops and turns: it has no footprint check for curves."""
 
 _LOOKAHEAD = 0.4
 _STEPS = 4
@@ -42,8 +42,8 @@ _ZONE_STEP_M = 0.025
 def export_scene(scene: Scene, path: Path, *, environment: str | None = None, robot_usd: str | None = None) -> None:
     """Write a script that loads the environment and the robot, follows the plan and stops at the goal.
 
-    It runs in Isaac Sim 5.1 and 6.x, and keeps the speed limits of the scene's mask. A world that is no USD file is
-    written beside it, `<stem>_world.usd`, and so is a robot that Isaac Sim has not, `<stem>_robot.usd`.
+    It runs in Isaac Sim 5.1 and 6.x, and obeys the speed limits of the scene's mask. A world that is not a USD file is
+    written beside it, `<stem>_world.usd`, and so is a robot that Isaac Sim does not have, `<stem>_robot.usd`.
 
     Args:
         scene: What is written; it needs a path.
@@ -58,7 +58,9 @@ def export_scene(scene: Scene, path: Path, *, environment: str | None = None, ro
         MissingExtraError: If a USD file is to be written and usd-core is not installed.
     """
     if not scene.paths:
-        raise InputError(f"{path}: a script needs a path, and nothing was planned")
+        raise InputError(
+            f"{path}: a script needs a planned path; the scenario has none. Give a goal that can be reached"
+        )
     text = _fill(scene, path, _environment(scene, path, environment), _robot(scene, path, robot_usd))
     write_text(path, text)
 
@@ -80,7 +82,7 @@ def _robot(scene: Scene, path: Path, robot_usd: str | None) -> str:
 
 
 def _from_here(usd: str, path: Path) -> str:
-    """A USD file as the script names it: from its folder where it lies below that, else in full."""
+    """The path of a USD file in the script: relative where it lies below the script's folder, else absolute."""
     if "://" in usd:
         return usd
     file, folder = Path(usd).resolve(), path.resolve().parent
@@ -91,7 +93,7 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
     robot, start, goal = scene.robot, scene.start, scene.paths[-1].goal
     drive, limits = robot.drive, robot.limits
     if drive.axles:
-        raise InputError(f"the robot {robot.name!r} has several wheels a side, and the script drives one of each")
+        raise InputError(f"the robot {robot.name!r} has several wheels on each side, and the script drives one on each")
     fastest = (2.0 * limits.linear_speed + limits.angular_speed * drive.track_width) / (2.0 * drive.wheel_radius)
     length = sum(plan.length for plan in scene.paths)
     route = [stretch for plan in scene.paths for stretch in plan_stretches(plan)]
@@ -127,15 +129,15 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
 
 
 def plan_stretches(plan: Plan) -> Iterator[Stretch]:
-    """Cut a path into what is driven without stopping, each with the turn in place before it.
+    """Split a path into stretches driven without stopping, each with the turn in place before it.
 
     Raises:
-        InputError: If the path is driven backwards somewhere, which the script cannot.
+        InputError: If a part of the path is driven backwards, which the script cannot do.
     """
     if plan.backward.any():
         raise InputError(
             f"the path of planner {plan.planner!r} is driven backwards in places, and the script drives forward only; "
-            "take planner least_cost, or hybrid_astar with motion_model dubins"
+            "use planner least_cost, or hybrid_astar with motion_model dubins"
         )
     vertices = path_vertices(plan)
     sections = cut_sections(vertices, [abs(vertex.turn) > _STOP_TO_TURN for vertex in vertices])
@@ -171,7 +173,7 @@ def speed_zones(points: Sequence[tuple[float, float]], mask: SpeedMask, top_spee
 
 
 def _limits_text(route: list[Stretch], mask: SpeedMask | None, top_speed: float) -> str:
-    """A Python dictionary of the zones of each stretch that has some, by its number."""
+    """A Python dictionary of speed zones by the number of their stretch."""
     lines: list[str] = []
     for number, (_, _, points) in enumerate(route):
         zones = [] if mask is None or not points else list(speed_zones(points, mask, top_speed))

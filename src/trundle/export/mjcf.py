@@ -32,7 +32,7 @@ from trundle.worlds.mjcf import PIECE
 def export_world(world: World, path: Path, *, robot: Robot | None = None) -> None:
     """Write a world, or with a robot the whole model that trundle simulates.
 
-    Without a robot every solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides convex
+    Without a robot each solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides convex
     bodies alone: a mesh that is none is seen, and collides as convex pieces that are not; see `trundle.sim.convex`. The
     floor is a plane, at z = 0 or where the world's ground is.
 
@@ -64,7 +64,7 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
     try:
         mujoco.MjSpec.from_string(text).compile()
     except ValueError as error:
-        raise WorldError(f"MuJoCo cannot hold the world {world.name!r}: {error}") from error
+        raise WorldError(f"MuJoCo cannot represent the world {world.name!r}: {error}") from error
     write_text(path, text)
 
 
@@ -95,7 +95,7 @@ def _write_spec(spec: mujoco.MjSpec, path: Path) -> None:
     try:
         spec.compile()
     except ValueError as error:
-        raise InputError(f"MuJoCo cannot hold the model {spec.modelname!r}: {error}") from error
+        raise InputError(f"MuJoCo cannot represent the model {spec.modelname!r}: {error}") from error
     write_text(path, spec.to_xml())
 
 
@@ -122,7 +122,7 @@ def _add_solid(
                 _add_pieces(asset, body, solid.name, pieces)
             add(body, "geom", None, type="mesh", mesh=solid.name, **place)
         case _:
-            raise WorldError(f"MJCF cannot hold the shape of {solid.name!r}")
+            raise WorldError(f"MJCF cannot represent the shape of {solid.name!r}")
 
 
 def _take_apart(solids: Sequence[Solid], ground: float) -> dict[str, Pieces]:

@@ -1,4 +1,4 @@
-"""Worlds as other formats can hold them: blocked cells as boxes, names that XML can hold."""
+"""Worlds in terms that other formats have: blocked cells as boxes, names that are valid in XML."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from trundle.worlds.shapes import Names
 from trundle.worlds.walls import merge_cells
 
 MOST_BOXES = 100_000
-"""Above this many boxes for its blocked cells, a map is refused: no program reads such a file in a useful time."""
+"""A map with more boxes than this for its blocked cells is refused: no program loads such a file in a useful time."""
 
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
@@ -55,7 +55,7 @@ def check_xml_names(what: str, names: list[str]) -> None:
 
 
 def check_encodable(names: Iterable[str]) -> None:
-    """Refuse names that no file can hold, because they are no Unicode.
+    """Refuse names that are not valid Unicode.
 
     Raises:
         WorldError: If one has half of a surrogate pair, as a file's name in another encoding has.
@@ -64,17 +64,17 @@ def check_encodable(names: Iterable[str]) -> None:
         try:
             name.encode()
         except UnicodeEncodeError as error:
-            raise WorldError(f"the name {name!r} is no valid Unicode; give the solid another") from error
+            raise WorldError(f"the name {name!r} is not valid Unicode; rename the solid") from error
 
 
 def mesh_folder(path: Path) -> Path:
     """Create the folder for the meshes of a file, `<stem>_meshes` beside it.
 
     Raises:
-        OutputError: If the file's own folder is not there, or cannot be written to.
+        OutputError: If the file's own folder does not exist, or cannot be written to.
     """
     if not path.parent.is_dir():
-        raise OutputError(f"cannot write {path}: the folder {path.parent} is not there")
+        raise OutputError(f"cannot write {path}: the folder {path.parent} does not exist")
     return make_folder(path.with_name(f"{path.stem}_meshes"))
 
 

@@ -1,4 +1,4 @@
-"""`Scene`: a robot in a world, and the way that it shall go."""
+"""`Scene`: a robot in a world, with its start pose and planned paths."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from trundle.worlds import World
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What a scenario comes to before anything moves.
+    """A prepared scenario: world, robot, start and plans.
 
     Attributes:
-        name: Of the file that is written, for people.
-        world: Where it drives.
-        robot: What drives.
-        start: Where its base_link stands, map frame.
-        paths: The plans to its goals, in order; none where nothing was planned.
-        speed_mask: What limits its speed on the way, or None.
+        name: Shown in the exported file.
+        world: The world.
+        robot: The robot.
+        start: Pose of base_link, map frame.
+        paths: The planned paths to its goals, in order; empty where nothing was planned.
+        speed_mask: Limits its speed, or None.
     """
 
     name: str

@@ -18,10 +18,10 @@ from trundle.worlds.shapes import Names
 
 
 def export_world(world: World, path: Path) -> None:
-    """Write a world: every solid is a static model of its name, with one collision and one visual of its colour.
+    """Write a world: each solid is a static model of its name, with one collision and one visual in its colour.
 
     Meshes are OBJ files in a folder beside it, `<stem>_meshes`. In names `::`, which SDF keeps for its own use, is
-    written as `/`, and `world` and `__…__`, which it reserves, get a number behind them.
+    written as `/`, and `world` and `__…__`, which it reserves, get a number appended.
 
     Raises:
         WorldError: If a name or the number of cells cannot be held.
@@ -96,7 +96,7 @@ def _add_geometry(geometry: ElementTree.Element, solid: Solid, files: dict[str, 
         case Mesh():
             add(add(geometry, "mesh"), "uri", files[solid.name])
         case _:
-            raise WorldError(f"SDF cannot hold the shape of {solid.name!r}")
+            raise WorldError(f"SDF cannot represent the shape of {solid.name!r}")
 
 
 def _add_color(visual: ElementTree.Element, color: tuple[float, float, float, float]) -> None:

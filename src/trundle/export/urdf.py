@@ -32,7 +32,7 @@ def export_robot(robot: Robot, path: Path) -> None:
     Raises:
         OutputError: If a file cannot be written.
     """
-    # The model that is simulated says what the masses and inertias are.
+    # Masses and inertias are those of the simulated model.
     model = robot_spec(robot, looks=False).compile()
     root = ElementTree.Element("robot", name=re.sub(r"\s+", "_", robot.name))
     base = _add_link(root, model, "base_link")
@@ -87,7 +87,7 @@ def _add_chassis(link: ElementTree.Element, robot: Robot, path: Path) -> None:
 
 
 def _write_prism(path: Path, outline: FloatArray, low: float, high: float) -> str:
-    """Write the chassis, its outline drawn up, as an OBJ; returns its name relative to the URDF."""
+    """Write the chassis, its outline extruded upwards, as an OBJ; returns its name relative to the URDF."""
     folder = mesh_folder(path)
     count = len(outline)
     corners = [(x, y, z) for z in (low, high) for x, y in outline.tolist()]
