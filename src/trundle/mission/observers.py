@@ -117,8 +117,6 @@ class Audience:
             try:
                 notify(observer)
             except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
-                _LOGGER.warning(
-                    "%s failed and is dropped from the run: %s", type(observer).__name__, error or type(error).__name__
-                )
+                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
                 self._observers.remove(observer)
                 self.errors.append(error)
