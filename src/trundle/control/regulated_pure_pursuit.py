@@ -19,7 +19,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, cost_under
 from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, pad_outline, wrap_angle
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.path import Path
 from trundle.robots import Robot
 
@@ -100,7 +100,7 @@ class RegulatedPurePursuit:
     def __init__(self, robot: Robot, **settings: Any) -> None:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
-        self._outline = pad_outline(robot.outline, self.settings.footprint_padding)
+        self._outline = robot.planar.padded(self.settings.footprint_padding).outline
         self._outlines: list[FloatArray] = []
         self._vertices: list[Vertex] = []
         self._sections: list[Section] | None = None
@@ -181,7 +181,7 @@ class RegulatedPurePursuit:
         room = min(_least_room(costmap, *ends) for ends in zip(first[hit], last[hit], strict=True))
         if room == 0.0:
             return self._outline
-        return pad_outline(self._robot.outline, min(0.5 * room, self.settings.footprint_padding))
+        return self._robot.planar.padded(min(0.5 * room, self.settings.footprint_padding)).outline
 
     @property
     def _padded(self) -> FloatArray:

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
-from trundle.costmap.footprint import as_outline, circumscribed_radius, inscribed_radius
 from trundle.costmap.inflation import (
     DEFAULT_COST_SCALING_FACTOR,
     DEFAULT_MARGIN_M,
@@ -30,6 +29,7 @@ from trundle.costmap.unknown import (
     raise_unknown,
 )
 from trundle.errors import InputError, MapError
+from trundle.footprint import Footprint
 from trundle.geometry import FloatArray, Pose2D
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
@@ -110,13 +110,13 @@ class Costmap(GridFrame):
         if self.unseen is not None:
             object.__setattr__(self, "unseen", _frozen(self.unseen))
         data = _frozen(data)
-        outline = as_outline(self.footprint)
+        footprint = _as_footprint(self.footprint)
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", Pose2D.of(self.origin))
-        object.__setattr__(self, "footprint", outline)
-        object.__setattr__(self, "inscribed_radius", inscribed_radius(outline))
-        object.__setattr__(self, "circumscribed_radius", circumscribed_radius(outline))
+        object.__setattr__(self, "footprint", footprint.outline)
+        object.__setattr__(self, "inscribed_radius", footprint.inscribed_radius)
+        object.__setattr__(self, "circumscribed_radius", footprint.circumscribed_radius)
         object.__setattr__(self, "version", object())
         object.__setattr__(self, "_changes", ())
         check_inflation(self.inflation_radius, self.cost_scaling_factor, resolution)
@@ -144,7 +144,7 @@ class Costmap(GridFrame):
     def from_grid(
         cls,
         grid: OccupancyGrid,
-        footprint: Robot | npt.ArrayLike,
+        footprint: Robot | Footprint | npt.ArrayLike,
         inflation_radius: float | None = None,
         cost_scaling_factor: float = DEFAULT_COST_SCALING_FACTOR,
         *,
@@ -161,7 +161,7 @@ class Costmap(GridFrame):
 
         Args:
             grid: The map.
-            footprint: A robot, or the corners of its convex outline in base_link [m], shape (N, 2).
+            footprint: A robot, its `Footprint`, or the corners of its convex outline in base_link [m], shape (N, 2).
             inflation_radius: [m]; none means the circumscribed radius + 0.3 m, so that costs keep the tail clear.
             cost_scaling_factor: k above [1/m].
             keepout: What it keeps out is lethal and inflates as what is occupied does, so that no part of the robot
@@ -177,9 +177,9 @@ class Costmap(GridFrame):
             MapError: If the mask lies beside the map.
         """
         check_kind(grid, OccupancyGrid, "a costmap's map", "OccupancyGrid.load(path) reads one")
-        outline = as_outline(footprint)
-        radius = circumscribed_radius(outline) + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
-        table = cost_table(inscribed_radius(outline), radius, cost_scaling_factor, grid.resolution)
+        base = _as_footprint(footprint)
+        radius = base.circumscribed_radius + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
+        table = cost_table(base.inscribed_radius, radius, cost_scaling_factor, grid.resolution)
         floor = None if keepout is None else _costs_of(keepout, grid)
         check_unknown(unknown, unknown_cost)
         cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
@@ -193,7 +193,7 @@ class Costmap(GridFrame):
             data,
             grid.resolution,
             grid.origin,
-            outline,
+            base.outline,
             float(radius),
             float(cost_scaling_factor),
             keepout=floor,
@@ -386,6 +386,13 @@ def _widen(window: tuple[int, int, int, int], by: int, shape: tuple[int, int]) -
 
 def _slices(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
     return slice(window[0], window[1]), slice(window[2], window[3])
+
+
+def _as_footprint(footprint: Robot | Footprint | npt.ArrayLike) -> Footprint:
+    """The footprint of a robot, or of corners in base_link [m], shape (N, 2); see `Footprint` for the errors."""
+    if isinstance(footprint, Robot):
+        return footprint.planar
+    return footprint if isinstance(footprint, Footprint) else Footprint(footprint)  # type: ignore[arg-type]
 
 
 def _as_corners(outline: npt.ArrayLike) -> FloatArray:

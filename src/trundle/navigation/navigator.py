@@ -14,7 +14,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.files.choice import Choice
-from trundle.geometry import Goal, Pose2D, Twist2D, pad_outline
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
@@ -113,7 +113,7 @@ class Navigator:
         self.progress_checker = self.settings.make_progress_checker()
         self.dt = 1.0 / self.settings.control_frequency
         self._recovery = Recovery(self.dt)
-        self._padded = pad_outline(self.robot.outline, FOOTPRINT_PADDING_M)
+        self._padded = self.robot.planar.padded(FOOTPRINT_PADDING_M).outline
         self._tries = PlanningTries(self.settings.planning_deadline_s)
         self.reset()
 

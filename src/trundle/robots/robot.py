@@ -19,6 +19,7 @@ from trundle.files.kinds import ROBOT
 from trundle.files.uris import Folders, split_folders
 from trundle.files.yaml_config import Config, Plain, build, plain_value, validate
 from trundle.files.yaml_nodes import compose
+from trundle.footprint import Footprint
 from trundle.geometry import FloatArray, Twist2D
 from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
@@ -286,21 +287,7 @@ class Robot(Config):
     @field_validator("footprint")
     @classmethod
     def _check_footprint(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        points = np.asarray(corners)
-        edges = np.roll(points, -1, axis=0) - points
-        following = np.roll(edges, -1, axis=0)
-        turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-        if not ((turns > 0).all() or (turns < 0).all()):
-            raise ValueError("the corners must go round a convex outline, without repeated or collinear corners")
-        total_turn = np.arctan2(turns, (edges * following).sum(axis=1)).sum()
-        if abs(abs(total_turn) - 2.0 * math.pi) > 1e-6:
-            raise ValueError("the corners must go round the outline once")
-        if turns[0] < 0:
-            points = points[::-1]
-            edges = np.roll(points, -1, axis=0) - points
-        if (edges[:, 0] * -points[:, 1] - edges[:, 1] * -points[:, 0] <= 0).any():
-            raise ValueError("base_link (0, 0) must lie inside the footprint")
-        return tuple((float(x), float(y)) for x, y in points)
+        return tuple((float(x), float(y)) for x, y in Footprint(np.asarray(corners)).outline)
 
     @field_validator("map_height_band")
     @classmethod
@@ -310,23 +297,24 @@ class Robot(Config):
         return band
 
     @cached_property
+    def planar(self) -> Footprint:
+        """The footprint as a value: its outline, its radii, and how to pad it."""
+        return Footprint(np.asarray(self.footprint))
+
+    @property
     def outline(self) -> FloatArray:
         """The footprint [m] in base_link, counter-clockwise, shape (N, 2), read-only."""
-        outline = np.asarray(self.footprint, dtype=np.float64)
-        outline.flags.writeable = False
-        return outline
+        return self.planar.outline
 
-    @cached_property
+    @property
     def inscribed_radius(self) -> float:
         """Distance [m] from base_link to the nearest edge of the footprint."""
-        points = self.outline
-        edges = np.roll(points, -1, axis=0) - points
-        return float((np.abs(points[:, 0] * edges[:, 1] - points[:, 1] * edges[:, 0]) / np.hypot(*edges.T)).min())
+        return self.planar.inscribed_radius
 
-    @cached_property
+    @property
     def circumscribed_radius(self) -> float:
         """Distance [m] from base_link to the farthest corner of the footprint: the radius of its swing."""
-        return float(np.hypot(*self.outline.T).max())
+        return self.planar.circumscribed_radius
 
     @property
     def z_range(self) -> tuple[float, float]:
