@@ -250,7 +250,7 @@ LIMITS = {
 
 def test_what_is_missing_is_said_and_nothing_is_written(tmp_path):
     world, robot = World.generate("corridors"), Robot.load("nova_carter")
-    with pytest.raises(InputError, match="needs a path"):
+    with pytest.raises(InputError, match="needs a planned path"):
         export_scene(Scene("s", world, robot, Pose2D(0.0, 0.0)), tmp_path / "s.py")
     scene = plan(robot, world, START, AHEAD)
     with pytest.raises(UnknownNameError, match="Did you mean 'warehouse'"):
