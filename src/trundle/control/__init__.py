@@ -1,4 +1,4 @@
-"""Controllers: from a path and where the robot is to the next twist; and the checks on the way."""
+"""Controllers: the next twist from a path and the robot's pose; and checks of goal and progress."""
 
 from trundle.control.checkers import GoalChecker, ProgressChecker
 from trundle.control.controller import Controller, controller_names, create_controller

@@ -1,4 +1,4 @@
-"""When a goal is reached, and when a robot no longer gets anywhere; with Nav2's defaults."""
+"""When a goal is reached, and when a robot makes no progress; with Nav2's defaults."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ class GoalChecker:
 
 
 class ProgressChecker:
-    """The robot gets on while it moves or turns by a certain amount in a certain time (Nav2's PoseProgressChecker).
+    """A robot makes progress if it moves or turns by a minimum within the time allowance (Nav2's PoseProgressChecker).
 
     Args:
         required_movement_radius: [m].
-        required_movement_angle: [rad]; turning in place counts as getting on.
+        required_movement_angle: [rad]; turning in place counts as progress.
         movement_time_allowance: [s].
 
     Raises:

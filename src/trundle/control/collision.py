@@ -1,4 +1,4 @@
-"""Whether a command leaves the robot a way to stop before it touches something."""
+"""Whether a command leaves the robot room to stop before it touches something."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TURN_STEP_RAD = math.radians(2.0)
 def stopping_poses(
     pose: Pose2D, twist: Twist2D, command: Twist2D, limits: Limits, dt: float, *, turn_step: float = math.inf
 ) -> list[tuple[float, float, float]]:
-    """Poses (x, y, yaw) on the way of driving `command` for `dt` [s] from `twist`, then braking to a stand.
+    """Poses (x, y, yaw) of driving `command` for `dt` [s], starting with `twist`, and then braking to a stop.
 
     Speeds change evenly, as fast as the limits allow, in steps of 0.05 s; each step is an arc at their mean. A step
     that turns by more than `turn_step` [rad] is given in parts of at most that.
@@ -73,7 +73,7 @@ def can_stop(
     *,
     padded: FloatArray,
 ) -> bool:
-    """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free all the way.
+    """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free throughout.
 
     All that the outline sweeps over is tested, between poses at most 0.05 s and 2° apart. Where the padded outline
     touches something at `pose` already, a command does that touches nothing with the footprint itself and never brings
@@ -84,7 +84,7 @@ def can_stop(
         limits: Of the robot.
         pose: Where it is, map frame.
         twist: How it moves, base_link.
-        command: What it would be told.
+        command: The command to test.
         dt: For how long [s].
         padded: The footprint's outline [m], base_link, with the distance that it is to keep, shape (N, 2).
     """

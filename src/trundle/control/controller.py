@@ -50,7 +50,7 @@ class Controller(Protocol):
             dt: Length of the control period [s].
 
         Returns:
-            A twist within the robot's speed limits. It is (0, 0) where every way on is blocked.
+            A twist within the robot's speed limits; (0, 0) if every command is blocked.
         """
         ...
 

@@ -263,7 +263,7 @@ class RegulatedPurePursuit:
         if section.length - self._s > _SECTION_DONE_M:
             return
         self._index, self._s = self._index + 1, 0.0
-        # The planned way round, to the planned direction, from the yaw that the robot really has.
+        # In the planned direction of rotation, to the planned yaw, from the yaw that the robot really has.
         self._begin_turn(section.end_turn + wrap_angle(section.headings[-1] - _travel_yaw(section, pose.yaw)), pose)
         if self._turn is None and self._index >= len(sections):
             self._done = True
@@ -291,8 +291,8 @@ class RegulatedPurePursuit:
         speed = self._regulated_speed(curvature, section, pose, costmap)
         tight = self._curvature(section, pose.x, pose.y, yaw, self._s, settings.min_lookahead_dist)[0]
         slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
-        way = -1.0 if section.backward else 1.0
-        arcs = [Twist2D(way * speed, speed * curvature), Twist2D(way * slow, slow * tight)]
+        sign = -1.0 if section.backward else 1.0
+        arcs = [Twist2D(sign * speed, speed * curvature), Twist2D(sign * slow, slow * tight)]
         # A robot that looks along its path is not let through by turning: it would only sway before what blocks it.
         return [*arcs, back_to_path] if abs(bearing) > _TURN_DONE_RAD else arcs
 

@@ -122,7 +122,7 @@ def path_vertices(path: Path) -> list[Vertex]:
     vertices: list[Vertex] = []
     for i, (x, y, turned) in enumerate(places):
         heading = poses[-1][2] if i == last else _robot_yaw(places[i], places[i + 1], backward=backward[i + 1])
-        # The turns in place say which way round; the exact amount is from direction to direction.
+        # The turns in place give the direction of rotation; the exact angle is from leg to leg.
         turn = turned + wrap_angle(heading - yaw - turned)
         cusp = 0 < i < last and backward[i] != backward[i + 1]
         if i in (0, last) or cusp or abs(turn) > _STRAIGHT_RAD:

@@ -1,4 +1,4 @@
-"""Costmaps: how dear each cell is for one robot, and whether its footprint touches something."""
+"""Costmaps: traversal cost of each cell for one robot, and whether its footprint touches something."""
 
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.inflation import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION

@@ -47,7 +47,7 @@ _Item = TypeVar("_Item", bound=np.generic)
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Costmap(GridFrame):
-    """How dear each cell is for one robot, and whether its footprint touches something.
+    """Traversal cost of each cell for one robot, and whether its footprint touches something.
 
     Costs are Nav2's: 0 free, 1..252 near something, 253 where the inscribed circle touches, 254 occupied, 255 unknown.
     Planning and checking treat cells of 255, and everything outside the map, as occupied. Whether unknown cells have
@@ -205,7 +205,7 @@ class Costmap(GridFrame):
     def update(self, rows: slice, cols: slice, occupancy: npt.ArrayLike) -> Costmap:
         """Make a costmap in which a rectangle of the map has other occupancy; this one stays as it is.
 
-        It equals a costmap made anew of the changed map, and costs a copy of the bytes and an inflation around the
+        It equals a new costmap of the changed map, and takes a copy of the bytes and an inflation around the
         rectangle. What the keep-out mask asks for still holds there.
 
         Args:

@@ -59,7 +59,7 @@ def in_kit() -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ReadCall:
-    """A call of a function of ours that reads somebody's file.
+    """A call of a function of trundle that reads a file.
 
     Attributes:
         target: The function, as `"module:function"`.
@@ -168,7 +168,7 @@ class Child:
                 raise RuntimeError(f"In the process that read {what}:\n{value}")
 
     def close(self) -> None:
-        """End the child, whatever it does."""
+        """Kill the child."""
         process, self._process = self._process, None
         pipe, self._pipe = self._pipe, None
         if process is None:

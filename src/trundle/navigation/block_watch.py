@@ -1,4 +1,4 @@
-"""`BlockWatch`: whether a robot gets nowhere."""
+"""`BlockWatch`: whether a robot makes no progress."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _ANGLE_RAD = 0.01
 class BlockWatch:
     """A robot is blocked that moves by less than 5 mm and turns by less than 0.01 rad in half a second.
 
-    Where its commands ask for more than that, it has two seconds: some robots are slow to start. Turning this way and
-    that is not turning: angles count where they add up to more than half of what they are without their signs.
+    If its commands ask for more than that, it has two seconds, as some robots are slow to start. Turning back and forth
+    does not count: the signed angles must add up to more than half of the unsigned ones.
 
-    How far the robot moves is summed up from its twist. Poses may be noisy, and the noise of one that stands adds up to
-    more than 5 mm.
+    The distance is integrated from the robot's twist. Poses may be noisy, and the noise of a robot that stands still
+    adds up to more than 5 mm.
 
     Args:
         dt: Control period [s].
@@ -28,25 +28,25 @@ class BlockWatch:
         self.reset()
 
     def reset(self) -> None:
-        """Begin to watch from here."""
+        """Start over from here."""
         self._seconds = 0.0
         self._driven, self._turned = _Sum(), _Sum()
-        self._told_driven, self._told_turned = _Sum(), _Sum()
+        self._asked_driven, self._asked_turned = _Sum(), _Sum()
 
     def is_blocked(self, command: Twist2D, twist: Twist2D) -> bool:
-        """Take in one command and how the robot moves meanwhile; whether it has got nowhere so far."""
+        """Whether the robot has made no progress, given one more command and its twist meanwhile."""
         self._seconds += self._dt
         self._driven.add(twist.v * self._dt)
         self._turned.add(twist.w * self._dt)
-        self._told_driven.add(command.v * self._dt)
-        self._told_turned.add(command.w * self._dt)
+        self._asked_driven.add(command.v * self._dt)
+        self._asked_turned.add(command.w * self._dt)
         if self._driven.farthest >= _DISTANCE_M:
             self.reset()
             return False
         if self._seconds < _AFTER_S - 1e-9:
             return False
         turns = self._turned.leads_on
-        asked = self._told_driven.farthest >= _DISTANCE_M or self._told_turned.leads_on
+        asked = self._asked_driven.farthest >= _DISTANCE_M or self._asked_turned.leads_on
         if not turns and asked and self._seconds < _AT_LATEST_S - 1e-9:
             return False
         self.reset()

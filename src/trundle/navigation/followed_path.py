@@ -46,6 +46,6 @@ class FollowedPath:
         return self.check.first_hit(costmap, self.index) is not None
 
     def cost_from(self, costmap: Costmap, pose: Pose2D) -> float:
-        """What the way from the robot's pose along the rest costs, as of `PathCheck.cost_from`."""
+        """Cost of the remaining path from the robot's pose on, as of `PathCheck.cost_from`."""
         x, y, _ = self.check.poses[self.index].tolist()
         return self.check.cost_from(costmap, self.index) + pose.distance_to(Pose2D(x, y))

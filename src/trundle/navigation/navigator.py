@@ -34,12 +34,12 @@ _Made = TypeVar("_Made")
 
 
 class Navigator:
-    """Plans a path, follows it, plans again where it is blocked, and says how it stands.
+    """Plans a path, follows it, replans when it is blocked, and reports its status.
 
     It knows no simulator: call `update` with the robot's pose once per control period and send the twist to the robot.
 
-    The map may change under way: `navigator.costmap = navigator.costmap.update(rows, cols, values)`. The next `update`
-    then checks what is left of the path, and plans again where that is blocked. A path that is not blocked replaced
+    The map may change during a drive: `navigator.costmap = navigator.costmap.update(rows, cols, values)`. The next
+    `update` then checks the rest of the path, and replans if that is blocked. A path that is not blocked is replaced
     only by one that is cheaper by `settings.replan_margin`, so that the robot does not oscillate between equal-cost
     paths.
 
@@ -60,13 +60,13 @@ class Navigator:
         progress_checker: Says whether the robot makes progress; may be replaced.
         robot: The robot.
         grid: The map, or None where a costmap was given.
-        costmap: What it plans and drives on; it may be replaced by another one under way.
+        costmap: What it plans and drives on; may be replaced during a drive.
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
-        status: How it stands.
-        error: Why there is no path, where there is none, or none was found when it planned again last.
+        status: What it is doing.
+        error: The last planning error, or None.
         planning_time_s: Time spent on planning since the goal was set [s].
-        replans: How often it planned again since the goal was set, beyond the first plan.
+        replans: Number of plans since the goal was set, after the first.
 
     Raises:
         UnknownNameError: If a name is not known.
@@ -218,12 +218,12 @@ class Navigator:
     def update(
         self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None
     ) -> Twist2D:
-        """Say how to drive for the next control period.
+        """Return the command for the next control period.
 
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
-            twist: How it moves now, base_link; none means as it was last told to. What is more than four times its
-                limits is taken for that, with a `RobotWarning`.
+            twist: How it moves now, base_link; none means the last command. More than four times its limits is
+                clipped to that, with a `RobotWarning`.
             time: Now [s], any origin; none means one control period after the last call.
 
         Returns:
@@ -345,7 +345,7 @@ class Navigator:
     # Recovering -----------------------------------------------------------------------------------------------------
 
     def _watch_for_block(self, command: Twist2D, pose: Pose2D, twist: Twist2D) -> Twist2D:
-        """Pass the controller's command on; where that leads nowhere short of the goal, plan anew, or back up."""
+        """Pass the controller's command on; if it makes no progress before the goal, replan or back up."""
         left_m = 0.0 if self._followed is None else self._followed.left_m
         if not self._recovery.is_blocked(command, twist, left_m):
             if command != _STAND:
@@ -361,7 +361,7 @@ class Navigator:
         return _STAND
 
     def _back_up(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
-        """Drive straight back while that is clear, then plan anew."""
+        """Drive straight back while that is clear, then replan."""
         command = self._recovery.back_up()
         clear = can_stop(self.costmap, self.robot.limits, pose, twist, command, self.dt, padded=self._padded)
         if clear and self._recovery.is_backing_up:

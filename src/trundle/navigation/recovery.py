@@ -1,4 +1,4 @@
-"""`Recovery`: what a robot tries where it is blocked, and when it gives up."""
+"""`Recovery`: what a robot tries when it is blocked, and when it gives up."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _GOT_ON_M = 0.5  # Nav2's required_movement_radius; more than the robot backs up
 
 
 class Recovery:
-    """Where the robot is blocked it plans anew, at every second time after backing up; six times in a row.
+    """A blocked robot replans, every second time after backing up, up to six times in a row.
 
-    Six is what Nav2's default behavior tree has (`NavigateRecovery`). There they are counted until the goal is reached.
-    Here they are counted anew once the robot has got on: once 0.5 m less of its path is left than wherever it was
-    blocked before. So many people may step into a long way, and a robot that only comes back to where it was gives up.
+    Six is the number in Nav2's default behavior tree (`NavigateRecovery`), which counts until the goal is reached. Here
+    the count restarts once the robot has made progress: once 0.5 m less of its path is left than at any place where it
+    was blocked before. So people may step into a long path many times, and a robot that only comes back gives up.
 
     Args:
         dt: Control period [s].
@@ -30,20 +30,20 @@ class Recovery:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew."""
+        """Start over."""
         self._watch.reset()
         self._count = 0
         self._least_left = math.inf
         self._back_up_left = 0.0
 
     def is_blocked(self, command: Twist2D, twist: Twist2D, left_m: float) -> bool:
-        """Take in a command, how the robot moves, and what is left of its path [m]; whether it gets nowhere."""
+        """Whether the robot makes no progress, given its command, its twist and the remaining path length [m]."""
         if left_m < self._least_left - _GOT_ON_M:
             self._count = 0
         return self._watch.is_blocked(command, twist)
 
     def try_again(self, left_m: float) -> bool:
-        """Whether to try again where the robot is blocked and so much of its path is left [m], or to give up."""
+        """Whether to try again when blocked with this remaining path length [m], or to give up."""
         self._least_left = min(self._least_left, left_m)
         if self._count == _RETRIES:
             return False

@@ -66,7 +66,7 @@ class SpeedLimiter:
             along = self._check.along
             ahead = slice(index, int(along.searchsorted(float(along[index]) + reach)) + 1)
             places = self._check.poses[ahead, :2]
-            # No way to a place is shorter than the straight line.
+            # No path to a place is shorter than the straight line.
             straight = np.hypot(places[:, 0] - pose.x, places[:, 1] - pose.y)
             limits = np.concatenate([limits, self._limits[ahead]])
             distances = np.concatenate([distances, straight - BESIDE_M - _STEP_M])

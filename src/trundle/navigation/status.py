@@ -11,17 +11,17 @@ class NavigationStatus(StrEnum):
     IDLE = "idle"
     """It has no goal."""
     DRIVING = "driving"
-    """It is on the way."""
+    """It follows a path to the goal."""
     BLOCKED = "blocked"
-    """Every way on would touch something, or planning takes long; it plans again, backs up, or waits to plan again."""
+    """Every command would cause a contact, or planning takes long; it replans, backs up, or waits to replan."""
     ARRIVED = "arrived"
     """The robot stands at the goal."""
     STUCK = "stuck"
-    """The robot has not got on for too long, though there is a way; it has given up this goal."""
+    """The robot made no progress within the time allowance, though there is a path; it has given up this goal."""
     NO_PATH = "no_path"
     """No path to the goal was found, from the start or from where the robot was blocked; `Navigator.error` says why."""
     PLANNING_TIMED_OUT = "planning_timed_out"
-    """Planning was not done by its deadline, three times in a row; whether there is a path is not known."""
+    """Planning missed its deadline three times in a row; whether there is a path is not known."""
 
 
 FINAL = frozenset(
@@ -32,4 +32,4 @@ FINAL = frozenset(
         NavigationStatus.PLANNING_TIMED_OUT,
     }
 )
-"""The robot stands, until there is another goal."""
+"""The robot stands still until there is another goal."""

@@ -1,4 +1,4 @@
-"""`KinematicSimulator`: the robot exactly as it is told, with NumPy alone. The reference for every other simulator."""
+"""`KinematicSimulator`: the robot moves exactly as commanded, by NumPy alone; the reference for other simulators."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ TIMESTEP = 0.005
 class KinematicSimulator:
     """Moves a robot without mass: no slip, no lag, every arc integrated exactly.
 
-    The robot's limits are applied at every step. Where the footprint overlaps a solid a contact is reported, and the
-    robot drives on through it: what follows from a contact is for the mission to say. Solids count where they reach
+    The robot's limits are applied at every step. If the footprint overlaps a solid, a contact is reported and the
+    robot drives on through it: the mission decides what follows from a contact. Solids count where they reach
     between the robot's clearance and its height, meshes as their convex hulls.
 
     Args:

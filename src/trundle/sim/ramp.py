@@ -17,7 +17,7 @@ _ROUNDING = 1e-6
 
 
 class Motion(NamedTuple):
-    """What the robot is told for one physics step: v [m/s], w [rad/s], and its wheels' speeds [rad/s]."""
+    """The command for one physics step: v [m/s], w [rad/s], and its wheels' speeds [rad/s]."""
 
     v: float
     w: float
@@ -55,7 +55,7 @@ class CommandRamp:
         self._motion = Motion(0.0, 0.0, 0.0, 0.0)
 
     def advance(self, command: object, steps: int) -> list[Motion]:
-        """Return what the robot is told at each of the next physics steps while this command holds.
+        """Return the command of each of the next physics steps while this one holds.
 
         Where nothing changes any more it is the same object.
 
