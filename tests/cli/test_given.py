@@ -91,3 +91,8 @@ def test_a_name_is_taken_for_what_is_wanted_also_beside_a_folder_of_that_name(th
 
 def test_names_that_nothing_has_are_left_to_the_verb(things: Trundle) -> None:
     assert "unknown world 'warehose'. Did you mean 'warehouse'?" in things("run", "warehose").err
+
+
+def test_a_folder_with_the_name_of_a_simulator_is_that_folder(things: Trundle) -> None:
+    assert things("drive", "nova_carter", "--command", "0.2,0,0.2", "--backend", "kinematic", "-o", "mujoco").code == 0
+    assert things("drive", "nova_carter", "--like", "mujoco", "--backend", "kinematic", "-o", "kinematic").code == 0

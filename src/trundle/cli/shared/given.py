@@ -38,10 +38,9 @@ def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
         InputError: If it is; it says what to give instead.
     """
     text = os.fspath(text)
-    kinds = _kinds_of_name(text)
-    if not kinds:
-        found = find_kind(text)
-        kinds = [] if found is None else [found]
+    # A file or folder may have the name of something: `drive -o mujoco` makes one.
+    found = find_kind(text)
+    kinds = [*_kinds_of_name(text), *([] if found is None else [found])]
     if not kinds or set(kinds) & set(wanted):
         return
     advice = next((_ADVICE[kinds[0], kind] for kind in wanted if (kinds[0], kind) in _ADVICE), None)
