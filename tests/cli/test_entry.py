@@ -1,5 +1,7 @@
+import json
 import logging
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +10,11 @@ import pytest
 
 from trundle import __version__
 from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, _show_log, run_command
+from trundle.control import controller_names
 from trundle.errors import InputError, OutputError
+from trundle.planning.planner import PLANNERS
+from trundle.robots import robot_names
+from trundle.worlds import world_names
 
 
 def fail_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -180,3 +186,41 @@ def test_what_is_logged_is_said_once_on_stderr(capsys, monkeypatch):
         logging.getLogger("trundle.sim").info("a mesh is %s", "concave")
     logging.getLogger("trundle.sim").debug("nobody asked")
     assert capsys.readouterr().err == "trundle: a mesh is concave\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind", "word"),
+    [
+        (["run", "warehose", "--json"], "UnknownNameError", "warehouse"),
+        (["plan", "none.yaml", "--json"], "MapError", "none.yaml"),
+        (["plan", "m.yaml", "--start", "1", "2", "--json"], "UsageError", "--start 1,2"),
+    ],
+)
+def test_with_json_an_error_is_one_json_value_with_the_same_exit_code(
+    arguments: list[str], kind: str, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command(arguments) == BAD_INPUT
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert error["type"] == kind
+    assert word in error["message"]
+    assert run_command(arguments[:-1]) == BAD_INPUT
+    assert capsys.readouterr().out == ""
+
+
+def test_completion_is_installed_for_a_shell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert run_command(["--install-completion", "bash"]) == DONE
+    written = [path for path in tmp_path.rglob("*") if path.is_file() and "--resolution" in path.read_text()]
+    assert len(written) == 1
+    assert str(written[0]) in capsys.readouterr().out
+    assert run_command(["--install-completion", "tcsh"]) == BAD_INPUT
+    assert "bash, zsh, fish, powershell" in capsys.readouterr().err
+
+
+def test_help_lists_the_names_that_an_option_accepts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["run", "--help"]) == DONE
+    words = set(re.findall(r"[\w]+", capsys.readouterr().out))
+    ours = (PLANNERS._builtin, robot_names(), controller_names(), ["mujoco", "kinematic", "isaac"], world_names())
+    assert [name for names in ours for name in names if name not in words] == []

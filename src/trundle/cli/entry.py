@@ -7,11 +7,15 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Sequence
-from typing import NoReturn
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
 from trundle import __version__
-from trundle.errors import TrundleError, UnknownNameError
+from trundle.errors import InputError, TrundleError, UnknownNameError
+
+if TYPE_CHECKING:
+    from cyclopts import App
 
 DONE = 0
 NOT_THERE = 1
@@ -19,6 +23,9 @@ BAD_INPUT = 2
 FAULT = 70  # EX_SOFTWARE of sysexits.h: a fault of ours, told apart from "the robot did not get there".
 INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
+
+Shell = Literal["bash", "zsh", "fish", "powershell"]
+SHELLS: dict[str, Shell] = {shell: shell for shell in get_args(Shell)}
 
 VERBS = {
     "demo": ("trundle.cli.demo:app", "Drive across the built-in warehouse: world, map, plan and run, in seconds."),
@@ -35,6 +42,10 @@ VERBS = {
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
+
+
+class UsageError(InputError):
+    """A command line that cannot be read."""
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -72,7 +83,7 @@ def run_command(arguments: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except TrundleError as error:
-        return _fail(str(error))
+        return _fail(error, json="--json" in arguments)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -81,7 +92,7 @@ def run_command(arguments: Sequence[str]) -> int:
         return PIPE_CLOSED
     except OSError as error:
         _drop_output()
-        return _fail(str(error))
+        return _fail(error)
     except Exception:  # noqa: BLE001 - whatever is left is a fault of ours: shown whole, with a code of its own
         import traceback
 
@@ -97,20 +108,14 @@ def _dispatch(arguments: Sequence[str]) -> int:
     if arguments[0] in ("--version", "-V"):
         print(__version__)
         return DONE
+    if arguments[0] == "--install-completion":
+        return _install_completion(arguments[1:])
     verb = arguments[0]
     if verb not in VERBS:
         raise UnknownNameError("verb", verb, VERBS)
-    from cyclopts import App, CycloptsError
+    from cyclopts import CycloptsError
 
-    target, summary = VERBS[verb]
-    app = App(
-        name="trundle",
-        version_flags=[],
-        help_format="plaintext",
-        result_action="return_value",
-        suppress_keyboard_interrupt=False,
-    )
-    app.command(target, name=verb, help=summary)
+    app = _make_app([verb])
     try:
         code = app(list(arguments), exit_on_error=False, print_error=False)
     except CycloptsError as error:
@@ -119,8 +124,37 @@ def _dispatch(arguments: Sequence[str]) -> int:
             raise refused from error
         from trundle.cli.shared.usage import describe_usage
 
-        return _fail("\n".join(describe_usage(error, arguments)))
+        message, see = describe_usage(error, arguments)
+        return _fail(UsageError(message), hint=see, json="--json" in arguments)
     return code if isinstance(code, int) else DONE
+
+
+def _make_app(verbs: Iterable[str]) -> App:
+    """The command line with these verbs; the others are not imported."""
+    from cyclopts import App
+
+    app = App(
+        name="trundle",
+        version_flags=[],
+        help_format="plaintext",
+        result_action="return_value",
+        suppress_keyboard_interrupt=False,
+    )
+    for verb in verbs:
+        target, summary = VERBS[verb]
+        app.command(target, name=verb, help=summary)
+    return app
+
+
+def _install_completion(arguments: Sequence[str]) -> int:
+    """Install the completion of a shell, the one in use where none is named."""
+    name = arguments[0] if arguments else Path(os.environ.get("SHELL", "")).name
+    shell = SHELLS.get(name)
+    if shell is None or len(arguments) > 1:
+        raise InputError(f"--install-completion takes a shell: {', '.join(SHELLS)}; got {name!r}")
+    path = _make_app(VERBS).install_completion(shell=shell)
+    print(f"completion for {shell}: {path}; start a new shell to use it")
+    return DONE
 
 
 def _explain(error: Exception) -> TrundleError | None:
@@ -143,7 +177,8 @@ def _overview() -> str:
         "  trundle demo\n"
         "  trundle run warehouse --robot nova_carter --seed 3\n"
         "  trundle plan map.yaml --start 0,0 --goal 5,3 -o overlay.png\n\n"
-        "trundle VERB --help explains a verb; every verb prints JSON with --json.\n"
+        "trundle VERB --help explains a verb; every verb prints JSON with --json, errors too.\n"
+        "trundle --install-completion [bash|zsh|fish|powershell] lets the shell complete verbs and options.\n"
         "Exit codes: 0 done, 1 the robot did not get there, 2 bad input."
     )
 
@@ -157,8 +192,13 @@ def _format_warning(
     return f"{filename}:{lineno}: {category.__name__}: {message}\n"
 
 
-def _fail(message: str) -> int:
-    print(f"trundle: {message}", file=sys.stderr)
+def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
+    """Say what is wrong on stderr; with --json also as the one JSON value on stdout."""
+    print(f"trundle: {error}" + (f"\n{hint}" if hint else ""), file=sys.stderr)
+    if json:
+        from trundle.cli.shared.output import print_error
+
+        print_error(error, hint=hint)
     return BAD_INPUT
 
 

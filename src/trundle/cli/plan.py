@@ -46,7 +46,7 @@ def plan(
     deadline: float | None = None,
     smoother: options.SmootherName = None,
     smoother_options: options.SmootherOptions = None,
-    controller: Annotated[str, Parameter(help="A controller by name.")] = "regulated_pure_pursuit",
+    controller: Annotated[str, Parameter(help=options.CONTROLLER_HELP)] = "regulated_pure_pursuit",
     controller_options: options.ControllerOptions = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
@@ -120,6 +120,8 @@ def plan(
         raise  # bad input
     except PlanningError as error:
         output.remark(f"trundle: {error}", quiet=False)
+        if json:
+            output.print_error(error)
         return 1
     before = navigator.planned if smoother else None
     if target is not None:

@@ -46,7 +46,8 @@ def run(
     Exit code 1 says that the robot did not get there.
 
     Args:
-        source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name, or a world's file. With
+        source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name (warehouse, office,
+            maze, cylinders, corridors, lot), or a world's file. With
             --backend isaac also an environment of Isaac Sim whose file is at hand.
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.

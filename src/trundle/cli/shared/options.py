@@ -41,6 +41,10 @@ def _pairs(name: str, help: str) -> Parameter:
     return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
 
 
+ROBOT_HELP = "A robot: nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML."
+PLANNER_HELP = "The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or a plug-in's name."
+CONTROLLER_HELP = "The controller: regulated_pure_pursuit, lookahead or a plug-in's name."
+
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
 Overwrite = Annotated[
@@ -52,8 +56,8 @@ Overwrite = Annotated[
     ),
 ]
 Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
-RobotName = Annotated[str, Parameter(name="--robot", help="A robot by name, or the path of its YAML.")]
-PlannerName = Annotated[str, Parameter(name="--planner", help="A planner by name.")]
+RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
+PlannerName = Annotated[str, Parameter(name="--planner", help=PLANNER_HELP)]
 SmootherName = Annotated[
     str | None, Parameter(name="--smoother", help="A smoother of the planned paths by name: constrained.")
 ]

@@ -16,6 +16,12 @@ def print_json(value: object) -> None:
     print(json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False))
 
 
+def print_error(error: Exception, *, hint: str = "") -> None:
+    """Print an error as one JSON value: its type, its message, and what to do where that is apart from it."""
+    fields = {"type": type(error).__name__, "message": str(error), **({"hint": hint} if hint else {})}
+    print_json({"error": fields})
+
+
 def print_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Print aligned columns under a header."""
     lines = [list(header), *([_text(cell) for cell in row] for row in rows)]

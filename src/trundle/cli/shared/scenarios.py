@@ -27,12 +27,12 @@ class ScenarioOptions:
         time_limit: Simulated time after which the run is stopped [s].
     """
 
-    robot: Annotated[str | None, Parameter(help="A robot by name, or the path of its YAML.")] = None
+    robot: Annotated[str | None, Parameter(help=options.ROBOT_HELP)] = None
     start: options.Start = None
     goal: options.Goals = None
-    planner: Annotated[str | None, Parameter(help="A planner by name.")] = None
+    planner: Annotated[str | None, Parameter(help=options.PLANNER_HELP)] = None
     planner_options: options.PlannerOptions = None
-    controller: Annotated[str | None, Parameter(help="A controller by name.")] = None
+    controller: Annotated[str | None, Parameter(help=options.CONTROLLER_HELP)] = None
     controller_options: options.ControllerOptions = None
     smoother: options.SmootherName = None
     smoother_options: options.SmootherOptions = None
