@@ -241,8 +241,8 @@ def test_a_search_is_stopped_by_its_deadline_and_by_hand():
         ((0, 0), (2**80, 0), OutsideMapError, (2**80, 0), "goal"),
         ((1, 1), (0, 0), BlockedPoseError, (1, 1), r"start \(1, 1\) is blocked"),
         ((0, 0), (1, 1), BlockedPoseError, (1, 1), r"goal \(1, 1\) is blocked"),
-        ((0.5, 1), (0, 0), InputError, None, r"start must be a pair of whole numbers"),
-        ((0, 0), None, InputError, None, r"goal must be a pair of whole numbers"),
+        ((0.5, 1), (0, 0), InputError, None, r"start must be a pair of integers"),
+        ((0, 0), None, InputError, None, r"goal must be a pair of integers"),
     ],
 )
 def test_an_end_that_cannot_be_is_a_typed_error_with_its_cell(start, goal, error, cell, words):

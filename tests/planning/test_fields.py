@@ -209,7 +209,7 @@ def test_bad_goals_are_refused_with_their_cell() -> None:
         cost_field(costs, (2, 3))
     assert blocked.value.cell == (2, 3)
     for goals in ([], (1.0, 2.0), (1, 2, 3), [[1, 2, 3]], "ab"):
-        with pytest.raises(InputError, match="goals need whole numbers"):
+        with pytest.raises(InputError, match="goals need integers"):
             cost_field(costs, goals)
 
 

@@ -382,9 +382,9 @@ def test_an_end_that_cannot_be_is_a_typed_error_with_its_cell(start, goal, error
 @pytest.mark.parametrize("cell", [(0.5, 1), "ab", (1,), (1, 2, 3), None, 7, {0, 1}, (None, 0), np.array([0.0, 1.0])])
 def test_an_end_that_is_no_cell_is_an_input_error(cell):
     search = GridSearch(np.zeros((3, 4), bool))
-    with pytest.raises(InputError, match="start must be a pair of whole numbers"):
+    with pytest.raises(InputError, match="start must be a pair of integers"):
         search.shortest_path(cell, (0, 0))
-    with pytest.raises(InputError, match="goal must be a pair of whole numbers"):
+    with pytest.raises(InputError, match="goal must be a pair of integers"):
         search.shortest_path((0, 0), cell)
 
 
@@ -440,10 +440,10 @@ def test_an_update_that_cannot_be_is_an_error(rows, cols, values, error, words):
     ("starts", "goals", "options", "words"),
     [
         ([(0, 0)], [(0, 0), (0, 1)], {}, "1 starts and 2 goals"),
-        ([(0.0, 0)], [(0, 0)], {}, "starts must be whole numbers"),
-        ([(0, 0)], [(0, 0, 0)], {}, "goals must be whole numbers"),
-        ([(0, 0), (1,)], [(0, 0)], {}, "starts must be whole numbers"),
-        ([()], [], {}, "starts must be whole numbers"),
+        ([(0.0, 0)], [(0, 0)], {}, "starts must be integers"),
+        ([(0, 0)], [(0, 0, 0)], {}, "goals must be integers"),
+        ([(0, 0), (1,)], [(0, 0)], {}, "starts must be integers"),
+        ([()], [], {}, "starts must be integers"),
         ([(0, 0)], [(0, 0)], {"threads": 0}, "threads"),
         ([(0, 0)], [(0, 0)], {"deadline_s": 0.0}, "deadline_s"),
         ([(0, 0)], [(0, 0)], {"deadline_s": math.nan}, "deadline_s"),

@@ -17,15 +17,15 @@ from trundle.planning.footprint_planner import FootprintOptions, to_grid, to_map
 
 
 class AnyAnglePlanner(BinaryPlanner):
-    """Finds the shortest way of a point past cells of 253 and more, in any direction (`any_angle_path`).
+    """Finds the shortest path of a point around cells of 253 and more, in any direction (`any_angle_path`).
 
     Between the centres of the cells that hold the start and the goal it is the Euclidean optimum. It is joined to their
     poses directly where the straight line is free, and through the centre of their cell otherwise. The robot's centre
     touches the corners of cells of 253, where it may be up to 0.71 of a cell nearer to an obstacle than the inscribed
     radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
-    it, and where it hits something the way is planned again round those cells, as with every grid planner. What
-    comes of that is the shortest way of a point round the cells that are blocked by then. `Path.cost` is its length
-    [m]; what the cells below 253 cost does not count. For the options see `FootprintPlanner`.
+    it, and after a collision the path is planned again around those cells, as with every grid planner. The result is
+    the shortest path of a point around the cells that are blocked by then. `Path.cost` is its length [m]; the costs of
+    cells below 253 do not count. For the options see `FootprintPlanner`.
     """
 
     name = "any_angle"
@@ -55,5 +55,5 @@ class AnyAnglePlanner(BinaryPlanner):
         return vertices, float(np.hypot(*np.diff(vertices, axis=0).T).sum())
 
     def _is_free(self, costs: npt.NDArray[np.uint8], a: FloatArray, b: FloatArray) -> bool:
-        """Whether the line between two points in grid units keeps off blocked cells, but for its ends."""
+        """Whether the line between two points in grid units is clear of blocked cells, but for its ends."""
         return bool(np.isfinite(_core.line_costs(costs, self._line_weights, a.reshape(1, 2), b.reshape(1, 2))[0]))

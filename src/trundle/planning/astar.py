@@ -23,7 +23,7 @@ _SHORTCUT_STEP_CELLS = 8
 class AStarPlanner(BinaryPlanner):
     """Finds the shortest 8-connected path with A* or jump point search, and shortens it by lines of sight.
 
-    Cells of 253 and more are blocked; what the others cost does not count. The path is checked with the footprint like
+    Cells of 253 and more are blocked; the costs of others do not count. The path is checked with the footprint like
     that of any `FootprintPlanner`. Where that hits something, which is mostly at the corners that a shortest path
     touches, it is led past with more room. `Path.cost` is its length [m].
 

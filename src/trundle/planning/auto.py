@@ -1,4 +1,4 @@
-"""`AutoPlanner`: least cost, and a search of poses where that finds nothing; by name `auto`, the default everywhere."""
+"""`AutoPlanner`: least cost, and hybrid A* where that finds no path; by name `auto`, the default everywhere."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class AutoPlanner(PosePlanner):
     `least_cost` plans for a point and checks the footprint afterwards, so it fails where the robot has to reverse out
     of its start or into its goal. `hybrid_astar` searches poses, and drives backwards where it must. `Path.planner` and
     `Path.cost` are those of the planner that found the path. A goal is moved, within its tolerance, only where no
-    planner gets to it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
+    planner reaches it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
     does where it can, one of `hybrid_astar` that keeps a larger distance is taken instead.
 
     Where the search with turns in place finds nothing, one without them follows. Where all fail, the error is a
     `NoPathError` if the inscribed circle cannot get there, or if one of the ends is enclosed; otherwise a
     `PlanningStoppedError`. With `allow_partial` the path is given that ends nearest to the goal; where a deadline ends
-    the search of poses, that of `least_cost`.
+    hybrid A*, that of `least_cost`.
 
     Args:
         neutral_cost: Of `LeastCostPlanner`.

@@ -16,13 +16,13 @@ Stop = Literal["timeout", "cancelled"]
 
 
 class Cancellation:
-    """Stops planning from another thread: hand it to a search or a planner, and call `cancel`."""
+    """Stops planning from another thread: pass it to a search or a planner, and call `cancel`."""
 
     def __init__(self) -> None:
         self.flag: npt.NDArray[np.uint8] = np.zeros(1, dtype=np.uint8)
 
     def cancel(self) -> None:
-        """Stop everything that this was handed to, now and in future."""
+        """Stop everything that this was passed to, now and in future."""
         self.flag[0] = 1
 
     @property
@@ -36,7 +36,7 @@ class Patience:
 
     Args:
         deadline_s: Give up after this time [s] from now on; none means as long as it takes.
-        cancel: Give up when this says so.
+        cancel: Give up once this is cancelled.
         what: What is given up then, for the message: "no path … found yet".
         pose: For the error.
         cell: For the error.

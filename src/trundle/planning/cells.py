@@ -1,4 +1,4 @@
-"""What is asked of searches over cells, read and checked."""
+"""Arguments of grid searches, read and checked."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def as_array(values: npt.ArrayLike, what: str) -> npt.NDArray[Any]:
         InputError: If its rows differ in length, or it is a masked array, whose mask a search would not see.
     """
     if callable(getattr(values, "filled", None)):
-        raise InputError(f"{what} are masked, which searches do not look at: give them as {what}.filled(value)")
+        raise InputError(f"{what} are masked, which grid searches ignore: give them as {what}.filled(value)")
     try:
         return np.asarray(values)
     except ValueError as error:
@@ -49,7 +49,7 @@ def check_threads(threads: int | None) -> int:
     """How many threads to use; none means as many as there are processors, up to 8.
 
     Raises:
-        InputError: If it is no whole number from 1 to 1024.
+        InputError: If it is not an integer from 1 to 1024.
     """
     if threads is None:
         return min(8, os.cpu_count() or 1)
@@ -57,24 +57,24 @@ def check_threads(threads: int | None) -> int:
 
 
 def as_pair(cell: CellLike, what: str) -> tuple[int, int]:
-    """A (row, col) of two whole numbers; what has more than 64 bits becomes one that lies outside any map."""
+    """A (row, col) of two integers; one of more than 64 bits becomes one that lies outside any map."""
     try:
         row, col = (max(-(2**62), min(2**62, operator.index(number))) for number in cell)
     except (TypeError, ValueError):
-        raise InputError(f"the {what} must be a pair of whole numbers (row, col), got {cell!r}") from None
+        raise InputError(f"the {what} must be a pair of integers (row, col), got {cell!r}") from None
     return row, col
 
 
 def as_cells(cells: npt.ArrayLike, what: str) -> Cells:
-    """Many (row, col) as whole numbers, shape (N, 2)."""
+    """Many (row, col) as integers, shape (N, 2)."""
     try:
         array = np.asarray(cells)
     except ValueError as error:
-        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2): {error}") from error
+        raise InputError(f"{what} must be integers (row, col) of shape (N, 2): {error}") from error
     if array.shape in ((0,), (0, 2)):
         return np.empty((0, 2), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
-        raise InputError(f"{what} must be whole numbers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")
+        raise InputError(f"{what} must be integers (row, col) of shape (N, 2), got {array.dtype} {array.shape}")
     return np.ascontiguousarray(array, dtype=np.int64)
 
 

@@ -56,7 +56,7 @@ def compare_planners(
         names: Of the planners.
         costmap: What to stay clear of.
         start: Where the robot stands, map frame.
-        goal: Where it shall stand, map frame.
+        goal: Where it is to stand, map frame.
         smoother: Applied to every path, and counted in its time.
     """
     rows: list[PlannerRow] = []

@@ -37,10 +37,10 @@ class SmoothingSettings:
 
     Attributes:
         minimum_turning_radius: Of the tightest new curve [m].
-        w_cost: A cell of cost c is 1 + w_cost · c / 252 times as dear as a free one. 4 is NavFn's.
+        w_cost: A cell of cost c has 1 + w_cost · c / 252 times the cost of a free one. 4 is NavFn's.
         w_smooth: Price of bending [m]: of the square of the curvature, integrated along the path.
         cost_tolerance: Share by which the integral of the cells' price along the path may rise.
-        reverse_penalty: How many times dearer than forward a metre backwards is; at least 1.
+        reverse_penalty: Cost of a metre backwards, in that of one forwards; at least 1.
         change_penalty: Price of a change between forward and backward [m].
         turn_penalty: Price of turning in place [m/rad].
         padding: Distance from everything that the footprint keeps on new curves [m]. Poses are checked so closely that
@@ -79,7 +79,7 @@ class Smoothing:
         path: The new path.
         kept: For each of its legs whether the old path drives there, shape (N − 1,).
         cost_before: Integral of the cells' price along the old path [m], clipped at the cells' borders; on a border the
-            dearer cell counts.
+            higher cost counts.
         cost_after: The same along the new one; at most `cost_tolerance` above.
         price_before: The same with the prices of driving back, changing direction and turning in place [m].
         price_after: Of the new path.
@@ -94,17 +94,17 @@ class Smoothing:
 
 
 class ConstrainedSmoother:
-    """Gives a path a course of arcs and lines that bend no more than they may, cost less, and are free.
+    """Replaces a path by arcs and lines of a least radius that are free and keep clear of costs.
 
     Where the path has room the new course consists of curves of at least `minimum_turning_radius`, each joining the
-    next without a kink; where no curve is free and not dearer than `cost_tolerance` allows, a piece of the old path
+    next without a kink; where no curve is free within `cost_tolerance`, a piece of the old path
     stays as it was. So the result is free wherever the path was, and has a kink, a turn in place or a tighter bend only
     where it had one that had to stay. Its ends are those of the path, exactly. Changes of direction are moved or taken
     out, never added.
 
-    It alternates between an elastic band (Quinlan and Khatib 1993), which says where the way is cheap and straight, and
-    dynamic programming over Dubins and Reeds-Shepp curves between poses of the path and of the band. Its memory is kept
-    for the next path; several threads may use one smoother.
+    It alternates between an elastic band (Quinlan and Khatib 1993), which finds where costs are low and the path is
+    straight, and dynamic programming over Dubins and Reeds-Shepp curves between poses of the path and of the band. Its
+    memory is kept for the next path; several threads may use one smoother.
 
     Args:
         settings: Any field of `SmoothingSettings`.
@@ -118,12 +118,12 @@ class ConstrainedSmoother:
         self._curves = _core.PathSmoother()
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
-        """A smoother path with the same ends, `cost` scaled as the price of the way changed.
+        """A smoother path with the same ends, `cost` scaled by the change in its price.
 
         Raises:
             OutsideMapError: If a pose of the path lies outside the map; `error.pose` and `error.cell` say which.
-            BlockedPoseError: If the footprint touches something on the path, by more than about 1 cm.
-            InputError: If these are no path and no costmap.
+            BlockedPoseError: If the footprint collides on the path by more than about 1 cm.
+            InputError: If an argument is not a `Path` and a `Costmap`.
         """
         return self.explain(path, costmap).path
 

@@ -1,4 +1,4 @@
-"""What the next path must not go through where the footprint hit something on the last one."""
+"""The cells that are closed for the next search after a collision."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from trundle.maps import FREE, OCCUPIED
 from trundle.planning.motions import Motion
 
 _STEP_OFF_M = 0.3
-"""Where a turn at the start or the goal is blocked, the path is closed this far from it, to leave it another one."""
+"""Where a turn at the start or the goal is blocked, the path is closed this far from it: another exit stays open."""
 
 _WIDE_ROUNDS = 6
 """How many rounds may close more than the cells around the hits; from the third on there is room for any turn."""
@@ -24,24 +24,24 @@ Costs = npt.NDArray[np.uint8]
 
 
 class Detours:
-    """The costs of a query's replans: the costmap's own, with more closed where the footprint hit something.
+    """The costs of a query's replans: the costmap's own, with cells closed where the footprint collided.
 
-    A round closes the cells around the hits. With `wide`, a path that is planned round them and hits something again
-    shows that the room is too narrow there, and from the second round on all cells nearby are closed that are closer to
-    an obstacle than a distance: halfway from the inscribed to the circumscribed radius, then the circumscribed radius,
-    with which the footprint fits at every yaw. That may close a passage which the robot can get through at some yaw, so
-    nothing follows from a search that finds no path then: `reopen` opens all of it again, and from there on only the
-    cells around the hits are closed.
+    A round closes the cells around the collisions. With `wide`, a path planned around them that collides again shows
+    that the place is too narrow, and from the second round on all cells nearby are closed that are closer to an
+    obstacle than a distance: halfway from the inscribed to the circumscribed radius, then the circumscribed radius,
+    with which the footprint fits at every yaw. That may close a passage that the robot fits through at some yaw, so a
+    search that then finds no path proves nothing: `reopen` opens all of it again, and from there on only the cells
+    around the collisions are closed.
 
     Args:
         costmap: Where it is planned.
         keep: Cells that stay as they are, e.g. those of the start and the goal. Near them nothing is widened.
-        most: How many rounds there may be; those that `reopen` took back do not count.
-        wide: Whether to close more than the cells around the hits.
+        most: How many rounds there may be; those before a `reopen` do not count.
+        wide: Whether to close more than the cells around the collisions.
 
     Attributes:
         costs: For the next search, shape (rows, cols); they are not changed later.
-        wide: Whether more than the cells around the hits is closed by now.
+        wide: Whether more than the cells around the collisions is being closed.
     """
 
     def __init__(self, costmap: Costmap, keep: tuple[tuple[int, int], ...], most: int, *, wide: bool = False) -> None:
@@ -50,7 +50,7 @@ class Detours:
         self.costs: Costs = costmap.data
 
     def close(self, motions: list[Motion], hits: FloatArray, owners: list[int]) -> bool:
-        """Close where motions hit something, as of `fit_motions`; false where no round is left or nothing to close."""
+        """Close where motions collide, as of `fit_motions`; false where no round is left or nothing to close."""
         if self._round == (min(self._most, _WIDE_ROUNDS) if self.wide else self._most):
             return self.reopen()
         places = places_to_avoid(motions, hits, owners)
@@ -70,7 +70,7 @@ class Detours:
         return True
 
     def reopen(self) -> bool:
-        """Open again what was closed while `wide`, and close cells around hits alone; false if that is so already."""
+        """Open what was closed while `wide`; from then on close only cells around collisions. False if done before."""
         if not self.wide or self._round == 0:
             return False
         self.wide, self._round = False, 0

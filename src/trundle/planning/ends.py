@@ -71,7 +71,7 @@ def find_end(
         what: "start" or "goal", for the message.
         tolerance_m: How far it may be moved [m].
         any_yaw: Leave the yaw open: the inscribed circle has to fit, or where the pose is moved the footprint with any.
-        beside: Where the robot comes from: places that its inscribed circle can get to from there are taken first.
+        beside: Where the robot comes from: places that its inscribed circle can reach from there are taken first.
         patience: When to give up looking for a place.
 
     Raises:
@@ -104,7 +104,7 @@ def find_end(
 
 
 def place_with_room(costmap: Costmap, pose: Pose2D, tolerance_m: float, start: End, patience: Patience) -> End | None:
-    """The nearest place within `tolerance_m` of a pose that can be got to, and where the robot can turn all round.
+    """The nearest place within `tolerance_m` of a pose that can be reached, and where the robot can turn all round.
 
     Raises:
         PlanningStoppedError: If patience ends.
@@ -164,7 +164,7 @@ def _nearest_place(
 ) -> End | None:
     """The nearest place within a radius where the footprint fits with one of `yaws`, or with all of them.
 
-    With `beside` only places count that the inscribed circle can get to from there.
+    With `beside` only places count that the inscribed circle can reach from there.
     """
     rows, cols, distances = cells_near(costmap, pose, radius, INSCRIBED)
     x, y = costmap.cell_to_world(rows, cols)

@@ -27,7 +27,7 @@ def cost_field(
     deadline_s: float | None = None,
     cancel: Cancellation | None = None,
 ) -> npt.NDArray[np.float32]:
-    """Compute the cost of the cheapest way from every cell to the nearest goal.
+    """Compute the cost of the cheapest path from every cell to the nearest goal.
 
     A step between two cells costs the mean of their costs times its length in cells: 1 straight on, √2 along a
     diagonal, which both cells beside it must leave open. The largest value of the type is a wall: 255, 65535 or
@@ -35,7 +35,7 @@ def cost_field(
 
     The result is exact, whatever the number of threads: with whole costs up to the 2.6e-7 by which 1393/985 is below
     √2, and to the rounding to float32. The memory used is the result's own (4 bytes a cell), up to 9 MB, and half a
-    byte a cell, or a byte where costs are float32 or so large that a way does not fit 29 bits. The GIL is released.
+    byte a cell, or a byte where costs are float32 or so large that a path does not fit 29 bits. The GIL is released.
 
     Args:
         costs: What a cell's length costs to cross, shape (rows, cols). uint8, uint16 and float32 arrays in C order are
@@ -44,14 +44,14 @@ def cost_field(
         connectivity: 8, or 4 for straight steps alone.
         threads: How many to use; none means as many as there are processors, up to 8.
         deadline_s: Give up after this time [s].
-        cancel: Give up when this says so.
+        cancel: Give up once this is cancelled.
 
     Returns:
-        float32, shape (rows, cols): 0 at the goals, infinity in walls and where no way leads to a goal.
+        float32, shape (rows, cols): 0 at the goals, infinity in walls and where no path leads to a goal.
 
     Raises:
-        InputError: If the costs have another shape or kind, are negative, NaN or so large that a way through all cells
-            would be dearer than float32 holds, or an option is out of range.
+        InputError: If the costs have another shape or kind, are negative, NaN or so large that a path through all cells
+            would cost more than float32 holds, or an option is out of range.
         OutsideMapError: If a goal lies outside the grid; `cell` says which.
         BlockedPoseError: If a goal lies in a wall; `cell` says which.
         PlanningStoppedError: If it gave up: out of time, or cancelled.
@@ -98,7 +98,7 @@ def _as_costs(costs: npt.ArrayLike) -> CostArray:
 
 
 def _check_numbers(costs: npt.NDArray[np.floating]) -> None:
-    """Raise `InputError` unless all are costs or walls, and no way through all cells is dearer than float32 holds."""
+    """Raise `InputError` unless all are costs or walls, and no path through all cells costs more than float32 holds."""
     most = float(np.finfo(np.float32).max) / (2.0 * costs.size)
     fine = costs <= most  # in place, for two masks at most on large maps
     fine |= costs == np.inf
@@ -115,9 +115,9 @@ def _as_cells(goals: npt.ArrayLike, costs: CostArray) -> npt.NDArray[np.int64]:
     try:
         cells = np.asarray(goals)
     except ValueError as error:
-        raise InputError(f"goals need whole numbers (row, col), or shape (N, 2): {error}") from None
+        raise InputError(f"goals need integers (row, col), or shape (N, 2): {error}") from None
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != 2 or cells.size == 0:
-        raise InputError(f"goals need whole numbers (row, col), or shape (N, 2), got {cells.dtype} {cells.shape}")
+        raise InputError(f"goals need integers (row, col), or shape (N, 2), got {cells.dtype} {cells.shape}")
     cells = np.ascontiguousarray(cells.reshape(-1, 2), dtype=np.int64)
     rows, cols = costs.shape
     for row, col in cells.tolist():

@@ -1,4 +1,4 @@
-"""Where the ways of a `GridSearch` really begin and end, and the errors for ends that cannot be."""
+"""Where paths of a `GridSearch` begin and end after blocked ends are moved, and the errors for invalid ends."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class GridEnds:
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
             BlockedPoseError: If an end is blocked beyond its tolerance.
-            InputError: If an end is no pair of whole numbers, or a tolerance no number of 0 or more.
+            InputError: If an end is not a pair of integers, or a tolerance is not 0 or more.
         """
         if not partial and start_tolerance == 0.0 and goal_tolerance == 0.0:
             return start, goal, (0.0, 0.0, 0.0)
@@ -81,7 +81,7 @@ class GridEnds:
         which = "the " if query is None else f"query {query}: the "
         what, cell = ("start", start) if code % 2 == 0 else ("goal", goal)
         if code in (-6, -5):
-            return InputError(f"{which}{what} must be a pair of whole numbers (row, col), got {cell!r}")
+            return InputError(f"{which}{what} must be a pair of integers (row, col), got {cell!r}")
         row, col = int(cell[0]), int(cell[1])
         rows, cols = self._shape
         if code in (-4, -3):

@@ -24,7 +24,7 @@ class CellPath:
     """What a search over cells found.
 
     Attributes:
-        status: "found"; "unreachable", when no way joins the cells; "timeout" or "cancelled", when it was stopped;
+        status: "found"; "unreachable", when no path connects the cells; "timeout" or "cancelled", when it was stopped;
             "partial", when it leads to the reachable cell nearest to the goal, as it was asked to.
         length: In cells; infinite where the goal is unreachable, NaN where the search was stopped.
         corners: The bytes of `waypoints`.
@@ -47,7 +47,7 @@ class CellPath:
 
 
 class GridPath(CellPath):
-    """A way from cell to cell; its length counts a diagonal step as √2."""
+    """A path from cell to cell; its length counts a diagonal step as √2."""
 
     __slots__ = ()
 
@@ -63,16 +63,16 @@ class GridPath(CellPath):
 
 
 class PointPath(CellPath):
-    """The way of a point from the centre of a cell to that of another; its length is Euclidean."""
+    """The path of a point from the centre of a cell to that of another; its length is Euclidean."""
 
     __slots__ = ()
 
     @property
     def waypoints(self) -> FloatArray:
-        """Where the way begins, turns and ends: (row, col), shape (N, 2). N is 0 where nothing was found.
+        """Where the path begins, turns and ends: (row, col), shape (N, 2). N is 0 where nothing was found.
 
         The centre of a cell has its indices as coordinates, so that the ends are the start and the goal. The corner
-        between cells (0, 0) and (1, 1) is (0.5, 0.5): the turns of the exact way lie on such corners of blocked cells.
+        between cells (0, 0) and (1, 1) is (0.5, 0.5): the exact path turns at such corners of blocked cells.
         """
         half_cells = np.frombuffer(self.corners, dtype=np.int32).reshape(-1, 2)[:, ::-1]
         return 0.5 * (half_cells.astype(np.float64) - 1.0)

@@ -1,4 +1,4 @@
-"""`GridSearch`: shortest ways between the cells of a map that is blocked or free."""
+"""`GridSearch`: shortest paths on a grid whose cells are blocked or free."""
 
 from __future__ import annotations
 
@@ -36,28 +36,28 @@ _Paths = TypeVar("_Paths", GridPaths, PointPaths)
 
 
 class GridSearch:
-    """Shortest ways on a map whose cells are blocked or free, for many queries.
+    """Grid search: shortest paths on a map whose cells are blocked or free, for many queries.
 
-    8-connected ways never cut a corner: a diagonal step needs both cells beside it. Their length is the octile optimum,
-    kept in whole numbers (5741 and 8119, √2 to 1e-8) and given exactly from the counts of steps; it is the same in
+    8-connected paths never cut a corner: a diagonal step needs both cells beside it. Their length is the octile
+    optimum, kept in integers (5741 and 8119, √2 to 1e-8) and given exactly from the counts of steps; it is the same in
     both directions. The map is packed into bits, and the array is not kept. Any number of threads may search at once;
     `update` waits for them, and they for it.
 
-    `method` says how:
+    `method` is the search:
 
     - "jps": jump point search with bit-packed rows (Harabor and Grastien 2014, "JPS (B + P)").
-    - "astar": A* with a bucket queue; faster where jumps are short, and the way for `connectivity=4`.
+    - "astar": A* with a bucket queue; faster where jumps are short, and the search for `connectivity=4`.
     - "auto": "astar" where `clutter` is above 0.08, as with 5 to 45 % of the cells blocked at random, "jps" otherwise;
       chosen again after every update.
 
     Args:
-        blocked: Where one cannot go: bool, or uint8 with 0 for free; shape (rows, cols), read where it lies, also as
+        blocked: Blocked cells: bool, or uint8 with 0 for free; shape (rows, cols), read where it lies, also as
             a view with strides.
-        connectivity: 8, or 4 for ways without diagonal steps.
+        connectivity: 8, or 4 for paths without diagonal steps.
         method: One of the above.
 
     Raises:
-        InputError: If an argument is none of these.
+        InputError: If an argument is invalid.
     """
 
     @refuse_removed(landmarks="leave it out: paths have the same lengths without")
@@ -94,7 +94,7 @@ class GridSearch:
 
     @property
     def clutter(self) -> float:
-        """The geometric mean of the obstacles that one can go round and of the corners of all, per free cell.
+        """The geometric mean of the number of free-standing obstacles and of all corners, per free cell.
 
         Blocked cells that touch are one obstacle. A maze has corners, but hardly an obstacle that stands free.
         """
@@ -116,7 +116,7 @@ class GridSearch:
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> GridPath:
-        """Find the shortest way between two cells.
+        """Find the shortest path between two cells.
 
         A blocked end is an error, unless it may be moved: the start to the nearest free cell, the goal to the nearest
         cell that can be reached, or else that is free. Distances are straight, between centres; of cells that are as
@@ -130,12 +130,12 @@ class GridSearch:
             partial: Where the goal cannot be reached, or is blocked beyond its tolerance, go to the reachable cell
                 nearest to it; `status` is "partial" then, and `remaining` the distance that is left.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
-            cancel: Give up when this says so; `status` is "cancelled" then.
+            cancel: Give up once this is cancelled; `status` is "cancelled" then.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
             BlockedPoseError: If an end is blocked.
-            InputError: If an end is no pair of whole numbers, or another argument is none of these.
+            InputError: If an end is not a pair of integers, or another argument is invalid.
         """
         flag = check_limits(deadline_s, cancel)
         start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
@@ -156,7 +156,7 @@ class GridSearch:
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> PointPath:
-        """Find the way of a point between the centres of two cells, in any direction, as `any_angle_path` explains.
+        """Find the shortest path of a point between the centres of two cells, in any direction; see `any_angle_path`.
 
         Args:
             start: (row, col).
@@ -165,12 +165,12 @@ class GridSearch:
             goal_tolerance: As of `shortest_path`.
             partial: As of `shortest_path`.
             deadline_s: Give up after this time [s]; `status` is "timeout" then.
-            cancel: Give up when this says so; `status` is "cancelled" then.
+            cancel: Give up once this is cancelled; `status` is "cancelled" then.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:
             BlockedPoseError: If an end is blocked.
-            InputError: If an end is no pair of whole numbers, or another argument is none of these.
+            InputError: If an end is not a pair of integers, or another argument is invalid.
         """
         self._check_sides()
         flag = check_limits(deadline_s, cancel)
@@ -192,22 +192,22 @@ class GridSearch:
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> GridPaths:
-        """Find the shortest ways of many queries, in several threads without the GIL.
+        """Find the shortest paths of many queries, in several threads without the GIL.
 
         Args:
-            starts: (row, col) of each, whole numbers, shape (N, 2).
+            starts: (row, col) of each, integers, shape (N, 2).
             goals: The same.
             start_tolerance: As of `shortest_path`.
             goal_tolerance: As of `shortest_path`.
             partial: As of `shortest_path`.
             threads: How many to use; none means as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
-            cancel: Give up when this says so; those not found have the status "cancelled".
+            cancel: Give up once this is cancelled; those not found have the status "cancelled".
 
         Raises:
             OutsideMapError: If an end lies outside the map; the message says of which query.
             BlockedPoseError: If an end is blocked.
-            InputError: If an argument is none of these.
+            InputError: If an argument is invalid.
         """
         flag, count = check_limits(deadline_s, cancel), check_threads(threads)
         first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
@@ -230,7 +230,7 @@ class GridSearch:
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> PointPaths:
-        """Find the ways of `any_angle_path` of many queries, in several threads without the GIL.
+        """Find the paths of `any_angle_path` for many queries, in several threads without the GIL.
 
         For the arguments and errors see `any_angle_path` and `plan_many`.
         """
@@ -251,7 +251,7 @@ class GridSearch:
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end.
             BlockedPoseError: If the start is blocked.
-            InputError: If an end is no pair of whole numbers.
+            InputError: If an end is not a pair of integers.
         """
         row, col = self._ends.settle(start, goal, 0.0, 0.0, True)[1]
         return int(row), int(col)
@@ -271,7 +271,7 @@ class GridSearch:
 
         Raises:
             OutsideMapError: If the rectangle is not within the map.
-            InputError: If an argument is none of these, or of another shape.
+            InputError: If an argument is invalid, or of another shape.
         """
         row, row_end = as_span(rows, "rows", self._shape[0])
         col, col_end = as_span(cols, "cols", self._shape[1])

@@ -1,4 +1,4 @@
-"""`HybridAStarPlanner`: ways that a robot can drive which cannot turn in place, or is long; by name `hybrid_astar`."""
+"""`HybridAStarPlanner`: paths for robots that are long or cannot turn in place, by name `hybrid_astar`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _FOUND, _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF, _GOAL_CLOSED, _START_CL
 _ALL_TRIED = (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED)
 
 PADDING_M = 0.02
-"""What the footprint keeps from everything on the way, unless the settings say otherwise [m]."""
+"""Distance [m] that the footprint keeps from obstacles along the path, by default."""
 
 _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
@@ -43,7 +43,7 @@ _BOXES_AN_EXPANSION = 20
 """A flood fills about as many boxes in the time in which a node is expanded."""
 
 _LESS_PADDING = 0.25
-"""Share of the padding that is kept where there is no way with all of it."""
+"""Share of the padding that is kept where there is no path with all of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,28 +51,28 @@ class HybridAStarSettings:
     """Settings of `HybridAStarPlanner`, under the names of Nav2's Smac planner where it has one.
 
     Attributes:
-        motion_model: "dubins" drives forward only, "reeds_shepp" both ways.
+        motion_model: "dubins" drives forwards only, "reeds_shepp" forwards and backwards.
         minimum_turning_radius: Of the tightest arc [m]; 0 with `in_place` for straight lines and turns in place alone.
         in_place: Whether the robot also turns in place, as differential robots can.
-        reverse_penalty: How many times dearer than forward a metre backwards is; at least 1.
+        reverse_penalty: Cost of a metre backwards, in that of one forwards; at least 1.
         change_penalty: Cost of a change between forward and backward [m].
         turn_penalty: Cost of turning in place [m/rad].
-        cost_weight: A cell of cost c is 1 + cost_weight · c / 252 times as dear as a free one.
-        heuristic_weight: At least 1; with more it finds sooner a way that may be dearer by as much.
-        cell_size: Of the states, and of the field that guides the search [m]; a whole number of cells of the map. Where
+        cost_weight: A cell of cost c has 1 + cost_weight · c / 252 times the cost of a free one.
+        heuristic_weight: At least 1; with more the search ends sooner, and the path may cost more by as much.
+        cell_size: Of the states, and of the field that guides the search [m]; a multiple of the map's resolution. Where
             no path is found, states of a half, a quarter and a sixteenth of it and shorter motions are tried, as far as
             100,000 expansions go, so that gaps hardly wider than the robot are not missed.
         smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
-        padding: The footprint keeps at least this distance from everything on the way, where it has it at both ends
-            [m], and a quarter of it where no way is found that does. Poses are checked so closely that nothing can
+        padding: The footprint keeps at least this distance from obstacles along the path, where it has it at both ends
+            [m], and a quarter of it where no such path is found. Poses are checked so closely that nothing can
             pass between two of them.
         start_tolerance: How far a start where the robot does not fit may be moved [m].
         goal_tolerance: How far a goal where the robot does not fit may be moved [m].
         spacing: Largest distance between two poses of the path [m].
-        max_expansions: How many nodes to expand before it gives up.
+        max_expansions: How many nodes to expand at most.
         deadline_s: How long to search before it gives up [s]; none means as long as it takes.
         allow_partial: Where the goal cannot be reached, the robot does not fit there, or `max_expansions` is spent,
-            give the way to the pose nearest to it of those that were tried; `Path.status` is "partial" then.
+            give the path to the nearest pose to it that was reached; `Path.status` is "partial" then.
     """
 
     motion_model: str = "reeds_shepp"
@@ -112,7 +112,7 @@ class HybridAStarSettings:
         for name in ("cell_size", "spacing"):
             self._check(name, 1e-3, 1e4)
         if not (isinstance(self.max_expansions, int) and 1 <= self.max_expansions <= 10**8):
-            raise InputError(f"max_expansions must be a whole number from 1 to 1e8, got {self.max_expansions!r}")
+            raise InputError(f"max_expansions must be an integer from 1 to 1e8, got {self.max_expansions!r}")
         if self.deadline_s is not None:
             self._check("deadline_s", 1e-9, 1e9)
         check_flag("allow_partial", self.allow_partial)
@@ -295,9 +295,9 @@ class HybridAStarPlanner(PosePlanner):
     def _failure(self, query: Query, answer: _Answer, patience: Patience) -> PlanningError:
         """The error for a query without a path.
 
-        A robot that drives both ways can follow any free path as closely as it likes (Laumond, Jacobs, Taix and Murray
-        1994): there is none only where an end is enclosed. One that drives forward only has tried all states, at the
-        closest look.
+        A robot that drives forwards and backwards can follow any free path as closely as it likes (Laumond, Jacobs,
+        Taix and Murray 1994): there is none only where an end is enclosed. One that drives forwards only has tried all
+        states, in the smallest cells.
         """
         if answer.status == _CLOSED_OFF:
             return no_path(query, patience)

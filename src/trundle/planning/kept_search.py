@@ -14,7 +14,7 @@ from trundle.costmap import Costmap
 from trundle.planning.grid_search import GridSearch
 
 _SMALL = 8
-"""A search is changed where that is at most this part of the map, and made anew elsewhere."""
+"""A search is updated where at most this part of the map changes, and made again elsewhere."""
 
 
 @dataclass(slots=True)

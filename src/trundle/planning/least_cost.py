@@ -1,4 +1,4 @@
-"""`LeastCostPlanner`: the cheapest way over a costmap, by name `least_cost`."""
+"""`LeastCostPlanner`: any-angle, minimum-cost paths over a costmap, by name `least_cost`."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ COST_WEIGHT = 0.8
 class LeastCostPlanner(FootprintPlanner):
     """Weighs length against the costs of the cells, as Nav2's NavFn does: 50 + 0.8 · cost per length.
 
-    `Path.cost` is the integral of the weight along the path [m], constant in a cell. A front spreads from the start
+    `Path.cost` is the integral of the weight along the path [m], constant in a cell. A wavefront spreads from the start
     over the cells (fast marching: Tsitsiklis, 1995; Sethian, 1996), in triangles between their centres as in Field D*
-    (Ferguson and Stentz, 2006), and the way leads down its costs, to any place in a cell. It is not the exact optimum,
-    but mostly within 0.3 % of it. Cells are searched only where the cheapest way may be, by the least weights of blocks
-    of 4 × 4: a way that these take for dearer than one that is found is not looked at.
+    (Ferguson and Stentz, 2006), and the path descends it, through any point of a cell. It is not the exact optimum,
+    but mostly within 0.3 % of it. Only cells where the cheapest path may be are searched: a lower bound on blocks of
+    4 × 4 cells discards those that cannot be part of a path cheaper than the one found.
 
     Args:
         neutral_cost: Weight of a free cell.

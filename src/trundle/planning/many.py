@@ -40,7 +40,7 @@ def plan_many(
         goals: As many.
         threads: How many to use; none means as many as there are processors, up to 8.
         deadline_s: Give up after this time for all [s].
-        cancel: Give up when this says so.
+        cancel: Give up once this is cancelled.
 
     Returns:
         For each query its path, or the error that says why there is none. What was not done when it gave up has a
@@ -48,7 +48,7 @@ def plan_many(
 
     Raises:
         UnknownNameError: If there is no planner of that name.
-        InputError: If a pose is none, there are not as many goals as starts, or an argument is none of these.
+        InputError: If a pose is invalid, there are not as many goals as starts, or another argument is invalid.
     """
     chosen = create_planner(planner)
     first, last = _as_list(starts, "starts"), _as_list(goals, "goals")

@@ -1,4 +1,4 @@
-"""From the corners of a way to the poses that the robot drives through, and the check that its footprint fits there."""
+"""From the vertices of a path to the poses of the robot along it, and the check that its footprint fits there."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 
 CHECK_STEP_M = 0.025
-"""Distance [m] between two poses of a straight line at which a hit is looked for."""
+"""Distance [m] between two poses of a straight line at which collisions are checked."""
 
 CHECK_STEP_RAD = math.radians(2.0)
-"""Angle [rad] between two poses of a turn in place at which a hit is looked for."""
+"""Angle [rad] between two poses of a turn in place at which collisions are checked."""
 
 _NO_TURN_RAD = 1e-9
 _LONGEST_TURN_RAD = math.radians(120.0)
@@ -26,7 +26,7 @@ _LONGEST_TURN_RAD = math.radians(120.0)
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A straight line from `start` to `end` at one yaw, or a turn in place by `turn` [rad], either way round.
+    """A straight line from `start` to `end` at one yaw, or a turn in place by `turn` [rad], in either direction.
 
     Attributes:
         start: (x, y) [m], map frame.
@@ -46,7 +46,7 @@ class Motion:
 
 
 def motions_along(vertices: FloatArray, start_yaw: float, goal_yaw: float | None) -> list[Motion]:
-    """Lines between the vertices, with the turns between them and at both ends, each the short way round.
+    """Lines between the vertices, with the turns between them and at both ends, each in the shorter direction.
 
     Args:
         vertices: (x, y) [m], map frame, shape (N, 2), N ≥ 1.
@@ -109,7 +109,7 @@ def sample_between(
 
 
 def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], FloatArray, list[int]]:
-    """Check all that the footprint sweeps over, turning the other way round where the short way is blocked.
+    """Check all that the footprint sweeps over; turn in the other direction where the shorter one is blocked.
 
     Returns:
         The motions, poses where they are blocked (shape (K, 3)), and the index of the motion of each of them. Of each

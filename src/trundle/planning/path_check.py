@@ -27,7 +27,7 @@ class PathHit:
     """Where a path is first blocked.
 
     Attributes:
-        pose: (x, y, yaw) [m, m, rad], map frame: the first of the check's poses that the footprint does not get to
+        pose: (x, y, yaw) [m, m, rad], map frame: the first of the check's poses that the footprint does not reach
             without touching something.
         along: Distance driven on the path up to there [m].
         index: Of that pose among `PathCheck.poses`.

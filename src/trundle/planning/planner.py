@@ -1,4 +1,4 @@
-"""The seam that every planner stands behind, and the planners by name."""
+"""The protocol of planners, and the planners by name."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ PLANNERS: Registry[Planner] = Registry(
 
 @runtime_checkable
 class Planner(Protocol):
-    """Finds a path. It keeps no state that changes an answer: the same question gives the same path.
+    """Finds a path. It keeps no state that changes an answer: the same query gives the same path.
 
     A planner of another package whose `plan` takes fewer of the keywords works as well: `create_planner` wraps it, and
-    asks it without those; one that takes `**kwargs` is handed all of them.
+    leaves those out; one that takes `**kwargs` gets all of them.
     """
 
     def plan(
@@ -54,11 +54,11 @@ class Planner(Protocol):
         Args:
             costmap: What to stay clear of.
             start: Where the robot stands.
-            goal: Where it shall stand.
+            goal: Where it is to stand.
             goal_yaw_free: Any yaw will do at the goal.
             deadline_s: Give up after this time [s]; none means as long as it takes. A search bounded by other means,
                 such as its expansions, gives the same path whatever the machine is doing; this one is a safety net.
-            cancel: Give up when this says so.
+            cancel: Give up once this is cancelled.
 
         Raises:
             PlanningError: If there is no path, never an empty path; `OutsideMapError`, `BlockedPoseError` and

@@ -1,4 +1,4 @@
-"""`PosePlanner`: what every planner is asked that knows the robot's footprint, and where its paths begin and end."""
+"""`PosePlanner`: the query of every planner that knows the robot's footprint, and where its paths begin and end."""
 
 from __future__ import annotations
 
@@ -51,19 +51,19 @@ class PosePlanner(ABC):
         Args:
             costmap: What to stay clear of.
             start: Where the robot stands.
-            goal: Where it shall stand.
+            goal: Where it is to stand.
             goal_yaw_free: End with the yaw that the robot arrives with (of `hybrid_astar` one of 16), not with the
                 goal's.
             deadline_s: Give up after this time [s]; the planner's own deadline holds as well.
-            cancel: Give up when this says so.
+            cancel: Give up once this is cancelled.
 
         Raises:
             OutsideMapError: If the start or the goal lies outside the map.
             BlockedPoseError: If the robot does not fit at one of them, nor within its tolerance.
-            NoPathError: If no way joins them; of `hybrid_astar`, no way of its arcs and lines.
+            NoPathError: If no path connects them; of `hybrid_astar`, no path of its arcs and lines.
             PlanningError: If the footprint still hits something after the last replan; it names the pose.
-            PlanningStoppedError: If it gave up: out of time, cancelled, or out of expansions.
-            InputError: If an argument is none of these.
+            PlanningStoppedError: If planning ended first: out of time, cancelled, or out of expansions.
+            InputError: If an argument is invalid.
         """
         check_limits(deadline_s, cancel)
         start, goal, patience = begin_plan(costmap, start, goal, sooner(deadline_s, self._deadline_s), cancel)

@@ -1,4 +1,4 @@
-"""What a planner is asked, and the errors that say why there is no answer."""
+"""The query of a planner, and the errors that say why there is no path."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Query:
     Attributes:
         costmap: What to stay clear of.
         start: Where the robot stands.
-        goal: Where it shall stand.
+        goal: Where it is to stand.
         leave: Where the search begins: the start, or a place straight ahead of it.
         enter: Where the search ends: the goal, or a place straight behind it.
         goal_yaw_free: Whether it may end with any yaw.
@@ -63,9 +63,9 @@ def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
 
 
 def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedError:
-    """The error for a footprint that hits something on every path tried, on the last one at a pose (x, y, yaw).
+    """The error for a footprint that collides on every path tried, on the last one at a pose (x, y, yaw).
 
-    That there is no path is not known then: others were not tried, nor any that is driven backwards.
+    There may be a path: others were not tried, nor any that is driven backwards.
     """
     x, y, yaw = hit.tolist()
     return PlanningStoppedError(
@@ -79,7 +79,7 @@ def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedEr
 
 
 def no_path(query: Query, patience: Patience) -> NoPathError:
-    """The error for ends that no path of the inscribed circle joins.
+    """The error for ends that no path of the inscribed circle connects.
 
     Raises:
         PlanningStoppedError: If patience ends before the reason is known.
@@ -102,7 +102,7 @@ def no_path(query: Query, patience: Patience) -> NoPathError:
     row, col = (int(index) for index in cells[first_gap[len(first_gap) // 2]])
     x, y = costmap.cell_to_world(row, col)
     return NoPathError(
-        f"no path {query.ends}: there is a way for a point, but this robot is too wide for it at ({x:.2f}, {y:.2f}); "
+        f"no path {query.ends}: a path exists for a point, but this robot is too wide for it at ({x:.2f}, {y:.2f}); "
         f"its inscribed circle alone needs {2.0 * costmap.inscribed_radius:.2f} m",
         pose=(float(x), float(y), 0.0),
         cell=(row, col),

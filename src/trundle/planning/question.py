@@ -1,4 +1,4 @@
-"""What every planner is asked: a costmap, a start and a goal."""
+"""Checks of what every planner takes: a costmap, a start and a goal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def check_question(costmap: object, start: object, goal: object) -> tuple[Pose2D
     """The start and the goal of a plan as poses: `Pose2D`, (x, y) or (x, y, yaw) [m, m, rad], map frame.
 
     Raises:
-        InputError: If they are none, or `costmap` is no `Costmap`.
+        InputError: If they are not poses, or `costmap` is not a `Costmap`.
     """
     check_kind(costmap, Costmap, "a planner's costmap", "Costmap.from_grid(grid, robot) makes one")
     return _as_pose(start, "start"), _as_pose(goal, "goal")

@@ -1,4 +1,4 @@
-"""`TightPlaces`: a path that is short but too tight, led with more room past what the footprint hit."""
+"""`TightPlaces`: reroutes a path that is short but too tight through more room where the footprint collides."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Patience
 
 _TRIES = ((2.0, 0.001), (3.0, 0.0025), (4.0, 0.006), (6.0, 0.016))
-"""How much of the path is replaced on both sides of a hit [circumscribed radii], and the weight of one unit of cost."""
+"""Length that is replaced on both sides of a collision [circumscribed radii], and the weight of one unit of cost."""
 
 _COSTS = np.arange(256.0)
 
@@ -19,12 +19,12 @@ _FOUND = 0
 
 
 class TightPlaces:
-    """Replaces stretches of a path by the cheapest ones over the costs nearby, which keep to the middle of a passage.
+    """Replaces sections of a path by minimum-cost ones over the costs nearby, which keep to the middle of a passage.
 
-    A shortest path touches what it goes round, where the footprint of a robot that is longer than wide hits something
-    at most bends. Such a stretch says nothing of the passage that it leads through.
+    A shortest path touches the corners that it goes around, where the footprint of a robot that is longer than wide
+    collides at most bends. That does not mean that the passage is too narrow.
 
-    Each try replaces more of the path on both sides of a hit, and keeps farther from what is there.
+    Each try replaces more of the path on both sides of a collision, and keeps farther from obstacles.
     """
 
     def __init__(self) -> None:
@@ -46,18 +46,18 @@ class TightPlaces:
         number: int,
         patience: Patience,
     ) -> FloatArray:
-        """Vertices (x, y) [m] of the path with other stretches around the hits.
+        """Vertices (x, y) [m] of the path with the sections around the collisions replaced.
 
         Args:
             costmap: Where it is planned.
             costs: What is blocked for this search, shape (rows, cols).
             vertices: Of the path [m], shape (N, 2).
-            hits: Poses at which the footprint hit something, shape (K, 3).
+            hits: Poses at which the footprint collides, shape (K, 3).
             number: Of the try, from 0.
-            patience: When to give up.
+            patience: When to stop.
 
         Returns:
-            Shape (M, 2). Where no other stretch is found, the path stays as it was.
+            Shape (M, 2). Where no other section is found, the path stays as it was.
 
         Raises:
             PlanningStoppedError: If patience ends.
@@ -107,7 +107,7 @@ def _cheapest(
 
 
 def _stretches(vertices: FloatArray, along: FloatArray, hits: FloatArray, reach_m: float) -> list[tuple[float, float]]:
-    """From where to where [m] a path is near its hits; what overlaps is one."""
+    """From where to where [m] a path is near its collisions; overlapping intervals are merged."""
     starts, change = vertices[:-1], np.diff(vertices, axis=0)
     squared = np.maximum((change**2).sum(axis=1), 1e-18)
     offsets = hits[:, np.newaxis, :2] - starts
