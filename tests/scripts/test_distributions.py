@@ -52,8 +52,10 @@ def wheels(sources: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("wheels")
     for version in PYTHONS[:2]:
         if (python := find_python(version)) is not None:
-            wheel = [python, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(sources)]
-            subprocess.run(wheel, check=True, capture_output=True, text=True)
+            builder = tmp_path_factory.mktemp("builder")  # an environment that uv made has no pip
+            subprocess.run([python, "-m", "venv", str(builder)], check=True)
+            pip = [str(builder / "bin/python"), "-m", "pip"]
+            subprocess.run([*pip, "wheel", "-q", "--no-deps", "-w", str(folder), str(sources)], check=True)
     return folder
 
 
