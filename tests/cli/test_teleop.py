@@ -67,6 +67,9 @@ def test_keys_drive_and_the_terminal_comes_back(terminal: Terminal, tmp_path: Pa
         terminal.send(b"i")
         terminal.wait_for(r"v  0\.1")
     terminal.wait_for(r"v  0\.000")  # The dead-man let go.
+    terminal.send(b"w")
+    terminal.wait_for(r"v  0\.[1-9]")
+    assert max(len(line) for line in re.split(r"[\r\n]", terminal.text.replace("\x1b[K", ""))) < 60
     terminal.send(b"\x1b[D")
     terminal.wait_for(r"w  0\.[1-9]")
     terminal.send(b"q")

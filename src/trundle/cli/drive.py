@@ -72,7 +72,7 @@ def drive(
         robot: A robot by name, or the path of its YAML.
         command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
         like: Repeat the commands of a run or of a drive (its folder), from its start, e.g. with another simulator.
-        teleop: Drive by keys in this terminal: i/k or up/down, j/l or left/right, space stops, q ends. With --view by
+        teleop: Drive by keys in this terminal: w/a/s/d, i/j/k/l or arrows; it stops on release, q ends. With --view by
             the arrow keys in the window; close it to end.
         view: Watch it in a window, in real time.
         world: Where to drive: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.

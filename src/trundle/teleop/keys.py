@@ -16,8 +16,8 @@ SPEED_SHARE = 0.6
 """Share of the robot's largest speeds that a key commands."""
 
 _ARROWS = {b"A": "i", b"B": "k", b"C": "l", b"D": "j"}
-_FORWARD = {"i": 1.0, "k": -1.0}
-_LEFT = {"j": 1.0, "l": -1.0}
+_FORWARD = {"i": 1.0, "w": 1.0, "k": -1.0, "s": -1.0}
+_LEFT = {"j": 1.0, "a": 1.0, "l": -1.0, "d": -1.0}
 
 
 class KeyDrive:

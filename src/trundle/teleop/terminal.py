@@ -20,7 +20,11 @@ if TYPE_CHECKING:
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
 
-_HELP = "i/k or up/down: forward, back   j/l or left/right: turn   space: stop   q: quit"
+_HELP = """\
+w/s, i/k or up/down: forward, back
+a/d, j/l or left/right: turn
+The robot stops on release. space: stop   q: quit"""
+_COLUMNS = 59  # a line that is longer wraps in a terminal of 60
 
 
 def check_terminal() -> None:
@@ -74,13 +78,11 @@ def drive_by_keys(simulator: Simulator, log: DriveLog, *, period_s: float) -> No
                 log.add(state, command)
                 pose, twist = state.pose, state.twist
                 touched = "  touching " + ", ".join(sorted({c.other for c in state.contacts})) if state.contacts else ""
-                print(
-                    f"\r{state.time:7.2f} s  x {pose.x:7.3f}  y {pose.y:7.3f}  yaw {pose.yaw:6.3f}  "
-                    f"v {twist.v:6.3f}  w {twist.w:6.3f}{touched}\x1b[K",
-                    end="",
-                    file=sys.stderr,
-                    flush=True,
+                line = (
+                    f"{state.time:6.1f} s x{pose.x:7.2f} y{pose.y:7.2f} yaw{pose.yaw:6.2f} "
+                    f"v {twist.v:6.3f} w {twist.w:6.3f}{touched}"
                 )
+                print(f"\r{line[:_COLUMNS]}\x1b[K", end="", file=sys.stderr, flush=True)
     except KeyboardInterrupt:
         pass  # One of the ways to end; the drive is recorded all the same.
     finally:
