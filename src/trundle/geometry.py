@@ -107,12 +107,8 @@ class Pose2D:
 class Goal(tuple[float, ...]):
     """Where the robot is to stand: x, y [m] and a yaw [rad] in the map frame, or any yaw.
 
-    It is the tuple that people write and records hold, and equal to it: (x, y, yaw), or (x, y) where any yaw will do.
-
-    Args:
-        x: [m].
-        y: [m].
-        yaw: [rad]; None means that any will do.
+    It equals the tuple that people write and records hold: (x, y, yaw), or (x, y) if any yaw will do. `Goal(x, y)` and
+    `Goal(x, y, None)` leave the yaw free.
 
     Raises:
         InputError: If a number is NaN or infinite.
