@@ -41,7 +41,9 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"{__version__}\n"
 
 
-@pytest.mark.parametrize("verb", [[verb] for verb in VERBS if verb != "map"] + [["map", "build"]])
+@pytest.mark.parametrize(
+    "verb", [[verb] for verb in VERBS if verb not in ("map", "robot")] + [["map", "build"], ["robot", "new"]]
+)
 def test_every_verb_explains_itself_with_an_example_and_json(
     verb: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

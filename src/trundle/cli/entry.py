@@ -39,6 +39,8 @@ VERBS = {
     ),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
+    "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
+    "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }

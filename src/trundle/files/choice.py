@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Self, TypeAlias
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from trundle.files.yaml_config import Config
 
@@ -15,8 +15,8 @@ class Choice(Config):
     """A name with options: `least_cost`, or `{name: least_cost, options: {…}}`.
 
     Attributes:
-        name: What is chosen.
-        options: Passed to it by keyword.
+        name: Name of a planner, a controller, a smoother or a simulator.
+        options: Its options, passed by keyword.
     """
 
     name: str
@@ -28,9 +28,13 @@ class Choice(Config):
         return cls(name=name, options=options)
 
 
-def name_alone(value: object) -> object:
-    """Take a name alone as a choice without options."""
+def _name_alone(value: object) -> object:
     return {"name": value} if isinstance(value, str) else value
+
+
+def takes_name(kind: type[Choice]) -> BeforeValidator:
+    """Validate that a name alone is taken as a choice without options."""
+    return BeforeValidator(_name_alone, json_schema_input_type=str | kind | None)
 
 
 def shorten(choice: dict[str, Any]) -> object:

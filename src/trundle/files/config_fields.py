@@ -48,8 +48,14 @@ def _read_pose(value: object, info: ValidationInfo) -> object:
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
-Angle = Annotated[float, BeforeValidator(read_angle), Field(json_schema_extra={"unit": "rad"})]
+Angle = Annotated[
+    float, BeforeValidator(read_angle, json_schema_input_type=float | str), Field(json_schema_extra={"unit": "rad"})
+]
 """[rad]; text may be degrees, `90deg`."""
 
-PoseNumbers = Annotated[tuple[float, ...], BeforeValidator(_read_pose), Field(min_length=2, max_length=3)]
+PoseNumbers = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_read_pose, json_schema_input_type=list[float | str]),
+    Field(min_length=2, max_length=3),
+]
 """(x, y) or (x, y, yaw) [m, m, rad]; the yaw may be text in degrees, `90deg`."""

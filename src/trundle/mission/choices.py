@@ -21,9 +21,9 @@ class WorldChoice(Choice):
     """A world: `warehouse`, `{name: warehouse, seed: 7, options: {aisle_width: 1.4}}`, or a file, `hall.sdf`.
 
     Attributes:
-        name: Of a generated world, or the path of a world's file; a path in a file is relative to that file.
-        options: Of the generator, or of the file's loader.
-        seed: Of a generated world; none means the scenario's.
+        name: Name of a generated world, or the path of a world's file; a path in a file is relative to that file.
+        options: Options of the generator, or of the file's loader.
+        seed: Seed of a generated world; none means the scenario's.
     """
 
     seed: int | None = None
@@ -50,9 +50,9 @@ class MapOptions(Config):
     """How a map becomes a world: `{height: 0.5, unknown: free}`.
 
     Attributes:
-        height: Of the walls [m].
-        unknown: What cells are that nobody has seen, in the simulated world; in the map they stay unknown. None means
-            solid where the scenario's `unknown` is blocked, and free where the robot is to go there.
+        height: Height of the walls [m].
+        unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
+            the scenario's `unknown` is blocked, and free otherwise.
     """
 
     height: Positive = 1.0

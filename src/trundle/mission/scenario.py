@@ -10,13 +10,14 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 import yaml
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, ScenarioError
-from trundle.files.choice import Choice, name_alone, shorten
+from trundle.files.choice import Choice, shorten, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
+from trundle.files.field_docs import commented_yaml, describe_fields
 from trundle.files.kinds import SCENARIO
 from trundle.files.opening import exists
 from trundle.files.writing import output_path, write_text
@@ -62,10 +63,10 @@ class Scenario(CostmapSettings, RunSettings):
     Beside its own fields it has those of `CostmapSettings` and `RunSettings`.
 
     Attributes:
-        name: Of the run; none means robot and place.
+        name: Name of the run; none means robot and place.
         world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
         map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
-        map_options: How it is extruded; none means walls of 1 m.
+        map_options: How the map is extruded; none means walls of 1 m.
         floor_z: Height [m] of the floor in the world's file; none means the one under the start, or where none is
             given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
@@ -75,17 +76,17 @@ class Scenario(CostmapSettings, RunSettings):
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
         goals: Several of these, to be reached in order.
-        planner: Planner by name.
-        controller: Controller by name.
-        smoother: Smoother of the planned paths by name; none drives them as they are planned.
-        backend: Simulator by name.
+        planner: Planner by name, or `{name: …, options: {…}}`.
+        controller: Controller, likewise.
+        smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
+        backend: Simulator, likewise.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
     """
 
     name: str | None = None
-    world: Annotated[WorldChoice | None, BeforeValidator(name_alone)] = None
+    world: Annotated[WorldChoice | None, takes_name(WorldChoice)] = None
     map: str | None = None
     map_options: MapOptions | None = None
     floor_z: float | None = None
@@ -96,12 +97,12 @@ class Scenario(CostmapSettings, RunSettings):
     start: PoseNumbers | None = None
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
-    planner: Annotated[Choice, BeforeValidator(name_alone), refuse_removed_names(PLANNERS)] = Choice(name="auto")
-    controller: Annotated[Choice, BeforeValidator(name_alone), refuse_removed_names(CONTROLLERS)] = Choice(
+    planner: Annotated[Choice, takes_name(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
+    controller: Annotated[Choice, takes_name(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
         name="regulated_pure_pursuit"
     )
-    smoother: Annotated[Choice | None, BeforeValidator(name_alone)] = None
-    backend: Annotated[Choice, BeforeValidator(name_alone)] = Choice(name="mujoco")
+    smoother: Annotated[Choice | None, takes_name(Choice)] = None
+    backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
@@ -160,6 +161,24 @@ class Scenario(CostmapSettings, RunSettings):
         Raises:
             OutputError: If it cannot be written.
         """
+        settings = self._plain_for(path)
+        write_text(
+            path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True), durable=True
+        )
+
+    def save_commented(self, path: str | os.PathLike[str]) -> None:
+        """Write it as `save` does, for a person to edit: with a comment on every field there is.
+
+        Fields that have their default are commented out.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        head = "# A scenario. `trundle run FILE` drives it; a line that begins with # shows a field's default.\n"
+        write_text(path, head + commented_yaml(self, self._plain_for(path)), durable=True)
+
+    def _plain_for(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+        """Plain values for a YAML at this path, which its files are named relative to; its own fields first."""
         here = Path.cwd()
         folder = output_path(path).resolve().parent
         paths: dict[str, str] = {}
@@ -168,14 +187,11 @@ class Scenario(CostmapSettings, RunSettings):
             together = Path(value).suffix and target.is_relative_to(here) and folder.is_relative_to(here)
             paths[key] = os.path.relpath(target, folder) if together else str(target)
         dumped = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
-        # Its own fields first, then those of the settings.
-        settings = {key: dumped[key] for key in dict.fromkeys((*Scenario.__annotations__, *dumped)) if key in dumped}
+        settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
         for key in ("world", "planner", "controller", "smoother", "backend"):
             if key in settings:
                 settings[key] = shorten(settings[key])
-        write_text(
-            path, yaml.safe_dump(settings, sort_keys=False, default_flow_style=None, allow_unicode=True), durable=True
-        )
+        return settings
 
     def __repr__(self) -> str:
         place = self.map if self.world is None else self.world.name

@@ -21,7 +21,7 @@ class NavigatorSettings(Config):
 
     Attributes:
         goal_tolerance: The goal is reached within this distance [m] (Nav2's `xy_goal_tolerance`).
-        goal_yaw_tolerance: And within this angle of its yaw [rad] (Nav2's `yaw_goal_tolerance`).
+        goal_yaw_tolerance: The goal is reached within this angle of its yaw [rad] (Nav2's `yaw_goal_tolerance`).
         required_movement_radius: The robot makes progress when it moves this far [m].
         movement_time_allowance: Without progress for longer than this [s] the robot is stuck.
         control_frequency: Commands per second [Hz], 0.1 to 1000.

@@ -22,7 +22,7 @@ class Axle(Config):
     """A left and a right wheel of a drive with several.
 
     Attributes:
-        x: Of the axle in base_link [m].
+        x: Place of the axle in base_link [m].
         left_joint: Name of the left wheel's joint.
         right_joint: Name of the right wheel's joint.
     """
@@ -47,7 +47,7 @@ class DifferentialDrive(Config):
     told: it does not skid.
 
     Attributes:
-        wheel_radius: [m].
+        wheel_radius: Radius of a wheel [m].
         track_width: Distance between the two contact points [m] (`wheel_base` in Isaac Sim's controllers).
         left_joint: Name of the left wheel's joint.
         right_joint: Name of the right wheel's joint.

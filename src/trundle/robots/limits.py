@@ -11,11 +11,11 @@ class Limits(Config):
     """Largest speeds and accelerations of the base.
 
     Attributes:
-        linear_speed: Forward [m/s].
-        reverse_speed: Backward [m/s], as a positive number; none means as fast as forward.
-        angular_speed: Either way [rad/s].
-        linear_acceleration: Speeding up and slowing down [m/s²].
-        angular_acceleration: Either way [rad/s²].
+        linear_speed: Largest speed forward [m/s].
+        reverse_speed: Largest speed backward [m/s], as a positive number; none means as forward.
+        angular_speed: Largest turning speed, in both directions [rad/s].
+        linear_acceleration: Largest acceleration and deceleration [m/s²].
+        angular_acceleration: Largest angular acceleration and deceleration [rad/s²].
     """
 
     linear_speed: Speed

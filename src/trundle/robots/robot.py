@@ -54,13 +54,13 @@ class Body(Config):
     """The chassis as one rigid body.
 
     Attributes:
-        mass: Of the chassis alone, without wheels and casters [kg].
+        mass: Mass of the chassis alone, without wheels and casters [kg].
         height: Top of the robot above the floor [m].
         clearance: Underside of the chassis above the floor [m].
-        center_of_mass: In base_link [m]; none means the middle of the footprint at 40 % of the height.
+        center_of_mass: Centre of mass in base_link [m]; none means the middle of the footprint at 40 % of the height.
         inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]; none means those of a
             solid box of the footprint's extent.
-        color: Red, green, blue, each 0..1.
+        color: Red, green and blue, each 0 to 1.
     """
 
     mass: BodyMass
@@ -81,12 +81,12 @@ class Caster(Config):
     """A wheel that only carries: a frictionless ball where no joints are named, a swivel caster where they are.
 
     Attributes:
-        x: Of the swivel axis in base_link [m] (of the contact point, for a ball).
-        y: As x [m].
-        radius: Of the wheel or ball [m].
+        x: Of the swivel axis, or of a ball's contact point, in base_link [m].
+        y: Likewise [m].
+        radius: Radius of the wheel or ball [m].
         trail: How far the wheel's axle is behind the swivel axis [m].
-        width: Of the wheel [m].
-        mass: Of wheel and fork together [kg].
+        width: Width of the wheel [m].
+        mass: Mass of wheel and fork together [kg].
         swivel_joint: Name of the swivel joint (about z), or none for a ball.
         wheel_joint: Name of the wheel joint, or none for a ball.
     """
@@ -119,10 +119,10 @@ class Lidar(Config):
 
     Attributes:
         x, y, z: Mount in base_link [m].
-        yaw: Of the mount [rad].
+        yaw: Yaw of the mount [rad].
         beams: Number of beams.
         fov: Field of view [rad].
-        range_min, range_max: [m]; a beam that meets nothing reads infinity.
+        range_min, range_max: Shortest and longest range [m]; a beam that meets nothing reads infinity.
         rate: Scans per second of simulated time [Hz].
         noise: Standard deviation of a range [m].
     """
@@ -145,12 +145,12 @@ class Robot(Config):
     base_link is on the floor, midway between the drive wheels, x forward.
 
     Attributes:
-        name: Its name.
+        name: Name of the robot.
         drive: How it is driven.
         limits: Largest speeds and accelerations.
         footprint: Corners of its outline in base_link [m], either way round, convex.
         body: The chassis.
-        casters: Wheels that only carry.
+        casters: Passive wheels.
         lidars: Planar lidars by name.
         map_height_band: Heights above the floor between which an obstacle counts for this robot [m, m]; none means
             from 0.05 m to the robot's height.

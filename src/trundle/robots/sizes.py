@@ -32,5 +32,7 @@ RangeNoise = Annotated[float, Field(ge=0.0, le=100.0, json_schema_extra={"unit":
 ScanRate = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "Hz"})]
 Brightness = Annotated[float, Field(ge=0.0, le=1.0)]
 FieldOfView = Annotated[
-    float, BeforeValidator(read_angle), Field(gt=0.0, le=math.tau + 1e-9, json_schema_extra={"unit": "rad"})
+    float,
+    BeforeValidator(read_angle, json_schema_input_type=float | str),
+    Field(gt=0.0, le=math.tau + 1e-9, json_schema_extra={"unit": "rad"}),
 ]

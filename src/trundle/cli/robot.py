@@ -1,0 +1,67 @@
+"""`trundle robot`: write a robot file to edit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli.shared import options, output
+from trundle.errors import InputError
+
+app = App(
+    name="robot",
+    version_flags=[],
+    help="Write a robot file to edit.",
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle robot new my_robot\n"
+        "  trundle robot new husky --urdf husky.urdf -o robots/husky.yaml\n"
+        "  trundle robot schema > robot.schema.json"
+    ),
+)
+
+
+@app.command
+def new(
+    name: str,
+    /,
+    *,
+    urdf: Annotated[Path | None, Parameter(negative="")] = None,
+    paths: options.Paths = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overwrite: Annotated[bool, Parameter(negative="", help="Replace the file.")] = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Write NAME.yaml: a robot that drives, with a comment on every field.
+
+    Example: trundle robot new my_robot
+
+    Args:
+        name: Of the robot.
+        urdf: Read the robot from this URDF or MJCF file; left out: a plain one with two wheels and a caster.
+        out: The file; left out: NAME.yaml, here.
+    """
+    from trundle.files.writing import write_text
+    from trundle.robots import Robot
+    from trundle.robots.new import check_name, describe_robot, plain_robot
+
+    target = options.output_file(out or Path(f"{check_name(name)}.yaml"), f"{name}.yaml", (".yaml", ".yml"))
+    if target.exists() and not overwrite:
+        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+    robot = plain_robot(name) if urdf is None else Robot.from_model(urdf, name=name, paths=options.join_paths(paths))
+    write_text(target, describe_robot(robot, urdf), durable=True)
+    output.print_json({"robot": target}) if json else output.print_facts({"robot": target})
+    output.remark(f"To drive it: trundle run warehouse --robot {target}", quiet=quiet or json)
+    return 0
+
+
+@app.command
+def schema() -> int:
+    """Print the JSON Schema of robot files, for an editor that checks YAML by one."""
+    from trundle.robots.schema import robot_schema
+
+    output.print_json(robot_schema())
+    return 0

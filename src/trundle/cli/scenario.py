@@ -1,0 +1,60 @@
+"""`trundle scenario`: write what the options of `trundle run` say as a file to edit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from trundle.cli.shared import options, output, scenarios
+from trundle.errors import InputError
+
+app = App(
+    name="scenario",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle scenario map.yaml --start 0,0 --goal 5,3 -o scenario.yaml\n"
+        "  trundle scenario warehouse --set aisle_width=1.4 --planner least_cost -o aisles.yaml\n"
+        "  trundle scenario --schema > scenario.schema.json"
+    ),
+)
+
+
+@app.default
+def scenario(
+    source: str | None = None,
+    /,
+    *,
+    given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("scenario.yaml"),
+    overwrite: Annotated[bool, Parameter(negative="", help="Replace the file.")] = False,
+    schema: Annotated[bool, Parameter(negative="")] = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Write a scenario with the options of trundle run, and a comment on every field there is.
+
+    trundle run drives it. Fields that have their default are commented out.
+
+    Args:
+        source: As in trundle run: a map, a world by name or file, or another scenario.
+        out: The file.
+        schema: Print the JSON Schema of scenarios instead, for an editor that checks YAML by one.
+    """
+    from trundle.files.field_docs import json_schema
+    from trundle.mission import Scenario
+
+    if schema:
+        output.print_json(json_schema(Scenario, "trundle scenario"))
+        return 0
+    if source is None:
+        raise InputError("a scenario needs a place: a map, a world by name or file, or another scenario")
+    target = options.output_file(out, "scenario.yaml", (".yaml", ".yml"))
+    if target.exists() and not overwrite:
+        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+    given.make(source).save_commented(target)
+    output.print_json({"scenario": target}) if json else output.print_facts({"scenario": target})
+    output.remark(f"To drive it: trundle run {target}", quiet=quiet or json)
+    return 0

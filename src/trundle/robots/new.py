@@ -1,0 +1,54 @@
+"""A robot file to edit: of a plain robot, or of what a URDF or MJCF model says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from trundle.errors import InputError
+from trundle.files.field_docs import commented_yaml
+from trundle.robots.drive import DifferentialDrive
+from trundle.robots.limits import Limits
+from trundle.robots.robot import Body, Caster, Lidar, Robot
+
+_HEAD = """\
+# A robot: `trundle run warehouse --robot FILE` drives it, `trundle view FILE` shows it.
+# base_link is on the floor, midway between the drive wheels, x forward. A line that begins with # shows a default.
+"""
+
+
+def plain_robot(name: str) -> Robot:
+    """A robot of 0.5 by 0.4 m with two wheels, a ball caster at the back and a lidar at the front."""
+    return Robot(
+        name=name,
+        drive=DifferentialDrive(
+            wheel_radius=0.1, track_width=0.36, left_joint="left_wheel_joint", right_joint="right_wheel_joint"
+        ),
+        limits=Limits(linear_speed=1.0, angular_speed=2.0, linear_acceleration=1.0, angular_acceleration=3.0),
+        footprint=((0.15, 0.22), (-0.35, 0.22), (-0.35, -0.22), (0.15, -0.22)),
+        body=Body(mass=15.0, height=0.3, clearance=0.05),
+        casters=(Caster(x=-0.28, y=0.0, radius=0.05),),
+        lidars={"front": Lidar(x=0.1, y=0.0, z=0.25)},
+    )
+
+
+def describe_robot(robot: Robot, model: Path | None = None) -> str:
+    """YAML that `Robot.load` reads back as this robot, with a comment on every field.
+
+    Args:
+        robot: What is described.
+        model: The URDF or MJCF file that it was read from, for a remark.
+    """
+    remark = "" if model is None else f"# Read from {model.name}; what is written here is what holds.\n"
+    plain = robot.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+    return _HEAD + remark + commented_yaml(robot, plain)
+
+
+def check_name(name: str) -> str:
+    """Return a robot's name that can be a file's.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if not name or name != Path(name).name or name.startswith((".", "-")):
+        raise InputError(f"{name!r} cannot name a robot: give a plain word, such as my_robot")
+    return name
