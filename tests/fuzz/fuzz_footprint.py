@@ -14,7 +14,7 @@ from fuzz.loop import attempt, rng_of, spoil
 from trundle._core import footprint_clearance, footprint_collides, footprint_sweep
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import PathCheck
@@ -37,14 +37,14 @@ def make_costmap(generator: random.Random) -> Costmap:
     costs = rng.integers(0, 254, (generator.choice((1, 5, 20, 33)), generator.choice((1, 7, 16, 40)))).astype(np.uint8)
     costs[rng.random(costs.shape) < generator.choice((0.0, 0.01, 0.1))] = generator.choice((254, 255))
     origin = Pose2D(
-        generator.uniform(-5, 5), generator.uniform(-5, 5), generator.choice((0.0, generator.uniform(-7, 7)))
+        generator.uniform(-5, 5), generator.uniform(-5, 5), generator.choice((0.0, generator.uniform(-6, 6)))
     )
     return Costmap(costs, generator.choice((0.02, 0.1, 1.0)), origin, make_outline(generator), 1.0)
 
 
 def placed(costmap: Costmap, pose: FloatArray) -> shapely.Polygon:
     """The footprint at a pose, in grid units."""
-    in_map = Pose2D(*pose.tolist()).transform_points(costmap.footprint)
+    in_map = Pose2D(*pose[:2].tolist(), wrap_angle(float(pose[2]))).transform_points(costmap.footprint)
     return shapely.Polygon(costmap.origin.inverse().transform_points(in_map) / costmap.resolution)
 
 
