@@ -1,8 +1,10 @@
+import fcntl
 import os
 import pty
 import re
 import select
 import signal
+import struct
 import subprocess
 import sys
 import termios
@@ -11,18 +13,31 @@ from pathlib import Path
 
 import pytest
 
+COLUMNS, ROWS = 60, 24
+
 
 class Terminal:
-    """`trundle drive --teleop` in a pseudo-terminal."""
+    """`trundle drive --teleop` in a pseudo-terminal of 60 columns and 24 rows."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *arguments: str, in_place: bool = True) -> None:
         self.master, self.slave = pty.openpty()
+        fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack("HHHH", ROWS, COLUMNS, 0, 0))
         self.before = termios.tcgetattr(self.slave)
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "trundle", "drive", "nova_carter", "--teleop", "--backend=kinematic", "--out=."],
+            [
+                sys.executable,
+                "-m",
+                "trundle",
+                "drive",
+                "nova_carter",
+                "--teleop",
+                "--backend=kinematic",
+                "--out=.",
+                *list(arguments),
+            ],
             stdin=self.slave,
             stdout=subprocess.PIPE,
-            stderr=self.slave,
+            stderr=self.slave if in_place else subprocess.PIPE,
             cwd=folder,
         )
         self.text = ""
@@ -56,6 +71,10 @@ def terminal(tmp_path: Path):
     terminal.close()
 
 
+def lines_of(text: str) -> list[str]:
+    return re.split(r"[\r\n]+", re.sub(r"\x1b\[\d*[A-Z]", "", text))
+
+
 def last_row(folder: Path) -> dict[str, str]:
     header, *rows = (folder / "drive.csv").read_text().splitlines()
     return dict(zip(header.split(","), rows[-1].split(","), strict=True))
@@ -69,7 +88,7 @@ def test_keys_drive_and_the_terminal_comes_back(terminal: Terminal, tmp_path: Pa
     terminal.wait_for(r"v  0\.000")  # The dead-man let go.
     terminal.send(b"w")
     terminal.wait_for(r"v  0\.[1-9]")
-    assert max(len(line) for line in re.split(r"[\r\n]", terminal.text.replace("\x1b[K", ""))) < 60
+    assert max(map(len, lines_of(terminal.text))) < COLUMNS
     terminal.send(b"\x1b[D")
     terminal.wait_for(r"w  0\.[1-9]")
     terminal.send(b"q")
@@ -78,6 +97,51 @@ def test_keys_drive_and_the_terminal_comes_back(terminal: Terminal, tmp_path: Pa
     row = last_row(tmp_path)
     assert float(row["x"]) > 0.05
     assert float(row["yaw"]) > 0.0
+
+
+def test_a_map_is_redrawn_in_place_and_the_summary_describes_the_drive(tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path, "--world=warehouse", "--start=-13,0,1.5708")
+    try:
+        assert "\n" in terminal.wait_for(r"(?s)obstacle.*\x1b\[14A\r.*\x1b\[14A\r")[0]
+        frame = lines_of(terminal.text.split("\x1b[14A\r")[1])[:15]
+        assert frame[0].split()[1] == "s"
+        assert sum(line.count("^") for line in frame[1:]) == 1
+        assert sum(line.count("#") for line in frame[1:]) > 20
+        terminal.send(b"w")
+        terminal.wait_for(r"v  0\.[1-9]")
+        terminal.send(b"q")
+        out, _ = terminal.process.communicate(timeout=10)
+    finally:
+        terminal.close()
+    facts = dict(line.split("  ", 1) for line in out.decode().splitlines())
+    assert list(facts) == ["driven", "top speed", "turned", "contacts", "stands at", "record"]
+    assert float(facts["driven"].split()[0]) > 0.0
+    assert facts["contacts"].split() == ["none"]
+    assert facts["stands at"].split()[:2] == ["x", "-13.00"]
+
+
+def test_no_line_of_the_map_is_wider_than_the_terminal(tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path, "--world=warehouse")
+    try:
+        terminal.wait_for(r"(?s)\x1b\[14A\r.*\x1b\[14A\r")
+    finally:
+        terminal.close()
+    lines = lines_of(terminal.text)
+    assert 50 < max(map(len, lines)) < COLUMNS
+
+
+def test_what_is_no_terminal_gets_plain_lines(tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path, in_place=False)
+    assert terminal.process.stderr is not None
+    try:
+        lines = [terminal.process.stderr.readline().decode() for _ in range(4)]
+        terminal.send(b"q")
+        rest = terminal.process.communicate(timeout=10)[1].decode()
+    finally:
+        terminal.close()
+    assert re.match(r" +0\.1 s x", lines[-1])
+    assert "\x1b" not in "".join([*lines, rest])
+    assert "Map:" not in "".join(lines)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -83,6 +84,7 @@ def drive(
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
     from trundle.teleop.terminal import check_terminal, drive_by_keys
+    from trundle.teleop.text_map import TextMap
     from trundle.teleop.window import drive_in_window
     from trundle.viewer.watcher import open_window
 
@@ -117,14 +119,15 @@ def drive(
                 for v, w, seconds in commands:
                     _drive_for(simulator, log, v, w, seconds, window)
             elif window is None:
-                drive_by_keys(simulator, log, period_s=PERIOD_S)
+                drive_by_keys(simulator, log, TextMap(place, machine, pose), period_s=PERIOD_S)
             else:
                 drive_in_window(simulator, log, window, period_s=PERIOD_S)
         finally:
             with claim.replacing():
                 log.save(claim.path / "drive.csv")
         # Before the simulator is closed: closing Isaac Sim may end the process.
-        _report(log, claim.path, json=json)
+        report = _report_drive if teleop else _report_commands
+        report(log, claim.path, json=json)
     return 0
 
 
@@ -185,7 +188,27 @@ def _drive_for(
             time.sleep(max(0.0, began + seconds - left - time.monotonic()))
 
 
-def _report(log: DriveLog, folder: Path, *, json: bool) -> None:
+def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:
+    """Print what a drive by hand amounts to; as JSON one leg, as for a command, with the summary in it."""
+    summary = log.summary()
+    if json:
+        output.print_json([{**leg, "summary": summary, "run_dir": folder} for leg in log.legs()])
+        return
+    x, y, yaw = summary.pose.as_tuple()
+    left, right = (math.degrees(angle) for angle in (summary.turned_left, summary.turned_right))
+    output.print_facts(
+        {
+            "driven": f"{summary.distance:.2f} m in {summary.seconds:.1f} s",
+            "top speed": f"{summary.top_speed:.2f} m/s",
+            "turned": f"{left:.0f} deg left, {right:.0f} deg right",
+            "contacts": f"{summary.contacts}: {output.shorten(summary.touched)}" if summary.contacts else "none",
+            "stands at": f"x {x:.2f} m, y {y:.2f} m, yaw {math.degrees(yaw):.0f} deg",
+            "record": folder / "drive.csv",
+        }
+    )
+
+
+def _report_commands(log: DriveLog, folder: Path, *, json: bool) -> None:
     if json:
         output.print_json([{**leg, "run_dir": folder} for leg in log.legs()])
         return

@@ -7,6 +7,7 @@ from typing import TypedDict
 
 from trundle.files.writing import write_text
 from trundle.geometry import Twist2D
+from trundle.record.drive_summary import DriveSummary
 from trundle.sim import RobotState
 
 COLUMNS = (
@@ -48,7 +49,7 @@ class DriveLog:
         self._rows: list[str] = []
         self._legs: list[tuple[float, float, float, set[str]]] = []
         self._ends: list[RobotState] = []
-        self.last: RobotState | None = None
+        self._states: list[RobotState] = []
 
     def begin(self, v: float, w: float, seconds: float) -> None:
         """Start a leg that is commanded v [m/s], w [rad/s] for some seconds."""
@@ -68,7 +69,7 @@ class DriveLog:
             *state.odometry.as_tuple(),
         )
         self._rows.append(",".join([*(f"{number:.6f}" for number in numbers), " ".join(touched)]))
-        self.last = state
+        self._states.append(state)
         if self._legs:
             self._legs[-1][3].update(touched)
             del self._ends[len(self._legs) - 1 :]
@@ -90,6 +91,10 @@ class DriveLog:
             )
             for (v, w, seconds, touched), end in zip(self._legs, self._ends, strict=False)
         ]
+
+    def summary(self) -> DriveSummary:
+        """Time, distance, turns and contacts of the whole drive, of which at least one state was added."""
+        return DriveSummary.from_states(self._states)
 
     def save(self, path: Path) -> None:
         """Write all rows as CSV."""

@@ -15,33 +15,35 @@ from typing import TYPE_CHECKING
 
 from trundle.errors import InputError
 from trundle.teleop.keys import KeyDrive, split_keys
+from trundle.teleop.screen import Screen
 
 if TYPE_CHECKING:
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
+    from trundle.teleop.text_map import TextMap
 
 _HELP = """\
 w/s, i/k or up/down: forward, back
 a/d, j/l or left/right: turn
 The robot stops on release. space: stop   q: quit"""
-_COLUMNS = 59  # a line that is longer wraps in a terminal of 60
+_MAP_HELP = "Map: > ^ < v robot, # obstacle, . every 2 m; north is up"
 
 
 def check_terminal() -> None:
-    """See whether keys can be read.
+    """Check that keys can be read.
 
     Raises:
-        InputError: If standard input is no terminal, or this system has none that give single keys.
+        InputError: If standard input is not a terminal, or this system cannot read single keys.
     """
     if importlib.util.find_spec("termios") is None:
         raise InputError("--teleop in a terminal needs a POSIX system; use --command")
     if not sys.stdin.isatty():
-        raise InputError("--teleop reads keys, and standard input is no terminal; use --command")
+        raise InputError("--teleop reads keys, and standard input is not a terminal; use --command")
 
 
 @contextmanager
 def raw_terminal(descriptor: int) -> Iterator[None]:
-    """Hand keys over as they are pressed, without echo; put the terminal back whatever happens."""
+    """Read keys as they are pressed, without echo; the terminal's mode is restored in any case."""
     import termios
     import tty
 
@@ -55,11 +57,15 @@ def raw_terminal(descriptor: int) -> Iterator[None]:
         signal.signal(signal.SIGTERM, terminated)
 
 
-def drive_by_keys(simulator: Simulator, log: DriveLog, *, period_s: float) -> None:
-    """Drive in real time by the keys of the terminal on standard input, until q, Ctrl-C or its end."""
+def drive_by_keys(simulator: Simulator, log: DriveLog, chart: TextMap, *, period_s: float) -> None:
+    """Drive in real time by the keys of the terminal on standard input, until q, Ctrl-C or its end.
+
+    Standard error shows the state; if it is a terminal, with a small map.
+    """
     descriptor = sys.stdin.fileno()
     drive = KeyDrive(simulator.robot.limits)
-    print(_HELP, file=sys.stderr)
+    screen = Screen(sys.stderr, chart)
+    print(_HELP, *([_MAP_HELP] if sys.stderr.isatty() else []), sep="\n", file=sys.stderr)
     started = time.monotonic()
     rest = b""
     periods = 0
@@ -76,17 +82,11 @@ def drive_by_keys(simulator: Simulator, log: DriveLog, *, period_s: float) -> No
                 command = drive.twist(time.monotonic())
                 state = simulator.step(command, period_s)
                 log.add(state, command)
-                pose, twist = state.pose, state.twist
-                touched = "  touching " + ", ".join(sorted({c.other for c in state.contacts})) if state.contacts else ""
-                line = (
-                    f"{state.time:6.1f} s x{pose.x:7.2f} y{pose.y:7.2f} yaw{pose.yaw:6.2f} "
-                    f"v {twist.v:6.3f} w {twist.w:6.3f}{touched}"
-                )
-                print(f"\r{line[:_COLUMNS]}\x1b[K", end="", file=sys.stderr, flush=True)
+                screen.show(state)
     except KeyboardInterrupt:
-        pass  # One of the ways to end; the drive is recorded all the same.
+        pass  # Ctrl-C is a normal end: the drive is recorded all the same.
     finally:
-        print(file=sys.stderr)
+        screen.close()
 
 
 def _read_until(descriptor: int, deadline: float) -> tuple[bytes, bool]:
