@@ -63,7 +63,10 @@ CALLS = {
     "OccupancyGrid.load bytes": (lambda: OccupancyGrid.load(b"map.yaml"), "a map's file must be a path.* got bytes"),
     "OccupancyGrid.save(None)": (lambda: GRID.save(None), "a file or folder to write must be a path"),
     "from_world(None)": (lambda: OccupancyGrid.from_world(None), "a map is made of a World, got NoneType"),
-    "from_world resolution": (lambda: OccupancyGrid.from_world(WORLD, resolution="a"), "resolution must be .* got 'a'"),
+    "from_world resolution": (
+        lambda: OccupancyGrid.from_world(WORLD, resolution="a"),
+        "resolution is the edge of a cell .* got 'a'",
+    ),
     "from_world z_range text": (lambda: OccupancyGrid.from_world(WORLD, z_range="a"), "z_range must be"),
     "from_world z_range": (lambda: OccupancyGrid.from_world(WORLD, z_range=5), "z_range must be .* got 5"),
     "from_world floor_z": (lambda: OccupancyGrid.from_world(WORLD, floor_z="a"), "floor_z must be a height"),

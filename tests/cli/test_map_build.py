@@ -69,7 +69,7 @@ def test_a_maps_height_and_unknown_cells_are_as_its_options_say(trundle: Trundle
     ("arguments", "words"),
     [
         (("warehose",), "Did you mean 'warehouse'?"),
-        (("none.yaml",), "cannot read none.yaml"),
+        (("none.yaml",), "none.yaml: there is no such file"),
         (("warehouse", "--robot", "nova_cartr"), "Did you mean 'nova_carter'?"),
         (("warehouse", "--set", "isle_width=2"), "did you mean 'aisle_width'?"),
         (("warehouse", "--set", "aisle_width"), "give KEY=VALUE"),
@@ -149,7 +149,7 @@ def test_the_free_points_the_coverage_and_the_style(trundle: Trundle, tmp_path: 
     assert (build(trundle, tmp_path, *bounds, "--style", "isaac").data[post] == 100).sum() == 21 * 22
     inside = trundle("map", "build", "yard.sdf", "--free", "0,0", "-o", "other.yaml")
     assert inside.code == 2
-    assert "the seed (0, 0) lies in an obstacle between heights 0.1 and 0.62 m" in inside.err
+    assert "the seed (0, 0) lies in a cell of 0.05 m that an obstacle between heights 0.1 and 0.62 m" in inside.err
     assert not (tmp_path / "other.yaml").exists()
 
 

@@ -321,7 +321,7 @@ def test_a_diagonal_gap_does_not_leak():
     ("seeds", "message"),
     [
         ([(3.0, 0.0)], r"seed \(3, 0\) lies outside the map: x -2 to 2, y -2 to 2"),
-        ([(-1.0, 0.0), (0.55, 0.0)], r"seed \(0.55, 0\) lies in an obstacle"),
+        ([(-1.0, 0.0), (0.55, 0.0)], r"seed \(0.55, 0\) lies in a cell of 0.05 m that an obstacle"),
         ([(math.nan, 0.0)], "finite"),
     ],
 )
@@ -357,8 +357,8 @@ def test_solids_that_cross_the_bounds_are_cut_off():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"resolution": 0.0}, "resolution must be at least"),
-        ({"resolution": math.nan}, "resolution must be at least"),
+        ({"resolution": 0.0}, "resolution is the edge of a cell in metres, 0.0001 to 5"),
+        ({"resolution": math.nan}, "resolution is the edge of a cell in metres, 0.0001 to 5"),
         ({"resolution": 1e-4}, "more than 400000000 cells"),
         ({"max_cells": 100}, "more than 100 cells"),
         ({"bounds": ((0, 0), (1e300, 1))}, "more than 400000000 cells"),

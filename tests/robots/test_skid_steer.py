@@ -216,6 +216,6 @@ def test_a_script_for_isaac_sim_refuses_several_axles(tmp_path):
     robot = read(write(tmp_path))
     plan = Plan(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
     scene = Scene("mission", World("empty", ()), robot, Pose2D(0.0, 0.0), (plan,))
-    with pytest.raises(InputError, match="'husky' has several wheels a side"):
+    with pytest.raises(InputError, match="'husky' has several wheels on each side"):
         export_scene(scene, tmp_path / "drive.py")
     assert not (tmp_path / "drive.py").exists()

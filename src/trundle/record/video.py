@@ -117,7 +117,10 @@ def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
 
 def has_encoder() -> bool:
     """Whether PyAV is installed, which writes .mp4 files; without it a video is an animated GIF."""
-    return find_spec("av") is not None
+    try:
+        return find_spec("av") is not None
+    except ImportError:
+        return False
 
 
 def pick_rows(count: int) -> npt.NDArray[np.intp]:
