@@ -10,11 +10,17 @@ import pytest
 
 from trundle import __version__
 from trundle.cli.entry import BAD_INPUT, DONE, FAULT, INTERRUPTED, PIPE_CLOSED, VERBS, _show_log, run_command
+from trundle.cli.shared.plugins import GROUPS
 from trundle.control import controller_names
+from trundle.control.controller import CONTROLLERS
 from trundle.errors import InputError, OutputError
 from trundle.planning.planner import PLANNERS
+from trundle.planning.smoother import SMOOTHERS
 from trundle.robots import robot_names
+from trundle.robots.robot import _PLUGINS
+from trundle.sim.simulator import SIMULATORS
 from trundle.worlds import world_names
+from trundle.worlds.world import WORLDS
 
 
 def fail_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -98,6 +104,27 @@ def test_errors_on_purpose_become_one_message(
 ) -> None:
     assert fail_with(error, monkeypatch) == code
     assert capsys.readouterr() == ("", words)
+
+
+@pytest.mark.parametrize("arguments", [[], ["--json"]])
+def test_what_the_system_refuses_is_bad_input_and_json_where_asked(
+    arguments: list[str],
+) -> None:
+    program = (
+        "import sys\n"
+        "from trundle.cli import entry\n"
+        "def refuse(_arguments): raise PermissionError(13, 'Permission denied', 'map.yaml')\n"
+        "entry._dispatch = refuse\n"
+        "sys.exit(entry.run_command(['joints', *sys.argv[1:]]))"
+    )
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == BAD_INPUT
+    assert done.stderr == "trundle: [Errno 13] Permission denied: 'map.yaml'\n"
+    if arguments:
+        error = json.loads(done.stdout)["error"]
+        assert (error["type"], error["message"]) == ("PermissionError", "[Errno 13] Permission denied: 'map.yaml'")
+    else:
+        assert done.stdout == ""
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a device that is always full")
@@ -226,3 +253,28 @@ def test_help_lists_the_names_that_an_option_accepts(capsys: pytest.CaptureFixtu
     words = set(re.findall(r"[\w]+", capsys.readouterr().out))
     ours = (PLANNERS._builtin, robot_names(), controller_names(), ["mujoco", "kinematic", "isaac"], world_names())
     assert [name for names in ours for name in names if name not in words] == []
+
+
+def test_help_lists_the_plug_ins_that_are_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    installed = tmp_path / "lawn-1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Name: lawn\nVersion: 1.0\n")
+    (installed / "entry_points.txt").write_text("[trundle.planners]\nstripes = lawn:Stripes\nspiral = lawn:Spiral\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert run_command(["plan", "--help"]) == DONE
+    assert "Plug-ins installed:\n  planners: spiral, stripes\n" in capsys.readouterr().out
+
+
+def test_plug_ins_are_looked_for_where_the_registries_do() -> None:
+    ours = (_PLUGINS, WORLDS, PLANNERS, CONTROLLERS, SMOOTHERS, SIMULATORS)
+    assert [registry._group for registry in ours] == list(GROUPS.values())
+
+
+@pytest.mark.parametrize("verb", ["view", "drive", "joints"])
+def test_help_lists_robots_and_worlds(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command([verb, "--help"]) == DONE
+    words = set(re.findall(r"[\w]+", capsys.readouterr().out))
+    names = [*robot_names(), *(world_names() if verb != "joints" else [])]
+    assert [name for name in names if name not in words] == []

@@ -41,7 +41,7 @@ app = App(
 
 @app.default
 def drive(
-    robot: str,
+    robot: options.RobotArgument,
     /,
     *,
     command: Annotated[
@@ -51,7 +51,7 @@ def drive(
     like: Annotated[Path | None, Parameter(metavar="RUN")] = None,
     teleop: Annotated[bool, Parameter(negative="")] = False,
     view: Annotated[bool, Parameter(negative="")] = False,
-    world: str | None = None,
+    world: options.WorldName = None,
     start: options.Pose = None,
     backend: options.Backend = "mujoco",
     seed: options.Seed = 0,
@@ -70,13 +70,11 @@ def drive(
     The record, drive.csv, has a row for every 0.05 s: pose, commanded and actual twist, wheel speeds, odometry.
 
     Args:
-        robot: A robot by name, or the path of its YAML.
         command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
         like: Repeat the commands of a run or of a drive (its folder), from its start, e.g. with another simulator.
         teleop: Drive by keys in this terminal: w/a/s/d, i/j/k/l or arrows; it stops on release, q ends. With --view by
             the arrow keys in the window; close it to end.
         view: Watch it in a window, in real time.
-        world: Where to drive: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
         out: Folder for drive.csv, which must not hold a run; left out: a new one under runs.
     """
     from trundle.record.drive_log import DriveLog

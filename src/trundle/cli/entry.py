@@ -1,4 +1,4 @@
-"""The way in: the table of verbs, and what every error becomes on the screen."""
+"""The entry point: the table of verbs, and how each error is shown."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 DONE = 0
 NOT_THERE = 1
 BAD_INPUT = 2
-FAULT = 70  # EX_SOFTWARE of sysexits.h: a fault of ours, told apart from "the robot did not get there".
+FAULT = 70  # EX_SOFTWARE of sysexits.h: a fault of ours, distinct from "the robot did not get there".
 INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
 
@@ -93,8 +93,7 @@ def run_command(arguments: Sequence[str]) -> int:
         _drop_output()
         return PIPE_CLOSED
     except OSError as error:
-        _drop_output()
-        return _fail(error)
+        return _fail_of_system(error, json="--json" in arguments)
     except Exception:  # noqa: BLE001 - whatever is left is a fault of ours: shown whole, with a code of its own
         import traceback
 
@@ -128,6 +127,11 @@ def _dispatch(arguments: Sequence[str]) -> int:
 
         message, see = describe_usage(error, arguments)
         return _fail(UsageError(message), hint=see, json="--json" in arguments)
+    if not {"--help", "-h"}.isdisjoint(arguments):
+        from trundle.cli.shared.plugins import describe_plugins
+
+        plugins = describe_plugins()
+        print(plugins, end="\n" if plugins else "")
     return code if isinstance(code, int) else DONE
 
 
@@ -202,6 +206,18 @@ def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
 
         print_error(error, hint=hint)
     return BAD_INPUT
+
+
+def _fail_of_system(error: OSError, *, json: bool) -> int:
+    """Say what the system refused; a stdout that cannot be written to gets no JSON."""
+    try:
+        code = _fail(error, json=json)
+        sys.stdout.flush()
+        return code
+    except OSError:
+        return BAD_INPUT
+    finally:
+        _drop_output()
 
 
 def _drop_output() -> None:

@@ -37,7 +37,8 @@ def joints(
     With --backend isaac: those that Isaac Sim moves, in its order, of the robot's USD.
 
     Args:
-        robot: A robot by name, or the path of a robot's YAML, an MJCF, a URDF or a USD file.
+        robot: A robot (nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's), or the path of a
+            robot's YAML, an MJCF, a URDF or a USD file.
     """
     given = isaac.simulator_options(isaac_options, backend)
     if backend == isaac.BACKEND:

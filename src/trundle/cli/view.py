@@ -28,10 +28,10 @@ app = App(
 
 @app.default
 def view(
-    robot: str,
+    robot: options.RobotArgument,
     /,
     *,
-    world: str | None = None,
+    world: options.WorldName = None,
     start: options.Pose = None,
     camera: Literal["chase", "robot", "overview", "top"] = "robot",
     size: Annotated[str, Parameter(metavar="WIDTHxHEIGHT")] = "1280x720",
@@ -51,8 +51,6 @@ def view(
     With --out or --json it is always a picture.
 
     Args:
-        robot: A robot by name, or the path of its YAML.
-        world: Where it stands: a world by name, or its file (SDF, MJCF, a mesh, a map's YAML); left out: a floor.
         camera: Where the picture is taken from: close to the robot's front, from behind it, or of the whole world.
         size: Of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.

@@ -48,7 +48,7 @@ def build(
     coverage: Literal["any", "centre"] = "any",
     style: Literal["exact", "isaac"] = "exact",
     half_cell_origin: Annotated[bool, Parameter(negative="")] = False,
-    max_cells: int | None = None,
+    max_cells: options.Integer | None = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,

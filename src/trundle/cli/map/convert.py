@@ -49,7 +49,7 @@ def convert(
     prefer: Literal["occupied", "free", "first", "second"] = "occupied",
     source_resolution: float | None = None,
     source_origin: Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y[,YAW]")] = None,
-    max_cells: int | None = None,
+    max_cells: options.Integer | None = None,
     compat: options.Compat = None,
     json: options.Json = False,
 ) -> int:

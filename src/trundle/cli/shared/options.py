@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import Parameter, Token
+from cyclopts import CoercionError, Parameter, Token
 
 from trundle.angles import FORM as ANGLE_FORM
 from trundle.angles import parse_angle, warn_of_degrees
@@ -37,6 +37,18 @@ Angle = Annotated[float, Parameter(converter=_read_angle, allow_leading_hyphen=T
 """An option's angle [rad], or in degrees: `10deg`."""
 
 
+def _read_integer(_kind: object, tokens: Sequence[Token]) -> int:
+    # Left to itself, cyclopts rounds 1.5 to 2.
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise CoercionError(token=tokens[0], target_type=int) from None
+
+
+Integer = Annotated[int, Parameter(converter=_read_integer)]
+"""An option's integer; numbers with a fraction are refused."""
+
+
 def _pairs(name: str, help: str) -> Parameter:
     return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
 
@@ -55,11 +67,20 @@ Overwrite = Annotated[
         help="Replace the run that the folder of --out holds; it is deleted when the new one is there.",
     ),
 ]
-Seed = Annotated[int, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
+Seed = Annotated[Integer, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
+RobotArgument = Annotated[str, Parameter(help=ROBOT_HELP)]
+WorldName = Annotated[
+    str | None,
+    Parameter(
+        name="--world",
+        help="Where it is: a world (corridors, cylinders, lot, maze, office, warehouse or a plug-in's), or its file "
+        "(SDF, MJCF, USD, a mesh, a map's YAML); left out: a level floor.",
+    ),
+]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
 PlannerName = Annotated[str, Parameter(name="--planner", help=PLANNER_HELP)]
 SmootherName = Annotated[
-    str | None, Parameter(name="--smoother", help="A smoother of the planned paths by name: constrained.")
+    str | None, Parameter(name="--smoother", help="A smoother of the planned paths: constrained or a plug-in's name.")
 ]
 Backend = Annotated[
     str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
@@ -201,7 +222,7 @@ def parse_goal(option: str, text: str) -> Target:
 
 
 def parse_pairs(option: str, texts: list[str] | None, example: str) -> dict[str, bool | int | float | str]:
-    """Read `KEY=VALUE` options: true and false, whole numbers, numbers, else text."""
+    """Read `KEY=VALUE` options: true and false, integers, numbers, else text."""
     settings: dict[str, bool | int | float | str] = {}
     for text in texts or []:
         key, equals, value = text.partition("=")

@@ -39,7 +39,7 @@ class ScenarioOptions:
     backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")] = (
         None
     )
-    seed: Annotated[int | None, Parameter(help="For everything random; same seed, same run.")] = None
+    seed: Annotated[options.Integer | None, Parameter(help="For everything random; same seed, same run.")] = None
     world_options: options.Settings = None
     exclude: options.Exclude = None
     floor_z: options.FloorZ = None

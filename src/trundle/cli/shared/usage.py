@@ -10,7 +10,7 @@ from cyclopts import CoercionError, CycloptsError, UnusedCliTokensError
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _WITH_UNIT = re.compile(rf"({_NUMBER})\s*(mm|cm|m|s|ms|Hz)")
 _SCALE = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "s": 1.0, "ms": 1e-3, "Hz": 1.0}
-_KINDS = {float: "a number", int: "a whole number"}
+_KINDS = {float: "a number", int: "an integer"}
 
 
 def describe_usage(error: CycloptsError, arguments: Sequence[str]) -> tuple[str, str]:
