@@ -29,7 +29,7 @@ poses = st.builds(Pose2D, coordinates, coordinates, st.floats(-math.tau, math.ta
 
 
 def test_a_yaw_beyond_a_whole_turn_is_warned_of_where_the_pose_is_made():
-    with pytest.warns(AngleWarning, match="yaw 90 is more than a whole turn, and angles are in radians") as caught:
+    with pytest.warns(AngleWarning, match="yaw 90 is more than one turn, and angles are in radians") as caught:
         pose = Pose2D(1.0, 2.0, 90)
     assert caught[0].filename == __file__
     assert pose.yaw == wrap_angle(90.0)
@@ -62,7 +62,7 @@ def test_what_is_no_goal_is_refused(value):
 
 def test_the_yaw_of_a_goal_is_wrapped_and_degrees_are_warned_of_where_it_is_made():
     assert Goal(0.0, 0.0, 4.0) == (0.0, 0.0, wrap_angle(4.0))
-    with pytest.warns(AngleWarning, match="yaw 90 is more than a whole turn") as caught:
+    with pytest.warns(AngleWarning, match="yaw 90 is more than one turn") as caught:
         Goal(1.0, 2.0, 90)
     assert [warning.filename for warning in caught] == [__file__]
 

@@ -1,6 +1,6 @@
 """trundle: from a map to a moving robot.
 
-Every public name has one canonical place; the common ones are also reachable from here, imported on first use.
+Every public name has one canonical module; the common ones can also be imported from here, and load on first use.
 """
 
 from __future__ import annotations

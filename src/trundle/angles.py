@@ -1,4 +1,4 @@
-"""Angles as people write them: radians, or degrees as `90deg`; a warning where a number must be in degrees."""
+"""Angles as users write them: radians, or degrees as `90deg`; a warning if a number looks like degrees."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from trundle.errors import AngleWarning
 _DEGREES = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg|°|rad)\s*", re.ASCII)
 
 FORM = "radians like 1.57, or degrees like 90deg"
-"""What an angle may be written as, for messages."""
+"""The accepted notations of an angle, for messages."""
 
 
 def parse_angle(text: str) -> float:
-    """Read an angle [rad]: a number, one with `rad`, or one with `deg` or `°` that becomes radians.
+    """Read an angle [rad]: a plain number, or a number with the unit `rad`, `deg` or `°`.
 
     Raises:
-        ValueError: If it is none of these, or not finite.
+        ValueError: If it is anything else, or not finite.
     """
     found = _DEGREES.fullmatch(text)
     number = float(text if found is None else found[1])
@@ -29,19 +29,19 @@ def parse_angle(text: str) -> float:
 
 
 def is_in_degrees(angle: float) -> bool:
-    """Whether an angle [rad] is larger than a whole turn, so that it probably was meant in degrees."""
+    """Whether an angle [rad] is more than one turn, so it was probably meant in degrees."""
     return not -math.tau <= angle <= math.tau
 
 
 def describe_degrees(angle: float) -> str:
-    """What to say of an angle that `is_in_degrees`."""
+    """The message for an angle that `is_in_degrees`."""
     return (
-        f"{angle:.12g} is more than a whole turn, and angles are in radians: for degrees write {angle:.12g}deg "
+        f"{angle:.12g} is more than one turn, and angles are in radians: for degrees write {angle:.12g}deg "
         f"in a file or an option, or {math.radians(angle):.6g}"
     )
 
 
 def warn_of_degrees(angle: float, what: str, *, stacklevel: int = 1) -> None:
-    """Warn where an angle [rad] probably was meant in degrees; `what` is what the message begins with."""
+    """Warn if an angle [rad] was probably meant in degrees; the message begins with `what`."""
     if is_in_degrees(angle):
         warnings.warn(f"{what} {describe_degrees(angle)}", AngleWarning, stacklevel=stacklevel + 1)

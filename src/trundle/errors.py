@@ -1,7 +1,7 @@
 """The exceptions of trundle.
 
-Everything that trundle raises on purpose derives from `TrundleError`. Bad input derives from `InputError`, which is a
-`ValueError` too. Not reaching a goal, a collision and a time-out are outcomes (data), not exceptions.
+Every exception that trundle raises on purpose derives from `TrundleError`. Bad input raises `InputError`, which is
+also a `ValueError`. A missed goal, a collision and a time-out are outcomes (data), not exceptions.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable
 
 
 class TrundleError(Exception):
-    """Base of everything that trundle raises on purpose.
+    """Base of every exception that trundle raises on purpose.
 
-    Errors of this kind can be copied and pickled with their attributes, whatever arguments they are made from, so that
+    These errors can be copied and pickled with their attributes, whatever the arguments of their constructor, so
     another process can raise them.
     """
 
@@ -30,19 +30,19 @@ class MapError(InputError):
 
 
 class MapWarning(UserWarning):
-    """A map that can be used, and that probably does not mean what it says."""
+    """A map that can be used but probably contains a mistake."""
 
 
 class WorldWarning(UserWarning):
-    """A world that can be used, and that probably is not all that was meant."""
+    """A world that can be used but is probably not what was intended."""
 
 
 class RobotWarning(UserWarning):
-    """A robot that can be used, with something about it assumed."""
+    """A robot that can be used, with some values assumed."""
 
 
 class AngleWarning(UserWarning):
-    """An angle that can be used, and that probably was meant in degrees."""
+    """An angle that can be used but was probably meant in degrees."""
 
 
 class RobotError(InputError):
@@ -58,21 +58,21 @@ class ScenarioError(InputError):
 
 
 class OutputError(TrundleError):
-    """A result that cannot be written where it was asked for."""
+    """A result that cannot be written to the given path."""
 
 
 class SimulationError(TrundleError):
-    """A simulator that cannot go on, or was used after it was closed."""
+    """A simulator that cannot continue, or was used after it was closed."""
 
 
 class UnknownNameError(InputError):
-    """A name that is in no registry.
+    """A name that is not in the registry.
 
     Attributes:
         kind: What a name stands for ("planner").
-        name: What was asked for.
-        choices: What there is, sorted.
-        hint: For a name that was there in an earlier version: what became of it ("was removed; use …").
+        name: The requested name.
+        choices: The available names, sorted.
+        hint: For a name from an earlier version: its replacement ("was removed; use …").
     """
 
     def __init__(self, kind: str, name: str, choices: Iterable[str], *, hint: str | None = None) -> None:
@@ -89,12 +89,12 @@ class UnknownNameError(InputError):
 
 
 class MissingExtraError(TrundleError, ImportError):
-    """A library that is needed for this and not installed; the message gives the install line.
+    """An optional library that is needed but not installed; the message gives the install command.
 
     Attributes:
-        purpose: What it is needed for.
-        package: What is not installed.
-        install: The line that installs it.
+        purpose: What needs it.
+        package: The missing package.
+        install: The command that installs it.
     """
 
     def __init__(self, purpose: str, package: str, install: str) -> None:
@@ -137,7 +137,7 @@ class BlockedPoseError(PlanningError):
     """A start or goal where the robot cannot stand.
 
     Attributes:
-        nearest_free_m: Distance to the nearest cell where it could, or None where none was found near.
+        nearest_free_m: Distance to the nearest cell where it can stand, or None if none was found nearby.
     """
 
     def __init__(
@@ -153,14 +153,14 @@ class BlockedPoseError(PlanningError):
 
 
 class NoPathError(PlanningError):
-    """Start and goal are free, and no path joins them."""
+    """Start and goal are free, but no path connects them."""
 
 
 class PlanningStoppedError(PlanningError):
-    """Planning ended before it found a path or knew that there is none.
+    """Planning stopped before it found a path or proved that none exists.
 
     Attributes:
-        status: "timeout", "cancelled", or "exhausted" for a planner that is out of tries.
+        status: "timeout", "cancelled", or "exhausted" for a planner that used up its attempts.
     """
 
     def __init__(
@@ -176,5 +176,5 @@ class PlanningStoppedError(PlanningError):
 
 
 def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
-    """An error with these `args`, made without `__init__`, which may ask for others; its attributes are set next."""
+    """An error with these `args`, created without `__init__`, whose parameters may differ; attributes are set next."""
     return kind.__new__(kind, *arguments)

@@ -15,7 +15,7 @@ from trundle.errors import InputError
 from trundle.values import as_array, as_number
 
 FloatArray = npt.NDArray[np.float64]
-"""An array of float64; its shape and unit are given where it is used."""
+"""An array of float64; each use states its shape and unit."""
 
 
 def wrap_angle(angle: float) -> float:
@@ -38,7 +38,7 @@ class Pose2D:
         InputError: If a number is NaN or infinite.
 
     Warns:
-        AngleWarning: If the yaw is larger than a whole turn, so that it probably is in degrees.
+        AngleWarning: If |yaw| is more than one turn, which suggests degrees.
     """
 
     x: float
@@ -47,7 +47,7 @@ class Pose2D:
 
     def __post_init__(self) -> None:
         x, y, yaw = self.x, self.y, self.yaw
-        if not (type(x) is type(y) is type(yaw) is float):  # quicker than to convert each
+        if not (type(x) is type(y) is type(yaw) is float):  # faster than converting each
             x, y, yaw = as_number(x, "x of a pose"), as_number(y, "y of a pose"), as_number(yaw, "yaw of a pose")
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
             raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
@@ -61,7 +61,7 @@ class Pose2D:
         """Take a pose, or (x, y), or (x, y, yaw).
 
         Raises:
-            InputError: If it is none of these.
+            InputError: If it is anything else.
         """
         if isinstance(value, Pose2D):
             return value
@@ -105,10 +105,10 @@ class Pose2D:
 
 
 class Goal(tuple[float, ...]):
-    """Where the robot is to stand: x, y [m] and a yaw [rad] in the map frame, or any yaw.
+    """A goal for the robot: x, y [m] and a yaw [rad] in the map frame, or any yaw.
 
-    It equals the tuple that people write and records hold: (x, y, yaw), or (x, y) if any yaw will do. `Goal(x, y)` and
-    `Goal(x, y, None)` leave the yaw free.
+    A goal is a tuple, equal to the one that users write and records hold: (x, y, yaw), or (x, y) for any yaw.
+    `Goal(x, y)` and `Goal(x, y, None)` accept any yaw.
 
     Raises:
         InputError: If a number is NaN or infinite.
@@ -130,10 +130,10 @@ class Goal(tuple[float, ...]):
 
     @classmethod
     def of(cls, value: Pose2D | Sequence[float]) -> Goal:
-        """Take (x, y), which means any yaw, (x, y, yaw), a pose, whose yaw counts, or a goal.
+        """Take a goal, (x, y) for any yaw, (x, y, yaw), or a pose with its yaw.
 
         Raises:
-            InputError: If it is none of these.
+            InputError: If it is anything else.
         """
         if isinstance(value, Goal):
             return value
@@ -153,12 +153,12 @@ class Goal(tuple[float, ...]):
 
     @property
     def yaw_free(self) -> bool:
-        """Whether any yaw will do."""
+        """Whether any yaw is accepted."""
         return len(self) == 2
 
     @property
     def pose(self) -> Pose2D:
-        """The goal as a pose; its yaw is 0 where any will do."""
+        """The goal as a pose; its yaw is 0 where any is accepted."""
         return Pose2D(*self)
 
     def __getnewargs__(self) -> tuple[float, ...]:  # type: ignore[override]
@@ -198,7 +198,7 @@ class Twist2D:
 def integrate_twist(x: float, y: float, yaw: float, v: float, w: float, dt: float) -> tuple[float, float, float]:
     """Drive a constant twist (v [m/s], w [rad/s]) for `dt` [s] along its exact arc; the yaw is not wrapped."""
     turn = w * dt
-    # sin(a)/a and (1 - cos(a))/a, by series where they would cancel.
+    # sin(a)/a and (1 - cos(a))/a, by series for small angles, where they would cancel.
     if abs(turn) < 1e-6:
         along, across = 1.0 - turn * turn / 6.0, turn / 2.0
     else:
@@ -254,7 +254,7 @@ class Pose3D:
         if m.shape != (4, 4):
             raise InputError(f"a transform is a matrix of shape (4, 4), got {m.shape}")
         trace = (m[0, 0], m[1, 1], m[2, 2])
-        # The largest of the four components first, so that nothing is divided by a small number (Shepperd, 1978).
+        # The largest of the four components first, to avoid dividing by a small number (Shepperd, 1978).
         squares = np.array(
             [
                 1.0 + trace[0] + trace[1] + trace[2],
@@ -335,7 +335,7 @@ def rotation_matrices(quaternions: npt.ArrayLike) -> FloatArray:
 
 
 def path_length(points: npt.ArrayLike) -> float:
-    """Length [m] of a polyline, shape (N, 2) or more columns (the first two count)."""
+    """Length [m] of a polyline, shape (N, 2); further columns are ignored."""
     array = as_array(points, np.float64, "points", copy=False)
     if len(array) < 2:
         return 0.0
@@ -344,7 +344,7 @@ def path_length(points: npt.ArrayLike) -> float:
 
 
 def _exactly(values: Sequence[float], count: int, what: str) -> list[float]:
-    """So many numbers."""
+    """Take exactly `count` numbers."""
     numbers = as_array(values, np.float64, what)
     if numbers.shape != (count,):
         raise InputError(f"{what} has {count} numbers, got shape {numbers.shape}")
@@ -357,13 +357,13 @@ def pad_outline(outline: npt.ArrayLike, padding: float) -> FloatArray:
     edges = np.roll(points, -1, axis=0) - points
     normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
     before = np.roll(normals, 1, axis=0)
-    # A corner moves along the sum of its two edges' normals, so far that both edges move by the padding.
+    # A corner moves along the sum of its two edges' normals, scaled to move both edges by the padding.
     shift = (before + normals) / (1.0 + (before * normals).sum(axis=1))[:, None]
     return points + padding * shift
 
 
 def shrink_outline(outline: npt.ArrayLike, margin: float) -> FloatArray | None:
-    """What is left of a convex, counter-clockwise outline at least `margin` [m] inside of it; None if nothing is."""
+    """Inset a convex, counter-clockwise outline by `margin` [m]; None if nothing is left."""
     points = np.asarray(outline, dtype=np.float64)
     kept = points
     for first, second in zip(points, np.roll(points, -1, axis=0), strict=True):
@@ -405,5 +405,5 @@ def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]
 
 
 def format_pose(pose: Pose2D) -> str:
-    """Return `(x, y, yaw)` in a few digits, for people."""
+    """Return `(x, y, yaw)` in a few digits, for display."""
     return f"({pose.x:.6g}, {pose.y:.6g}, {pose.yaw:.4g})"

@@ -1,4 +1,4 @@
-"""`Path`: what a planner gives and a controller follows."""
+"""`Path`: the result of a planner, followed by a controller."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from trundle.geometry import FloatArray, Pose2D, format_pose, path_length, wrap_
 from trundle.values import as_array
 
 PathStatus = Literal["found", "partial"]
-"""Whether a path reaches its goal, or only comes as near to it as possible."""
+"""Whether a path reaches its goal, or ends as near to it as possible."""
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
     """Poses to drive through, in order.
 
-    Two neighbouring poses at the same place with different yaws are a turn in place, the short way round from one to
-    the other; a turn the long way round is given as several of them. Between poses at different places the robot
-    drives the straight line, forward unless `backward` says otherwise.
+    Two consecutive poses at the same position with different yaws are a turn in place, in the direction of the smaller
+    angle; a turn of more than π is given as several of them. Between poses at different positions the robot drives in
+    a straight line, forward unless `backward` says otherwise.
 
     Attributes:
         poses: (x, y, yaw) [m, m, rad] in the map frame, shape (N, 3), N ≥ 1, read-only. The first is the start, the
             last is the goal.
-        cost: What the planner minimised, in its own unit; NaN where it has none.
+        cost: The cost that the planner minimised, in the planner's unit; NaN if it has none.
         planner: Name of the planner.
         replans: How often the planner had to plan again because the footprint hit something.
         start_snapped_m: How far the start was moved to free space [m].
         goal_snapped_m: How far the goal was moved to free space [m].
-        status: "found", or "partial" where the goal cannot be reached and the path leads as near to it as it can; a
-            planner gives such a path only where it was asked for.
+        status: "found", or "partial" if the goal cannot be reached and the path leads as near to it as possible.
+            Planners return partial paths only on request.
         remaining_m: Straight distance from the end of a partial path to the goal [m].
-        backward: For each leg between two poses whether it is driven backwards, shape (N − 1,), read-only; none given
-            means that all are driven forward.
+        backward: Whether each leg between two poses is driven in reverse, shape (N − 1,), read-only; by default all
+            legs are driven forward.
 
     Raises:
-        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1, `backward` is of another length, or the
-            status is another.
+        InputError: If the poses are not (N, 3) finite numbers with N ≥ 1, the length of `backward` does not match, or
+            the status is unknown.
     """
 
     poses: FloatArray
@@ -86,7 +86,7 @@ class Path:
         return f"Path({self.length:.4g} m, {len(self)} poses, {ends}{by}{partial})"
 
     def _repr_png_(self) -> bytes:
-        """Show a picture in notebooks, with north up; legs that are driven backwards have a colour of their own."""
+        """Show a picture in notebooks, with north up; legs driven in reverse are orange."""
         from trundle.pictures.figure import to_png
         from trundle.pictures.paths import draw_path
 
@@ -95,7 +95,7 @@ class Path:
         if self.status == "partial":
             lines.append(f"partial: {self.remaining_m:.2f} m remain to the goal")
         if self.backward.any():
-            lines.append("orange: driven backwards")
+            lines.append("orange: driven in reverse")
         return to_png(draw_path(self.poses, self.backward, title, lines))
 
     @property

@@ -16,13 +16,13 @@ _Made = TypeVar("_Made")
 
 
 class Registry(Generic[_Made]):
-    """The named choices of one seam, each a class or function that makes what stands behind it.
+    """The named implementations of one interface, each a class or function that creates it.
 
     Args:
         kind: What a name stands for, in messages ("planner").
-        group: Entry-point group in which other packages add theirs ("trundle.planners").
-        builtin: Our own names, each with its `"module:attribute"`.
-        removed: Names that earlier versions had, each with what became of it ("was removed; use …").
+        group: Entry-point group where other packages register theirs ("trundle.planners").
+        builtin: The built-in names, each with its `"module:attribute"`.
+        removed: Names from earlier versions, each with its replacement ("was removed; use …").
     """
 
     def __init__(
@@ -34,20 +34,20 @@ class Registry(Generic[_Made]):
         self._removed = dict(removed or {})
 
     def names(self) -> list[str]:
-        """Every name, ours and those of installed packages, sorted."""
+        """Every name, built in or from an installed package, sorted."""
         return sorted({*self._builtin, *(point.name for point in importlib.metadata.entry_points(group=self._group))})
 
     def removal(self, name: str) -> str | None:
-        """What became of a name that an earlier version had ("was removed; use …"); None for any other name."""
+        """Hint for a name that was removed ("was removed; use …"); None for any other name."""
         return None if name in self.names() else self._removed.get(name)
 
     def load(self, name: str) -> object:
         """Import what a name stands for.
 
         Raises:
-            UnknownNameError: If there is no such name; it lists the choices and the nearest, or says what became of
-                a name that was removed.
-            InputError: If it is no text, or another package's entry point cannot be imported.
+            UnknownNameError: If there is no such name; it lists the choices and the nearest one, or the replacement
+                of a name that was removed.
+            InputError: If the name is not a string, or another package's entry point cannot be imported.
         """
         check_kind(name, str, f"the name of a {self._kind}", f"there are: {', '.join(self.names())}")
         if name in self._builtin:
@@ -61,11 +61,11 @@ class Registry(Generic[_Made]):
         raise UnknownNameError(self._kind, name, self.names(), hint=self._removed.get(name))
 
     def make(self, name: str, /, *arguments: object, **options: Any) -> _Made:
-        """Make what a name stands for.
+        """Create an object by name.
 
         Raises:
             UnknownNameError: If there is no such name.
-            InputError: If it does not take these options.
+            InputError: If it does not accept these options.
         """
         maker = cast("Callable[..., _Made]", self.load(name))
         try:
@@ -76,26 +76,26 @@ class Registry(Generic[_Made]):
             raise InputError(f"{self._kind} {name!r}{what}") from error
 
     def take(self, given: str | _Made, method: str, /, *arguments: object, **options: Any) -> _Made:
-        """Make what a name stands for, or take what was made already: anything that has a method of this name.
+        """Create an object by name, or take an existing one that has the given method.
 
         Raises:
             UnknownNameError: If there is no such name.
-            InputError: If it does not take these options, has no such method, or is made and there are options.
+            InputError: If it does not accept these options or has no such method, or if options come with an object.
         """
         if isinstance(given, str):
             return self.make(given, *arguments, **options)
         if isinstance(given, type) or not callable(getattr(given, method, None)):
             raise InputError(f"a {self._kind} is given by its name or as an object with {method}(…), got {given!r}")
         if options:
-            raise InputError(f"{', '.join(options)}: options are for a {self._kind} by name; this one is made already")
+            raise InputError(f"{', '.join(options)}: options need a {self._kind} given by name, not an object")
         return given
 
 
 def keywords_taken(function: Callable[..., object], names: Iterable[str]) -> frozenset[str]:
-    """Which of these keywords a function of another package takes; all of them where it takes `**kwargs`.
+    """The subset of these keywords that a function accepts; all of them if it accepts `**kwargs`.
 
-    For adapters around what was written for an older seam. One whose signature Python cannot tell, such as a compiled
-    function, is taken to follow the present one.
+    For adapters around code written for an older interface. A function whose signature Python cannot read, such as a
+    compiled one, is assumed to follow the current interface.
     """
     wanted = frozenset(names)
     try:

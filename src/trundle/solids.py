@@ -1,4 +1,4 @@
-"""Solid shapes with a place and a colour: what worlds are made of, maps are made from and engines collide with."""
+"""Solid shapes with a pose and a colour, from which worlds, maps and collision models are built."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from trundle.values import as_array
 Color: TypeAlias = tuple[float, float, float, float]
 """Red, green, blue and opacity, each 0 to 1."""
 
-_VERTICES_AT_ONCE = 1 << 14  # So few that they stay in the processor's cache.
+_VERTICES_AT_ONCE = 1 << 14  # Few enough to stay in the processor's cache.
 
 
 def _check_positive(what: str, *values: float) -> None:
@@ -90,9 +90,9 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True)
 class OccupancyCells:
-    """Blocked cells of a grid as walls of one height: the solid form of a large map.
+    """Blocked cells of a grid as walls of equal height: the solid form of a large map.
 
-    The shape's frame is the grid's: its origin is the lower-left corner of cell (0, 0), x along the columns, y along
+    The shape uses the grid's frame: its origin is the lower-left corner of cell (0, 0), x along the columns, y along
     the rows, z up from the floor.
 
     Attributes:
@@ -119,7 +119,7 @@ class OccupancyCells:
 
 
 Shape: TypeAlias = Box | Cylinder | Sphere | Mesh | OccupancyCells
-"""Every shape that a `Solid` can have."""
+"""The shapes that a `Solid` can have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,11 +127,11 @@ class Solid:
     """A named shape at a pose in the world.
 
     Attributes:
-        name: Unique in its world; a contact is reported under it.
-        shape: What it is.
-        pose: Where it is, in the map frame.
+        name: Unique in its world; contacts are reported under it.
+        shape: Its geometry.
+        pose: Its pose in the map frame.
         color: Red, green, blue, alpha, each 0..1.
-        kind: What a person would call it ("wall", "rack", "pallet", …), for pictures and filters.
+        kind: Everyday name of the object ("wall", "rack", "pallet", …), for pictures and filters.
     """
 
     name: str
@@ -169,13 +169,13 @@ class Solid:
 
 @dataclass(frozen=True, slots=True)
 class SolidArrays:
-    """Poses and sizes of N solids of one kind, for work on all of them at once.
+    """Poses and sizes of N solids of one kind, for vectorised work.
 
     Attributes:
         positions: [m], shape (N, 3).
         rotations: Rotation matrices, shape (N, 3, 3).
-        sizes: The numbers of a box, a cylinder or a sphere in their order [m], shape (N, 3), (N, 2) or (N, 1); of other
-            shapes none, (N, 0).
+        sizes: The dimensions of a box, a cylinder or a sphere in field order [m], shape (N, 3), (N, 2) or (N, 1);
+            empty, (N, 0), for other shapes.
     """
 
     positions: FloatArray

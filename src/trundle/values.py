@@ -1,4 +1,4 @@
-"""Numbers, arrays and seeds that come from outside, checked where they come in."""
+"""Checks for numbers, arrays and seeds that come from outside."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _Item = TypeVar("_Item", bound=np.generic)
 
 
 def as_number(value: object, what: str) -> float:
-    """Take a number as a float, NaN and infinity included; text is none, also where it could be read as one.
+    """Take a number as a float, NaN and infinity included; text is refused, even if it could be parsed as a number.
 
     Raises:
-        InputError: If it is no number.
+        InputError: If it is not a number.
     """
     try:
         if isinstance(value, str | bytes | bytearray):
@@ -31,7 +31,7 @@ def as_number(value: object, what: str) -> float:
 
 
 def is_finite_number(value: object) -> TypeGuard[float]:
-    """Whether this is a number, not text, and neither NaN nor infinite."""
+    """Whether this is a finite number, and not text."""
     return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
@@ -39,7 +39,7 @@ def check_number(name: str, value: object, least: float, most: float, unit: str 
     """A number from `least` to `most` as a float.
 
     Raises:
-        InputError: If it is none, or NaN.
+        InputError: If it is not such a number, or NaN.
     """
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         number = float(value)
@@ -50,24 +50,24 @@ def check_number(name: str, value: object, least: float, most: float, unit: str 
 
 
 def check_count(name: str, value: object, least: int, most: int) -> int:
-    """A whole number from `least` to `most`.
+    """An integer from `least` to `most`.
 
     Raises:
-        InputError: If it is none.
+        InputError: If it is not.
     """
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and least <= value <= most:
         return int(value)
-    raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}")
+    raise InputError(f"{name} must be an integer from {least} to {most}, got {value!r}")
 
 
 def check_flag(name: str, value: object) -> bool:
     """A bool.
 
     Raises:
-        InputError: If it is none.
+        InputError: If it is not a bool.
     """
     if not isinstance(value, bool | np.bool_):
-        raise InputError(f"{name} is true or false, got {value!r}")
+        raise InputError(f"{name} must be true or false, got {value!r}")
     return bool(value)
 
 
@@ -81,10 +81,10 @@ def check_kind(value: object, kinds: type | tuple[type, ...], what: str, advice:
 
 
 def as_path(value: object, what: str, error: type[TrundleError] = InputError) -> str:
-    """Take the path of a file, a text or a `pathlib.Path`, as text.
+    """Take the path of a file, a str or a `pathlib.Path`, as text.
 
     Raises:
-        TrundleError: Of the type `error`, if it is none.
+        TrundleError: Of the type `error`, if it is neither.
     """
     path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
     if isinstance(path, str):
@@ -93,10 +93,10 @@ def as_path(value: object, what: str, error: type[TrundleError] = InputError) ->
 
 
 def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Sequence[float]:
-    """Take lists, tuples and arrays of one dimension.
+    """Take lists, tuples and one-dimensional arrays.
 
     Raises:
-        InputError: If it is none.
+        InputError: If it is anything else.
     """
     if isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes):
         return tuple(values)
@@ -106,10 +106,10 @@ def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Seque
 def as_array(
     values: object, kind: type[_Item], what: str, error: type[InputError] = InputError, *, copy: bool = True
 ) -> npt.NDArray[_Item]:
-    """Take an array, or lists of numbers, as an array of this kind; a copy, or with `copy=False` one where it must be.
+    """Take an array, or lists of numbers, as an array of this type; a copy, or with `copy=False` only if needed.
 
     Raises:
-        InputError: If lists are ragged, or something in them is no number.
+        InputError: If lists are ragged, or hold something that is not a number.
     """
     try:
         return np.array(values, dtype=kind, order="C", copy=True) if copy else np.asarray(values, dtype=kind)
@@ -121,8 +121,8 @@ def check_seed(seed: object) -> int:
     """Take a seed.
 
     Raises:
-        InputError: If it is no whole number of 0 or more.
+        InputError: If it is not an integer of 0 or more.
     """
     if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)
-    raise InputError(f"a seed must be a whole number of 0 or more, got {seed!r}")
+    raise InputError(f"a seed must be an integer of 0 or more, got {seed!r}")

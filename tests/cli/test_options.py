@@ -26,7 +26,7 @@ def test_a_yaw_may_be_in_degrees() -> None:
 
 
 def test_a_yaw_beyond_a_whole_turn_is_warned_of_once() -> None:
-    with pytest.warns(AngleWarning, match=r"^--goal 1,2,90: YAW 90 is more than a whole turn.* write 90deg") as caught:
+    with pytest.warns(AngleWarning, match=r"^--goal 1,2,90: YAW 90 is more than one turn.* write 90deg") as caught:
         assert Pose2D.of(options.parse_goal("--goal", "1,2,90")).yaw == wrap_angle(90.0)
     assert len(caught) == 1
 

@@ -30,7 +30,7 @@ def test_quoted_text_stays_text(tmp_path):
     ("text", "message"),
     [
         ("radius: -1", r"wheel.yaml:1:9: radius: -1 is out of range: it must be above 0"),
-        ("radius: 1\nspokes: [1, x]", r"wheel.yaml:2:13: spokes.1: must be a whole number, got 'x'"),
+        ("radius: 1\nspokes: [1, x]", r"wheel.yaml:2:13: spokes.1: must be an integer, got 'x'"),
         ("radius: 1\ncolour: red", r"wheel.yaml:2:1: colour: unknown key. There are: radius, name, spokes"),
         ("name: a", r"wheel.yaml:1:1: radius: is missing"),
         ("radius: .nan", r"wheel.yaml:1:9: radius: "),

@@ -59,7 +59,7 @@ def test_the_yaw_is_honoured(tmp_path):
 def test_a_yaw_in_degrees_is_read_and_warned_of(tmp_path):
     with pytest.warns(MapWarning, match=r"map.yaml:3:16: origin's yaw is 90deg, which ROS does not read; write 1.5708"):
         assert OccupancyGrid.load(write_map(tmp_path, origin="[1, 2, 90deg]")).origin.yaw == math.pi / 2.0
-    with pytest.warns(MapWarning, match=r"map.yaml:3:18: origin's yaw is 90 rad, more than a whole turn: .* 1.5708"):
+    with pytest.warns(MapWarning, match=r"map.yaml:3:18: origin's yaw is 90 rad, more than one turn: .* 1.5708"):
         OccupancyGrid.load(write_map(tmp_path, origin="[1.0, 2, 90]"))
 
 

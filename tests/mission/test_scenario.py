@@ -102,9 +102,9 @@ def test_a_yaw_may_be_in_degrees(tmp_path):
 
 def test_a_yaw_beyond_a_whole_turn_is_warned_of_with_its_place(tmp_path):
     path = write(tmp_path, "world: warehouse\nstart: [1, 2, 90]\n")
-    with pytest.warns(AngleWarning, match=r"scenario.yaml:2:8: start: 90 is more than a whole turn, .* write 90deg"):
+    with pytest.warns(AngleWarning, match=r"scenario.yaml:2:8: start: 90 is more than one turn, .* write 90deg"):
         assert Scenario.load(path).start == (1.0, 2.0, math.remainder(90.0, math.tau))
-    with pytest.warns(AngleWarning, match="^goal: 90 is more than a whole turn"):
+    with pytest.warns(AngleWarning, match="^goal: 90 is more than one turn"):
         Scenario.make(world="warehouse", goal=(1, 2, 90))
 
 

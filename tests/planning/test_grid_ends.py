@@ -173,7 +173,7 @@ def test_after_an_update_the_nearest_is_that_of_the_new_map():
         ({"goal_tolerance": math.nan}, "goal_tolerance must be"),
         ({"goal_tolerance": "3"}, "goal_tolerance must be"),
         ({"goal_tolerance": True}, "goal_tolerance must be"),
-        ({"partial": "yes"}, "partial is true or false"),
+        ({"partial": "yes"}, "partial must be true or false"),
     ],
 )
 def test_bad_options_are_refused(options, message):

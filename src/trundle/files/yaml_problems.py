@@ -20,9 +20,9 @@ Location: TypeAlias = tuple[int | str, ...]
 _TYPES = {
     "float_type": "a number",
     "float_parsing": "a number",
-    "int_type": "a whole number",
-    "int_parsing": "a whole number",
-    "int_from_float": "a whole number",
+    "int_type": "an integer",
+    "int_parsing": "an integer",
+    "int_from_float": "an integer",
     "finite_number": "a finite number",
     "bool_type": "true or false",
     "bool_parsing": "true or false",

@@ -218,7 +218,7 @@ def describe_degrees(fields: Fields) -> tuple[str, str] | None:
     yaw = _parse_yaw(node, fields.name)
     where, right = place(node, fields.name), f"{math.radians(yaw):.6g}"
     if is_in_degrees(yaw):
-        message = f"{where}: origin's yaw is {yaw:g} rad, more than a whole turn: it is in radians, and degrees are "
+        message = f"{where}: origin's yaw is {yaw:g} rad, more than one turn: it is in radians, and degrees are "
         return f"{message}probably meant", f"write {right}"
     if _NUMBER.fullmatch(node.value) is None:
         return f"{where}: origin's yaw is {node.value}, which ROS does not read", f"write {yaw:.6g}"
