@@ -143,7 +143,7 @@ def test_the_winner_of_a_merge_is_chosen(trundle: Trundle, source: Path, tmp_pat
         (("maps/noise.yaml", "-o", "new.yaml", "--max-cells", "599"), "30 x 20 cells is more than 599 cells"),
         (("maps/noise.yaml", "-o", "new.yaml", "--crop", "1,2,3"), "--crop '1,2,3': give X0,Y0,X1,Y1"),
         (("maps/noise.yaml", "-o", "new.yaml", "--crop", "1,0,0,1"), "smaller first"),
-        (("maps/noise.yaml", "-o", "new.yaml", "--crop", "8,8,9,9"), "nothing of the map lies in"),
+        (("maps/noise.yaml", "-o", "new.yaml", "--crop", "8,8,9,9"), "no part of the map lies in"),
         (("maps/noise.yaml", "-o", "new.yaml", "--mode", "gray"), "mode"),
         (("maps/noise.yaml", "-o", "new.map", "--mode", "raw"), "--mode is for ROS maps"),
         (("maps/noise.yaml", "-o", "new.yaml", "--source-resolution", "1"), "are for MovingAI maps"),

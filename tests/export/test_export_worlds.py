@@ -237,7 +237,7 @@ def test_what_was_there_is_replaced(tmp_path, zoo):
 
 def test_a_map_of_a_band_that_nothing_is_in_says_so(tmp_path):
     world = World("high", (Solid("lamp", Box((1, 1, 0.2)), Pose3D((0, 0, 3.0))),))
-    with pytest.warns(MapWarning, match="no obstacle: no solid within its bounds reaches into heights 0.1 to 0.62"):
+    with pytest.warns(MapWarning, match="no obstacles: no solid within its bounds reaches into heights 0.1 to 0.62"):
         export_world(world, tmp_path / "w.yaml")
     with pytest.raises(InputError, match="z_range"):
         export_world(world, tmp_path / "w.yaml", z_range=(0.6, 0.1))

@@ -74,13 +74,13 @@ def test_a_map_with_a_bmp_is_that_with_a_png(tmp_path, depth):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda content: content[:20], "cut off in its header"),
-        (lambda content: content[:-3], "is cut off"),
-        (lambda content: content[:18] + struct.pack("<i", -5) + content[22:], "none that can be read"),
-        (lambda content: content[:28] + struct.pack("<H", 7) + content[30:], "7 bits a pixel"),
+        (lambda content: content[:20], "truncated in its header"),
+        (lambda content: content[:-3], "is truncated after"),
+        (lambda content: content[:18] + struct.pack("<i", -5) + content[22:], "is not supported"),
+        (lambda content: content[:28] + struct.pack("<H", 7) + content[30:], "7 bits per pixel"),
         (lambda content: content[:30] + struct.pack("<I", 4) + content[34:], "compression 4"),
         (lambda content: content[:18] + struct.pack("<ii", 10**6, 10**6) + content[26:], "more than a map may have"),
-        (lambda content: content + bytes(1 << 20), "far longer than its picture needs"),
+        (lambda content: content + bytes(1 << 20), "far longer than its image needs"),
     ],
 )
 def test_broken_files_are_refused(tmp_path, change, message):

@@ -321,7 +321,7 @@ def test_a_diagonal_gap_does_not_leak():
     ("seeds", "message"),
     [
         ([(3.0, 0.0)], r"seed \(3, 0\) lies outside the map: x -2 to 2, y -2 to 2"),
-        ([(-1.0, 0.0), (0.55, 0.0)], r"seed \(0.55, 0\) lies in a cell of 0.05 m that an obstacle"),
+        ([(-1.0, 0.0), (0.55, 0.0)], r"seed \(0.55, 0\) lies in a cell of .* part of an obstacle"),
         ([(math.nan, 0.0)], "finite"),
     ],
 )
@@ -357,8 +357,8 @@ def test_solids_that_cross_the_bounds_are_cut_off():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"resolution": 0.0}, "resolution is the edge of a cell in metres, 0.0001 to 5"),
-        ({"resolution": math.nan}, "resolution is the edge of a cell in metres, 0.0001 to 5"),
+        ({"resolution": 0.0}, "resolution must be the edge of a cell"),
+        ({"resolution": math.nan}, "resolution must be the edge of a cell"),
         ({"resolution": 1e-4}, "more than 400000000 cells"),
         ({"max_cells": 100}, "more than 100 cells"),
         ({"bounds": ((0, 0), (1e300, 1))}, "more than 400000000 cells"),
@@ -426,7 +426,7 @@ def test_a_solid_far_away_by_mistake_is_named():
     lost = [*WALLS, Solid("lost", Box((1.0, 1.0, 1.0)), Pose3D.planar(10_000.0, 1.0, 0.5))]
     with pytest.raises(MapError, match=r"more than 400000000 cells.*'lost' reaches farthest, x 9999.5 to 10000.5"):
         OccupancyGrid.from_world(Room([*lost, Solid("far", Box((1.0, 1.0, 1.0)), Pose3D.planar(0.0, 9_000.0, 0.5))]))
-    with pytest.warns(MapWarning, match="10002 x 4 m large: 'lost' reaches farthest"):
+    with pytest.warns(MapWarning, match="10002 x 4 m: 'lost' reaches farthest"):
         OccupancyGrid.from_world(Room(lost), resolution=0.5)
 
 

@@ -70,7 +70,7 @@ def test_files_that_cannot_be_are_refused_by_name(tmp_path):
 
 
 def test_nothing_half_is_written(tmp_path):
-    with pytest.raises(MapError, match=r"ends in \.npz"):
+    with pytest.raises(MapError, match=r"must end in \.npz"):
         SMALL.save(tmp_path / "floor.npy")
     with pytest.raises(OutputError):
         SMALL.save(tmp_path / "none" / "floor.npz")

@@ -88,7 +88,7 @@ def test_no_kept_out_area_is_lost_whatever_the_frames(seed, resolution, turn, ma
 @pytest.mark.parametrize("origin", [(0.41, 0.0, 0.0), (-0.21, 0.0, 0.0), (0.0, 0.31, 0.0), (0.42, 0.3, 0.8)])
 def test_a_mask_beside_the_map_is_refused(origin):
     mask = KeepoutMask(OccupancyGrid(np.full((4, 4), 100), 0.05, Pose2D(*origin)), "zones.yaml")
-    with pytest.raises(MapError, match=r"zones\.yaml: the mask lies beside the map: it covers x"):
+    with pytest.raises(MapError, match=r"zones\.yaml: the mask does not overlap the map: it covers x"):
         mask.costs_on(frame(6, 8))
 
 
@@ -101,10 +101,10 @@ def test_a_keepout_mask_is_read_as_a_ros_map(tmp_path):
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ("type: 1\n", "no keep-out mask: it has type 1, a speed mask in percent"),
-        ("base: 100\nmultiplier: -1\n", "no keep-out mask: it has base and multiplier of its own"),
-        ("type: 7\n", r"mask\.yaml:\d+:7: type is 7, it must be one of 0 \(a keep-out mask\)"),
-        ("type: fast\n", "type is 'fast', it must be a finite number"),
+        ("type: 1\n", "not a keep-out mask: it has type 1, a speed mask in percent"),
+        ("base: 100\nmultiplier: -1\n", "not a keep-out mask: it has base and multiplier"),
+        ("type: 7\n", r"mask\.yaml:\d+:7: type is 7; it must be one of 0 \(a keep-out mask\)"),
+        ("type: fast\n", "type is 'fast'; it must be a finite number"),
     ],
 )
 def test_another_kind_of_mask_is_no_keepout_mask(tmp_path, extra, message):
@@ -177,5 +177,5 @@ def test_limits_that_cannot_be_kept_are_refused(values, options, message):
 
 @pytest.mark.parametrize("kind", [0, 3])
 def test_another_kind_of_mask_is_no_speed_mask(tmp_path, kind):
-    with pytest.raises(MapError, match=f"type {kind}, .* is no speed mask"):
+    with pytest.raises(MapError, match=f"type {kind}, .* is not a speed mask"):
         SpeedMask.load(save_mask(tmp_path, [[0, 50]], f"type: {kind}\n"))

@@ -37,10 +37,10 @@ def test_the_grid_class_knows_them_by_suffix_and_the_resolution_may_be_given(tmp
         ("hello\nworld\n", ":1:1", "not a MovingAI map"),
         ("type octile\nwidth 4\nmap\n....\n", ":3:1", "no height"),
         ("type octile\nmap\n....\n", ":2:1", "no height and no width"),
-        (MAP.replace("height 2", "height 0"), ":2:8", "whole number"),
-        (MAP.replace("height 2", "height -2"), ":2:8", "whole number"),
-        (MAP.replace("height 2", "height 2.5"), ":2:8", "whole number"),
-        (MAP.replace("width 4", "width 9999999999"), ":3:7", "whole number"),
+        (MAP.replace("height 2", "height 0"), ":2:8", "must be an integer"),
+        (MAP.replace("height 2", "height -2"), ":2:8", "must be an integer"),
+        (MAP.replace("height 2", "height 2.5"), ":2:8", "must be an integer"),
+        (MAP.replace("width 4", "width 9999999999"), ":3:7", "must be an integer"),
         (MAP.replace("height 2", "height 3"), ":6:1", "after 2 of 3 rows"),
         (MAP.replace("width 4", "width 5"), ":5:5", "the row has 4 cells"),
         (MAP.replace("width 4", "width 3"), ":5:4", "the row has 4 cells"),
@@ -85,7 +85,7 @@ def test_scenarios_without_a_version_and_with_spaces_are_read(tmp_path):
     ("line", "message"),
     [
         ("0\ta.map\t4\t2\t0\t0\t3\t1", "this line has 8"),
-        ("x\ta.map\t4\t2\t0\t0\t3\t1\t3.4", "no number"),
+        ("x\ta.map\t4\t2\t0\t0\t3\t1\t3.4", "not a number"),
         ("0\ta.map\t4\t2\t0\t0\t3\t1\tnan", "optimal length"),
         ("0\ta.map\t4\t2\t0\t0\t3\t1\t-1", "optimal length"),
         ("0\ta.map\t4\t2\t4\t0\t3\t1\t1", "start \\(4, 0\\) is outside"),
@@ -101,8 +101,8 @@ def test_a_damaged_query_is_refused_with_its_line(tmp_path, line, message):
 def test_missing_empty_and_binary_files(tmp_path):
     with pytest.raises(MapError, match=r"cannot read .*: No such file"):
         load_map(tmp_path / "none.map")
-    with pytest.raises(MapError, match="no query"):
+    with pytest.raises(MapError, match="no queries"):
         load_scenarios(write(tmp_path, "version 1\n", "a.scen"))
     (tmp_path / "b.scen").write_bytes(b"version 1\n\xff\n")
-    with pytest.raises(MapError, match=r"b.scen:2:1: not text"):
+    with pytest.raises(MapError, match=r"b.scen:2:1: not UTF-8 text"):
         load_scenarios(tmp_path / "b.scen")

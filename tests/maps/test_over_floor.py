@@ -190,13 +190,13 @@ def test_where_the_floor_is_not_known_the_map_is_unknown_and_stops_the_flood():
 
     floor = HeightField.from_function(height, AROUND, resolution=0.1)
     crate = Solid("crate", Box((0.4, 0.4, 0.4)), Pose3D.planar(0.5, 1.0, 0.2))
-    with pytest.warns(MapWarning, match=r"not known in \d+ of 6400 cells.*spans x -3 to 3, y -3 to 3 m"):
+    with pytest.warns(MapWarning, match=r"unknown in \d+ of 6400 cells.*spans x -3 to 3, y -3 to 3 m"):
         grid = build(crate, floor=floor, seeds=[(-1.0, 0.0)])
     assert (grid.data[:50, :48] == 0).all()
     assert (grid.data[:, 48:52] == -1).all()  # The crate there too.
     assert (grid.data[56:64, 46:48] == 100).all()
     assert (grid.data[:, 52:] != 0).all()
-    with pytest.raises(MapError, match=r"seed \(0.5, 0\) lies where the height field does not say"):
+    with pytest.raises(MapError, match=r"seed \(0.5, 0\) lies where the floor's height is unknown"):
         build(crate, floor=floor, seeds=[(0.5, 0.0)])
 
 
@@ -208,7 +208,7 @@ def test_a_field_that_does_not_cover_the_world_is_told():
     assert (grid.data[:, :40] >= 0).all()
     assert (grid.data[:, 40:] == -1).all()
     elsewhere = HeightField(np.zeros((5, 5)), 1.0, (100.0, -2.0))
-    with pytest.raises(MapError, match=r"known in no cell of the map.*spans x 100 to 104"):
+    with pytest.raises(MapError, match=r"unknown in every cell of the map.*spans x 100 to 104"):
         build(crate, floor=elsewhere)
 
 
@@ -256,8 +256,8 @@ def test_blocks_of_rows_fit_together(monkeypatch):
         ({"max_slope": 10.0}, "radians.*10 degrees are 0.1745"),
         ({"max_slope": -0.1}, "max_slope"),
         ({"max_slope": math.nan}, "max_slope"),
-        ({"style": "isaac"}, "level floor alone"),
-        ({"floor_z": 1.0}, "the field says how high"),
+        ({"style": "isaac"}, "supports only a level floor"),
+        ({"floor_z": 1.0}, "the field has the heights"),
     ],
 )
 def test_options_that_do_not_fit_a_floor_are_refused(options, message):

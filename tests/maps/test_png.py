@@ -144,7 +144,7 @@ def idat(stream: bytes, *, checksum: bool = True) -> bytes:
         (header(2, 1) + samples_of.chunk(b"IDAT", b"no zlib") + samples_of.chunk(b"IEND", b""), "damaged"),
         (header(2, 1) + samples_of.chunk(b"IEND", b""), "truncated"),
         (header(2, 1) + samples_of.chunk(b"ABCD", b"") + idat(b"\x00ab"), "unknown chunk"),
-        (header(2, 1, color_type=3) + idat(b"\x00\x00\x01"), "no palette"),
+        (header(2, 1, color_type=3) + idat(b"\x00\x00\x01"), "needs a palette"),
         (
             header(2, 1, color_type=3) + samples_of.chunk(b"PLTE", b"abc") + idat(b"\x00\x00\x01"),
             "palette entry 1 of 1",

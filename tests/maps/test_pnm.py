@@ -88,10 +88,10 @@ def test_what_is_written_is_read_back_and_has_the_plain_header():
         (b"P5 99999999999 2 255\n", "damaged width"),
         (b"P5 1 1 100\n\x65", "value 101, above the header's maxval 100"),
         (b"P2 1 1 100\n101", "value 101"),
-        (b"P2 1 1 100\n-1", "no PNM sample"),
-        (b"P2 1 1 100\n1.5", "no PNM sample"),
-        (b"P2 1 1 255\n99999999999999999999", "no PNM sample"),
-        (b"P1 2 1\n12", "no PNM sample"),
+        (b"P2 1 1 100\n-1", "not a PNM sample"),
+        (b"P2 1 1 100\n1.5", "not a PNM sample"),
+        (b"P2 1 1 255\n99999999999999999999", "not a PNM sample"),
+        (b"P1 2 1\n12", "not a PNM sample"),
     ],
 )
 def test_damage_is_told(content, message):

@@ -126,7 +126,7 @@ def line_of(key: str) -> int:
         ("resolution", ".nan", 13, "finite number"),
         ("resolution", "nan", 13, "finite number"),
         ("resolution", "inf", 13, "finite number"),
-        ("resolution", "0x10", 13, "'0x10', it must be a finite number"),
+        ("resolution", "0x10", 13, "'0x10'; it must be a finite number"),
         ("resolution", "0,05", 13, "finite number"),
         ("resolution", "1_0", 13, "finite number"),
         ("resolution", "٣", 13, "finite number"),
@@ -141,24 +141,24 @@ def line_of(key: str) -> int:
         ("origin", "[0, .nan, 0]", 13, "origin's y"),
         ("origin", "[0, 0, [0]]", 16, "origin's yaw"),
         ("origin", "[abc, 0, 0]", 10, "origin's x is 'abc'"),
-        ("negate", "maybe", 9, "'maybe', it must be 0 or 1"),
+        ("negate", "maybe", 9, "'maybe'; it must be 0 or 1"),
         ("negate", "tRuE", 9, "it must be 0 or 1"),
         ("negate", "0.5", 9, "it must be 0 or 1"),
         ("negate", "", 8, "blank"),
         ("negate", "99999999999999999999", 9, "it must be 0 or 1"),
         ("occupied_thresh", "1.01", 18, "occupied_thresh is 1.01"),
-        ("occupied_thresh", "65", 18, "occupied_thresh is 65, it must be between 0 and 1"),
+        ("occupied_thresh", "65", 18, "occupied_thresh is 65; it must be between 0 and 1"),
         ("occupied_thresh", ".nan", 18, "finite"),
         ("free_thresh", "-0.1", 14, "free_thresh is -0.1"),
         ("free_thresh", "0.7", 14, "above occupied_thresh 0.65"),
         ("image", "", 7, "image is blank"),
         ("image", "~", 8, "image is blank"),
         ("image", '""', 8, "image is blank"),
-        ("image", "[a.png]", 8, "must be a text"),
-        ("image", "none.png", 8, "no image file"),
-        ("image", ".", 8, "no image file"),
-        ("image", '"a\\0b.png"', 8, "no usable file name"),
-        ("image", "x" * 5000, 8, "no usable file name|no image file"),
+        ("image", "[a.png]", 8, "must be text"),
+        ("image", "none.png", 8, "image file .* does not exist"),
+        ("image", ".", 8, "image file .* does not exist"),
+        ("image", '"a\\0b.png"', 8, "not a valid file name"),
+        ("image", "x" * 5000, 8, "not a valid file name|image file .* does not exist"),
         ("image", "../map.pgm", 8, "outside the map's folder"),
         ("image", "/etc/hostname", 8, "outside the map's folder"),
     ],
@@ -227,7 +227,7 @@ def test_missing_unreadable_and_foreign_files(tmp_path):
         OccupancyGrid.load(tmp_path / "binary.yaml")
     with pytest.raises(MapError, match="is an image; give the map's YAML file"):
         OccupancyGrid.load(write_map(tmp_path).with_suffix(".pgm"))
-    with pytest.raises(MapError, match="compat is 'foxy', it must be \"humble\""):
+    with pytest.raises(MapError, match="compat is 'foxy'; it must be \"humble\""):
         OccupancyGrid.load(write_map(tmp_path), compat="foxy")
 
 
@@ -286,7 +286,7 @@ def test_the_image_stays_in_the_maps_folder_unless_allowed(tmp_path):
     with pytest.raises(MapError, match="outside the map's folder"):
         OccupancyGrid.load(write_map(folder, image="link.pgm"))
     (folder / "loop.pgm").symlink_to("loop.pgm")
-    with pytest.raises(MapError, match=r"no usable file name|no image file"):
+    with pytest.raises(MapError, match=r"not a valid file name|image file .* does not exist"):
         OccupancyGrid.load(write_map(folder, image="loop.pgm"))
 
 
@@ -298,10 +298,10 @@ def test_images_inside_the_folder_may_be_deep_or_absolute(tmp_path):
 
 
 def test_a_device_or_pipe_is_no_image(tmp_path):
-    with pytest.raises(MapError, match="no image file"):
+    with pytest.raises(MapError, match=r"image file .* does not exist"):
         OccupancyGrid.load(write_map(tmp_path, image="/dev/zero"), allow_outside=True)
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(MapError, match="no image file"):
+    with pytest.raises(MapError, match=r"image file .* does not exist"):
         OccupancyGrid.load(write_map(tmp_path, image="pipe"))
 
 

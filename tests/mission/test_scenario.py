@@ -311,7 +311,7 @@ def test_a_mission_stays_out_of_a_zone_and_within_the_limit_of_another(tmp_path)
 def test_a_mask_that_cannot_be_used_is_named(tmp_path):
     save_zone(tmp_path / "far.yaml", 100, 500.0, 0.0, 501.0, 1.0)
     scenario = Scenario.load(write(tmp_path, "world: warehouse\nkeepout: far.yaml\n"))
-    with pytest.raises(InputError, match=r"far\.yaml: the mask lies beside the map"):
+    with pytest.raises(InputError, match=r"far\.yaml: the mask does not overlap the map"):
         scenario.prepare()
     with pytest.raises(InputError, match=r"none\.yaml"):
         Scenario.make(world="warehouse", speed_mask="none.yaml").prepare()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from trundle.maps.masks import KeepoutMask, SpeedMask
     from trundle.maps.resample import resample_axis_aligned
 
-# What only some need, and imports more.
+# Rarely needed, and slower to import.
 _HOMES = {
     "Conversion": "trundle.maps.convert",
     "HeightField": "trundle.maps.height_field",

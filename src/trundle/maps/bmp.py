@@ -1,4 +1,4 @@
-"""BMP images: the header read here, so that sizes are checked before anything is decoded, and the pixels by Pillow."""
+"""BMP images: the header is read here, to check sizes before decoding; Pillow decodes the pixels."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class BmpHeader:
         width: In pixels.
         height: In pixels, whichever row is the first in the file.
         depth: Bits a pixel.
-        compression: 0 for plain rows, 1 and 2 for runs, 3 for plain rows with masks of bits.
+        compression: 0 for plain rows, 1 and 2 for run-length encoding, 3 for plain rows with bit masks.
         offset: Where the pixels start.
     """
 
@@ -47,12 +47,12 @@ class BmpHeader:
 
     @property
     def raster_bytes(self) -> int:
-        """Length of the plain rows, each of whole words of four bytes."""
+        """Length of the plain rows, each padded to a multiple of four bytes."""
         return (self.width * self.depth + 31) // 32 * 4 * self.height
 
     @property
     def is_packed(self) -> bool:
-        """Whether the rows are runs, of any length."""
+        """Whether the rows are run-length encoded, so their length is unknown."""
         return self.compression in (_RLE8, _RLE4)
 
 
@@ -60,7 +60,7 @@ def parse_header(head: bytes, name: str) -> BmpHeader:
     """Read the headers from the first bytes of a BMP file; `name` stands for the file in messages.
 
     Raises:
-        MapError: If the file is cut off there, or they are none that BMP allows.
+        MapError: If the file is truncated there, or BMP does not allow these headers.
     """
     try:
         offset, size = struct.unpack_from("<II", head, 10)
@@ -70,7 +70,7 @@ def parse_header(head: bytes, name: str) -> BmpHeader:
         else:
             width, height, planes, depth, compression = struct.unpack_from("<iiHHI", head, 18)
     except struct.error as error:
-        raise MapError(f"{name}: the BMP file is cut off in its header; write the image again") from error
+        raise MapError(f"{name}: the BMP file is truncated in its header; write the image again") from error
     if (
         size not in (_CORE_HEADER_BYTES, *_INFO_HEADER_BYTES)
         or width <= 0
@@ -80,7 +80,7 @@ def parse_header(head: bytes, name: str) -> BmpHeader:
         or offset < _FILE_HEADER_BYTES + size
     ):
         raise MapError(
-            f"{name}: the BMP header is none that can be read ({width} x {height}, {depth} bits a pixel, compression "
+            f"{name}: the BMP header is not supported ({width} x {height}, {depth} bits per pixel, compression "
             f"{compression}); write the image again, as PNG or PGM"
         )
     return BmpHeader(width, abs(height), depth, compression, offset)
@@ -97,15 +97,15 @@ def decode_bmp(content: bytes, name: str) -> Pixels:
     header = parse_header(content, name)
     if not header.is_packed and len(content) < header.offset + header.raster_bytes:
         raise MapError(
-            f"{name}: the BMP file is cut off: {len(content)} of {header.offset + header.raster_bytes} bytes are there"
+            f"{name}: the BMP file is truncated after {len(content)} of {header.offset + header.raster_bytes} bytes"
         )
     try:
-        # Not Image.open: it warns of large images, and the size was checked already.
+        # Not Image.open: it warns about large images, and the size has been checked already.
         with BmpImagePlugin.BmpImageFile(io.BytesIO(content)) as image:
             if image.mode in ("1", "L"):
                 return Pixels(np.asarray(image.convert("L")))
             with_alpha = image.mode == "RGBA"
             samples = np.asarray(image.convert("RGBA" if with_alpha else "RGB"))
-    except Exception as error:  # Pillow's reader raises whatever the bytes lead it into
+    except Exception as error:  # Pillow's reader may raise anything on damaged bytes
         raise MapError(f"{name}: the BMP file is damaged ({parser_reason(error)}); write the image again") from error
     return Pixels(samples[..., :3], samples[..., 3] if with_alpha else None)

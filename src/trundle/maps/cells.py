@@ -1,4 +1,4 @@
-"""The cells of a map: their values, how many there may be, and where they lie."""
+"""The cells of a map: their values, limits and position."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ FREE = 0
 OCCUPIED = 100
 """A cell that is certainly occupied."""
 UNKNOWN = -1
-"""A cell of which nothing is known."""
+"""A cell whose state is unknown."""
 MAX_CELLS = 400_000_000
-"""More cells than this are taken for a mistake; 1 km² at 0.05 m has as many."""
+"""The most cells of a map; 1 km² at 0.05 m has as many. More are probably a mistake."""
 
 MAX_EXTENT = 1e5
 """Largest width of a map [m]; paths are checked every few centimetres."""
 MAX_ORIGIN = 1e9
-"""Farthest origin of a map [m]; coordinates of surveyors (UTM) are below 1e7."""
+"""Farthest origin of a map [m]; survey coordinates (UTM) are below 1e7."""
 
 
 class PlacedCells(NamedTuple):
-    """Cells and where they lie: what an `OccupancyGrid` is made of, as files and worlds give it.
+    """Cells with their resolution and origin: the contents of an `OccupancyGrid`, as read from files and worlds.
 
     Attributes:
         data: Shape (rows, cols), row 0 at the bottom; −1 unknown, 0 free .. 100 occupied.
@@ -41,7 +41,7 @@ class PlacedCells(NamedTuple):
 
 
 class CellGrid(Protocol):
-    """What is written to a file; `OccupancyGrid` is one."""
+    """A grid that can be written to a file, such as `OccupancyGrid`."""
 
     @property
     def data(self) -> Cells:

@@ -1,4 +1,4 @@
-"""Maps made finer or coarser, cropped, turned to the axes and merged, all in one step so that nothing grows twice."""
+"""Maps resampled, cropped, aligned with the axes and merged, in one step so that obstacles are inflated only once."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ Crop: TypeAlias = "Bounds | Literal['content']"
 
 PREFERENCES: tuple[Prefer, ...] = ("occupied", "free", "first", "second")
 
-_ROUNDING = 1e-6  # Of a cell: what a rectangle may reach into one more.
+_ROUNDING = 1e-6  # [cells]: tolerance by which a rectangle may reach into the next cell.
 _BLOCK_CELLS = 1 << 20
-_MOVED = 1e-6  # [m]: below this, being moved is rounding.
+_MOVED = 1e-6  # [m]: smaller shifts are rounding errors.
 
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """A map made of one or two others, and what it no longer says."""
+    """A map made from one or two others, and the information lost."""
 
     grid: OccupancyGrid
     losses: tuple[Loss, ...]
@@ -56,28 +56,28 @@ def convert_grid(
     crop: Crop | None = None,
     max_cells: int = MAX_CELLS,
 ) -> Conversion:
-    """Make a map of one or two others, with other cells, an axis-aligned origin, or a part of it.
+    """Convert a map, or merge two: another resolution, an axis-aligned origin, a cropped part.
 
-    No obstacle is lost, unless `prefer` says so: a new cell takes the most careful value of all old ones that it
+    No obstacle is lost, unless `prefer` says so: a new cell takes the most conservative value of all old cells that it
     overlaps, in the order free, 1 to 64, unknown (also outside the map), 65 to 99, occupied. It is free only if all of
-    its area was. Finer cells that fall on the old ones, quarter turns and cropping keep every value.
+    its area was. Finer cells that align with the old ones, quarter turns and cropping keep every value.
 
     Args:
         grid: The map. Its lower-left corner, and without `align` its yaw, stay where they are.
         other: A second map, merged into it, on any lattice of cells.
-        prefer: Which one wins where both maps know a cell: "occupied" (the higher value), "free" (the lower one),
-            "first" or "second". A cell that one of them does not know is the other's.
+        prefer: Which value wins where a cell is known in both maps: "occupied" (the higher value), "free" (the lower
+            one), "first" or "second". A cell that is unknown in one map takes the other's value.
         align: Whether to make the yaw of the origin 0.
         resolution: Edge of the new cells [m]; by default the map's.
-        crop: ((x_min, y_min), (x_max, y_max)) [m] in the map frame, moved out to whole cells; "content": the smallest
-            rectangle with all cells that are known.
+        crop: ((x_min, y_min), (x_max, y_max)) [m] in the map frame, expanded to whole cells; "content": the smallest
+            rectangle with all known cells.
         max_cells: The most cells to accept.
 
     Raises:
-        MapError: If a number cannot be used, the map would have too many cells, or nothing is left of it.
+        MapError: If a number is invalid, the map would have too many cells, or the result is empty.
     """
     if prefer not in PREFERENCES:
-        raise MapError(f"prefer is {prefer!r}, it must be one of {', '.join(PREFERENCES)}")
+        raise MapError(f"prefer is {prefer!r}; it must be one of {', '.join(PREFERENCES)}")
     edge = check_resolution(grid.resolution if resolution is None else resolution)
     frame = Pose2D(0.0, 0.0, 0.0) if align else grid.origin
     named = {"the map" if other is None else "the first map": _express(grid, frame)}
@@ -110,7 +110,7 @@ def _express(grid: OccupancyGrid, frame: Pose2D) -> OccupancyGrid:
 
 
 def _lay_out(grids: Sequence[OccupancyGrid], edge: float) -> CellLayout:
-    """Cells over all maps, with the corner of the first one on the corner of a cell."""
+    """A cell layout over all maps, with the corner of the first map on the corner of a cell."""
     corner, _ = find_bounds(grids[0])
     first, end = np.zeros(2), np.zeros(2)
     for grid in grids:
@@ -120,7 +120,7 @@ def _lay_out(grids: Sequence[OccupancyGrid], edge: float) -> CellLayout:
         first = np.minimum(first, np.floor(low + slack))
         end = np.maximum(end, np.ceil(high - slack))
     if not np.isfinite(end - first).all():
-        raise MapError(f"the map is far too large for cells of {edge:g} m: use larger ones")
+        raise MapError(f"the map is far too large for cells of {edge:g} m: use larger cells")
     origin = corner + first * edge
     cols, rows = (end - first).tolist()
     return CellLayout(edge, Pose2D(float(origin[0]), float(origin[1])), int(rows), int(cols))
@@ -146,8 +146,8 @@ def _crop_layout(whole: CellLayout, crop: Bounds, frame: Pose2D, max_cells: int)
         width, height = limit * whole.resolution
         low = frame.transform_points([[whole.origin.x, whole.origin.y]])[0]
         raise MapError(
-            f"nothing of the map lies in x {left:g} to {right:g}, y {bottom:g} to {top:g}: it begins at ({low[0]:g}, "
-            f"{low[1]:g}) and is {width:g} x {height:g} m large"
+            f"no part of the map lies in x {left:g} to {right:g}, y {bottom:g} to {top:g}: it begins at ({low[0]:g}, "
+            f"{low[1]:g}) and measures {width:g} x {height:g} m"
         )
     check_size(end - first, max_cells)
     x, y = (whole.origin.x, whole.origin.y) + first * whole.resolution
@@ -160,7 +160,7 @@ def _crop_to_content(cells: Cells) -> tuple[Cells, int, int]:
     known = cells != UNKNOWN
     rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
     if len(rows) == 0:
-        raise MapError("all cells of the map are unknown: there is no content to crop it to")
+        raise MapError("all cells of the map are unknown: it has no content to crop to")
     return cells[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1], int(rows[0]), int(cols[0])
 
 
@@ -169,7 +169,7 @@ def _place(frame: Pose2D, layout: CellLayout, row: int, col: int) -> Pose2D:
     if x == y == 0.0:
         return frame
     placed = frame @ Pose2D(x, y, 0.0)
-    # Sums of multiples of 0.05 end in …001; a picometre is none.
+    # Sums of multiples of 0.05 end in …001; round to a picometre.
     return Pose2D(round(placed.x, 12), round(placed.y, 12), frame.yaw)
 
 
@@ -185,7 +185,7 @@ def _merge(first: Cells, second: Cells, prefer: Prefer) -> Cells:
 def _describe_resampling(name: str, grid: OccupancyGrid, layout: CellLayout, made: Resampled) -> list[Loss]:
     losses: list[Loss] = []
     if made.moved > _MOVED:
-        text = f"{name} is moved or turned by up to {made.moved * 1e3:.2g} mm, so that its cells fall on the new ones"
+        text = f"{name} is moved or rotated by up to {made.moved * 1e3:.2g} mm to align its cells with the new ones"
         losses.append(Loss("moved", text))
     if not made.lossless:
         yaw = math.degrees(grid.origin.yaw)

@@ -17,15 +17,15 @@ CellArray: TypeAlias = npt.NDArray[np.int64]
 
 
 _FARTHEST = 2.0**62
-"""Cells farther away than this are not told apart."""
+"""Cells farther away than this are not distinguished."""
 
 
 class GridFrame(ABC):
-    """The geometry that every grid shares.
+    """The geometry of a grid.
 
     Attributes:
         resolution: Edge of a cell [m].
-        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw turns the whole grid.
+        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw rotates the whole grid.
     """
 
     __slots__ = ()
@@ -33,7 +33,7 @@ class GridFrame(ABC):
     origin: Pose2D
 
     def _size_text(self) -> str:
-        """How many cells there are and how wide they are together, for people."""
+        """Number of cells, resolution and extent, for display."""
         rows, cols = self.shape
         wide, high = (round(count * self.resolution, 4) for count in (cols, rows))
         return f"{cols} x {rows} cells of {self.resolution:g} m, {wide:g} x {high:g} m"
@@ -46,7 +46,7 @@ class GridFrame(ABC):
     def world_to_cell(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[CellArray, CellArray]:
         """Cells (row, col) that hold points x, y [m] in the map frame, of any one shape; they may lie outside.
 
-        Points that are not a number, or farther away than numbers go, lie outside.
+        NaN, and points too far away for an integer index, lie outside.
         """
         dx, dy = _points(x) - self.origin.x, _points(y) - self.origin.y
         _check_shapes(dx, dy)
@@ -77,21 +77,21 @@ def _points(values: npt.ArrayLike) -> FloatArray:
 
 
 def _numbers(values: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Whole numbers as they are, all else as coordinates."""
+    """Integers as they are, everything else as coordinates."""
     if isinstance(values, np.ndarray) and values.dtype.kind in "iu":
         return values
     return _points(values)
 
 
 def _check_shapes(first: npt.NDArray[Any], second: npt.NDArray[Any]) -> None:
-    """Raise `InputError` unless two arrays are of one shape, or can be made so."""
+    """Raise `InputError` unless two arrays have one shape, or can be broadcast to one."""
     if first.shape == second.shape:
         return
     try:
         np.broadcast_shapes(first.shape, second.shape)
     except ValueError:
         raise InputError(
-            f"coordinates must be of one shape, or one number for all; got {first.shape} and {second.shape}"
+            f"coordinates must have the same shape, or be one number for all; got {first.shape} and {second.shape}"
         ) from None
 
 

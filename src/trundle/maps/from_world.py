@@ -1,4 +1,4 @@
-"""A world's occupancy map: its solids in a height band, then a flood fill from where a robot may stand."""
+"""A world's occupancy map: its solids in a height band, then a flood fill of free space from seed points."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ Coverage: TypeAlias = Literal["any", "centre"]
 Style: TypeAlias = Literal["exact", "isaac"]
 
 MIN_RESOLUTION, MAX_RESOLUTION = 1e-4, 5.0
-"""Cells of a map of a world [m]: no robot finds its path on coarser ones, and 50 is a slip for 0.05."""
+"""Largest resolution of a world's map [m]: coarser cells are useless for planning, and 50 is a typo for 0.05."""
 
 FAR = 2_000.0
-"""A wider world [m] is warned of: often its unit is not the metre, or a solid is far away by mistake."""
+"""A wider world [m] causes a warning: often its unit is not the metre, or a solid is far away by mistake."""
 
 MAX_SLOPE = math.radians(10.0)
-"""The steepest floor that is no obstacle [rad], unless another is given: a little more than a loading ramp's."""
+"""Default of the steepest drivable floor [rad]: a little more than a loading ramp."""
 
 _NAMES_SHOWN = 5
 
 
 class SolidWorld(Protocol):
-    """What a map is made from; `trundle.worlds.World` is one."""
+    """A source of solids for a map, such as `trundle.worlds.World`."""
 
     @property
     def solids(self) -> Sequence[Solid]:
-        """What there is, in the map frame."""
+        """Its solids, in the map frame."""
         ...
 
     @property
@@ -89,18 +89,18 @@ def rasterise_world(
     """Make the cells of a world's map; see `OccupancyGrid.from_world`."""
     if not isinstance(getattr(world, "solids", None), Sequence):
         raise MapError(
-            f"a map is made of a World, got {type(world).__name__}; World.load(path) and World.generate(name) make one"
+            f"a map needs a World, got {type(world).__name__}; World.load(path) and World.generate(name) make one"
         )
     if not (is_finite_number(resolution) and MIN_RESOLUTION <= resolution <= MAX_RESOLUTION):
         raise MapError(
-            f"resolution is the edge of a cell in metres, {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g}, got {resolution!r}"
+            f"resolution must be the edge of a cell, {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m, got {resolution!r}"
         )
     if coverage not in ("any", "centre"):
-        raise MapError(f'coverage is {coverage!r}, it must be "any" or "centre"')
+        raise MapError(f'coverage is {coverage!r}; it must be "any" or "centre"')
     if style not in ("exact", "isaac"):
-        raise MapError(f'style is {style!r}, it must be "exact" or "isaac"')
+        raise MapError(f'style is {style!r}; it must be "exact" or "isaac"')
     if style == "isaac" and coverage != "any":
-        raise MapError('style="isaac" marks every cell that is touched: leave coverage at "any"')
+        raise MapError('style="isaac" marks every touched cell: leave coverage at "any"')
     if not (is_finite_number(margin) and margin >= 0.0):
         raise MapError(f"margin must be a number of metres of at least 0, got {margin!r}")
     slope = _check_floor(floor, max_slope, floor_z, style)
@@ -114,7 +114,7 @@ def rasterise_world(
     else:
         cells, no_floor = _mark_over_floor(world, layout, band, coverage, floor, slope, remarks)
         _check_seeds_have_floor(points, no_floor, layout)
-        # What is not known stops the flood, and stays unknown.
+        # Unknown cells stop the flood fill, and stay unknown.
         cells[no_floor] = OCCUPIED
         above = f"between {band.low:g} and {band.high:g} m above the floor, or where it is steeper than {slope:g} rad"
         free = _free_from_seeds(cells, points, layout, above)
@@ -128,15 +128,15 @@ def rasterise_world(
 
 
 def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: float, style: Style) -> float:
-    """The steepest floor that is no obstacle [rad]."""
+    """The steepest drivable floor [rad]."""
     if floor is None:
         if max_slope is not None:
-            raise MapError("max_slope is for a floor that is not level: give floor, a HeightField, as well")
+            raise MapError("max_slope applies only to an uneven floor: give floor, a HeightField, as well")
         return 0.0
     if style == "isaac":
-        raise MapError('style="isaac" knows a level floor alone: leave floor out, or style at "exact"')
+        raise MapError('style="isaac" supports only a level floor: omit floor, or leave style at "exact"')
     if floor_z != 0.0:
-        raise MapError(f"floor_z is {floor_z} and a height field is given: the field says how high the floor is")
+        raise MapError(f"floor_z is {floor_z} and a height field is given: omit floor_z, the field has the heights")
     slope = MAX_SLOPE if max_slope is None else float(max_slope)
     if not 0.0 <= slope < math.pi / 2.0:
         raise MapError(
@@ -154,7 +154,7 @@ def _choose_band(z_range: tuple[float, float], floor_z: float, resolution: float
         raise MapError(f"floor_z must be a height in metres, got {floor_z!r}")
     low, high = numbers[0] + floor_z, numbers[1] + floor_z
     if style == "isaac":
-        # Isaac Sim's generator asks for overlaps with a box of half extents (cell/2, cell/2, Δz/2 + cell/2) a cell.
+        # Per cell, Isaac Sim's generator queries overlaps with a box of half extents (cell/2, cell/2, Δz/2 + cell/2).
         return HeightBand(low - resolution / 2.0, high + resolution / 2.0, TOUCH)
     return HeightBand(low, high)
 
@@ -171,7 +171,7 @@ def _lay_out(
         if not world.solids:
             raise MapError("the world has no solids, so its map has no bounds: give bounds=((x, y), (x, y))")
         low, high = (np.asarray(corner, dtype=np.float64)[:2] for corner in world.bounds)
-        # A micrometre of rounding makes no extra cell, as it makes no occupied one; a flat world still has one cell.
+        # A micrometre of rounding adds no extra cell and occupies none; a flat world still has one cell.
         first = np.floor((low - margin + DEPTH) / resolution)
         count = np.maximum(np.ceil((high + margin - DEPTH) / resolution) - first, 1)
         corner = np.round(first * resolution, 9)
@@ -189,16 +189,16 @@ def _lay_out(
         )
     if bounds is None and max(count) * resolution > FAR:
         remarks.append(
-            f"the world is {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m large: "
+            f"the world measures {count[0] * resolution:.0f} x {count[1] * resolution:.0f} m: "
             f"{find_outlier(world.solids)}. If that is a mistake, check its unit and its pose, or give bounds"
         )
     return _Layout(resolution, (float(corner[0]), float(corner[1])), (int(count[1]), int(count[0])))
 
 
 def find_outlier(solids: Sequence[Solid]) -> str:
-    """Which solid reaches farthest from the middle of the others, for messages."""
+    """The solid that reaches farthest from the centre of the others, for messages."""
     lows, highs = solids_bounds(solids)
-    # With the world's origin, so that of two solids the one that is far from it is told.
+    # The world's origin is included, so that of two solids the one far from it is named.
     middle = np.median(np.vstack([(lows + highs)[:, :2] / 2.0, np.zeros((1, 2))]), axis=0)
     reach = np.maximum(middle - lows[:, :2], highs[:, :2] - middle).max(axis=1)
     index = int(np.argmax(reach))
@@ -213,7 +213,7 @@ def _mark_solids(
 ) -> npt.NDArray[np.int8]:
     """Cells that are occupied or unknown."""
     edge = layout.resolution
-    # One cell more on each side, so that a wall on the map's border is seen from both of its sides.
+    # One cell more on each side, so that a wall on the map's border is checked from both sides.
     cells = np.full((layout.shape[0] + 2, layout.shape[1] + 2), UNKNOWN, dtype=np.int8)
     origin = (layout.corner[0] - edge, layout.corner[1] - edge)
     raster = SolidRaster(cells, edge, origin, band, centre=coverage == "centre", fill=style == "exact")
@@ -256,31 +256,31 @@ def _mark_over_floor(
     extent = f"the height field spans x {x:g} to {x_end:g}, y {y:g} to {y_end:g} m and the map {layout.describe()} m"
     if missing == no_floor.size:
         raise MapError(
-            f"the floor's height is known in no cell of the map: {extent}. Check the field's origin and unit"
+            f"the floor's height is unknown in every cell of the map: {extent}. Check the field's origin and unit"
         )
     if missing:
         remarks.append(
-            f"the floor's height is not known in {missing} of {no_floor.size} cells, which become unknown: {extent}"
+            f"the floor's height is unknown in {missing} of {no_floor.size} cells, which become unknown: {extent}"
         )
     if marks.open_meshes:
         remarks.append(_tell_open(marks.open_meshes))
     if not (cells == OCCUPIED).any():
         remarks.append(_nothing_there(world, f"{band.low:g} to {band.high:g} m above the floor"))
     elif (steep | no_floor).all():
-        remarks.append(f"the floor is steeper than {max_slope:g} rad wherever it is known: check the field's unit")
+        remarks.append(f"the floor is steeper than {max_slope:g} rad in every known cell: check the field's unit")
     return cells, no_floor
 
 
 def _tell_open(names: Sequence[str]) -> str:
     more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
     return (
-        "not watertight, so only the surface counts and not what is inside: "
+        "not watertight, so only the surface is marked and not the inside: "
         f"{', '.join(map(repr, names[:_NAMES_SHOWN]))}{more}. Close the mesh's holes, or ignore this for sheets"
     )
 
 
 def _choose_seeds(world: SolidWorld, seeds: Sequence[tuple[float, float]] | None, layout: _Layout) -> FloatArray:
-    """Points [m], shape (N, 2): the given ones, or those of the world's that lie inside the bounds."""
+    """Points [m], shape (N, 2): the given ones, or the world's seeds inside the bounds."""
     points = as_array(world.seeds if seeds is None else seeds, np.float64, "seeds", MapError)
     if points.size % 2:
         raise MapError(f"seeds are points of shape (N, 2), got {points.shape}")
@@ -301,8 +301,7 @@ def _check_seeds_have_floor(points: FloatArray, no_floor: npt.NDArray[np.bool_],
     for (x, y), (col, row) in zip(points, _cells_of(points, layout), strict=True):
         if no_floor[row, col]:
             raise MapError(
-                f"the seed ({x:g}, {y:g}) lies where the height field does not say how high the floor is; give a point "
-                "on the known floor"
+                f"the seed ({x:g}, {y:g}) lies where the floor's height is unknown; give a point on the known floor"
             )
 
 
@@ -319,8 +318,8 @@ def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _L
     for (x, y), (row, col) in zip(points, seeds, strict=True):
         if cells[row, col] == OCCUPIED:
             raise MapError(
-                f"the seed ({x:g}, {y:g}) lies in a cell of {layout.resolution:g} m that an obstacle {where} reaches "
-                "into; give a point that is free, or a smaller resolution"
+                f"the seed ({x:g}, {y:g}) lies in a cell of {layout.resolution:g} m that contains part of an obstacle "
+                f"{where}; give a free point, or a smaller resolution"
             )
     return flood_free(cells, seeds)
 
@@ -328,5 +327,5 @@ def _free_from_seeds(cells: npt.NDArray[np.int8], points: FloatArray, layout: _L
 def _nothing_there(world: SolidWorld, heights: str) -> str:
     low, high = world.bounds
     there = f"the solids span heights {low[2]:g} to {high[2]:g} m" if world.solids else "the world has no solids"
-    nothing = f"the map has no obstacle: no solid within its bounds reaches into {heights}"
+    nothing = f"the map has no obstacles: no solid within its bounds reaches into {heights}"
     return f"{nothing} ({there}). Check z_range and bounds"

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class OccupancyGrid(GridFrame):
-    """Cells that are free, occupied or unknown, and where they lie in the map frame.
+    """Free, occupied and unknown cells with their pose in the map frame.
 
     Attributes:
         data: int8, shape (rows, cols) = (y, x), row 0 at the bottom, read-only; −1 unknown, 0 free .. 100 occupied.
         resolution: Edge of a cell [m].
-        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw turns the whole grid.
+        origin: Pose of the lower-left corner of cell (0, 0) in the map frame; its yaw rotates the whole grid.
 
     Raises:
         MapError: If the array has no cells or another shape, a value is outside −1..100, the resolution is not a
@@ -51,21 +51,21 @@ class OccupancyGrid(GridFrame):
         if source.ndim != 2 or source.size == 0:
             raise MapError(f"an occupancy grid needs data of shape (rows, cols), got {source.shape}")
         if source.dtype.kind not in "iub" or source.min() < UNKNOWN or source.max() > OCCUPIED:
-            raise MapError("an occupancy grid holds whole numbers from -1 (unknown) over 0 (free) to 100 (occupied)")
+            raise MapError("an occupancy grid holds integers: -1 (unknown), and 0 (free) to 100 (occupied)")
         resolution = as_number(self.resolution, "resolution")
         if not (math.isfinite(resolution) and resolution > 0.0):
-            raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution}")
+            raise MapError(f"resolution must be a positive number of metres per cell, got {self.resolution}")
         extent = max(source.shape) * resolution
         if extent > MAX_EXTENT:
             raise MapError(
                 f"{source.shape[1]} x {source.shape[0]} cells of {resolution:g} m are {extent / 1e3:g} km, and a map "
-                f"may be {MAX_EXTENT / 1e3:g} km wide; correct the resolution, which is in metres a cell"
+                f"may be {MAX_EXTENT / 1e3:g} km wide; correct the resolution, which is in metres per cell"
             )
         origin = Pose2D.of(self.origin)
         if max(abs(origin.x), abs(origin.y)) > MAX_ORIGIN:
             raise MapError(
-                f"the origin ({origin.x:g}, {origin.y:g}) is more than {MAX_ORIGIN:g} m away: no cell can be told from "
-                "the next there; correct it"
+                f"the origin ({origin.x:g}, {origin.y:g}) is more than {MAX_ORIGIN:g} m away, where "
+                "coordinates cannot resolve cells; correct it"
             )
         data = np.array(source, dtype=np.int8, order="C", copy=True)
         data.flags.writeable = False
@@ -99,7 +99,7 @@ class OccupancyGrid(GridFrame):
     def load(
         cls, path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
     ) -> OccupancyGrid:
-        """Read a ROS map (YAML and image), or a MovingAI map by its suffix `.map`.
+        """Read a ROS map (YAML and image), or a MovingAI map (suffix `.map`).
 
         Args:
             path: The map's YAML file.
@@ -107,7 +107,7 @@ class OccupancyGrid(GridFrame):
             allow_outside: Whether `image` may lie outside the YAML file's folder.
 
         Raises:
-            MapError: If a file or a value in it cannot be used; the message gives file, line and column.
+            MapError: If a file or a value in it is invalid; the message gives file, line and column.
         """
         from trundle.maps.ros_reader import load_map
 
@@ -135,44 +135,44 @@ class OccupancyGrid(GridFrame):
         margin: float = 0.0,
         max_cells: int = MAX_CELLS,
     ) -> OccupancyGrid:
-        """Make the map of a world: what stands in a height band, seen from above.
+        """Make the map of a world: its obstacles in a height band, seen from above.
 
         A cell is occupied if a solid reaches deeper than 1 µm into it in x, y and the band (exact: no cell is missed,
-        none is added). A mesh is solid where its faces wind around more often outwards than inwards, so a closed body
-        is filled, overlapping bodies are one, and a room whose faces look inward is empty. A mesh that is not closed is
-        its surface alone. What has no thickness counts in x and y where it touches. Of the other cells those are free
-        that a 4-connected flood fill from the seeds reaches; the rest is unknown.
+        none is added). A mesh is solid where its winding number is positive, so a closed body is filled, overlapping
+        bodies are one, and a room whose faces point inward is empty. Of an open mesh only the surface is marked.
+        Surfaces without thickness mark the cells that they touch. Of the other cells, those reached by a 4-connected
+        flood fill from the seeds are free; the rest is unknown.
 
-        With a `floor` the band follows it. In each cell the floor is taken as a plane and the least and most that it
-        differs from that plane. So over a floor that is level or a plane ramp the map is as exact as over z = 0, and
-        the ramp's own mesh, which ends at the floor, is no obstacle; over a bent floor or a step no obstacle is missed,
-        and the band is higher by what the floor differs from a plane within the cell. Cylinders and spheres count up to
-        0.1 mm, or a ten-thousandth of their radius, too large there. A cell in which the floor is anywhere steeper than
-        `max_slope` is occupied: a step between two samples is a slope from one to the other. Where the floor is not
-        known in all of a cell, it is unknown, whatever stands there.
+        With a `floor` the band follows it. Within each cell the floor is a plane plus bounds on the deviation from it.
+        Over a level floor or a plane ramp the map is therefore as exact as over z = 0, and the ramp's own mesh, which
+        ends at the floor, is not an obstacle. Over a curved floor or a step no obstacle is missed, and the band is
+        extended by the deviation. Cylinders and spheres may be up to 0.1 mm, or a ten-thousandth of their radius, too
+        large there. A cell in which the floor is steeper than `max_slope` anywhere is occupied: a step between two
+        samples is a slope from one to the other. A cell in which the floor is not known everywhere is unknown, even if
+        there is an obstacle.
 
         Args:
             world: Anything with `solids`, `bounds` and `seeds`.
             resolution: Edge of a cell [m].
-            z_range: Lowest and highest height of the band above the floor [m]; by default what Nova Carter could touch.
+            z_range: Lowest and highest height of the band above the floor [m]; by default the height of Nova Carter.
             floor_z: Height of the floor in the world [m].
-            floor: Height of the floor wherever it is not the same everywhere; instead of `floor_z`.
-            max_slope: The steepest floor that is no obstacle [rad], with `floor`; by default 10 degrees.
+            floor: Height of an uneven floor; instead of `floor_z`.
+            max_slope: The steepest drivable floor [rad], with `floor`; by default 10 degrees.
             bounds: ((x_min, y_min), (x_max, y_max)) [m]; the lower corner is kept, the upper one moved out to whole
                 cells. By default the world's, with both corners moved out to multiples of the resolution.
             seeds: Points (x, y) [m] that are free and reachable; (): the largest area without obstacles. By default the
-                world's seeds inside the bounds, or the largest area where there is none.
+                world's seeds inside the bounds, or the largest area if there are none.
             coverage: "any", or "centre" to mark only cells whose centre is inside a solid. Surfaces count as for "any".
-            style: "exact" as above; "isaac" for comparison with Isaac Sim's generator: its box for each cell, which is
-                half a cell higher and lower than the band, whatever touches it counts, and meshes are surfaces.
-            half_cell_origin: Whether to give the centre of the corner cell as the origin, as Isaac Sim does and ROS
-                does not: the map is then half a cell off wherever it is read.
+            style: "exact" as above; "isaac" for comparison with Isaac Sim's generator: its query box for each cell
+                extends half a cell above and below the band, touching it is enough, and meshes are surfaces.
+            half_cell_origin: Whether to write the centre of the corner cell as the origin, as Isaac Sim does and ROS
+                does not: ROS readers then place the map half a cell off.
             margin: Added around the bounds on all sides [m].
             max_cells: The most cells to accept.
 
         Raises:
             MapError: If an argument is out of range, the map would have too many cells, a seed lies outside, in an
-                obstacle or where there is no floor, or the floor is known nowhere.
+                obstacle or where there is no floor, or the floor is unknown everywhere.
 
         Warns:
             MapWarning: If no solid reaches into the band within the bounds, no cell is free, a mesh in the band is not
@@ -206,17 +206,17 @@ class OccupancyGrid(GridFrame):
     ) -> None:
         """Write a ROS map: the YAML file at `path`, and its image of the same name beside it.
 
-        Where that name is taken, the image gets one from its content, and the YAML says which. Writing the YAML is the
-        last step, so that a kill leaves the old map or the new one; then the old map's image is deleted.
+        If that name is taken, the image is named after a hash of its content, and the YAML refers to it. The YAML is
+        written last, so an interrupted save leaves either the old map or the new one; then the old image is deleted.
 
         Args:
-            path: Ends in .yaml or .yml; or in .map for a MovingAI map, which says only what is free and what is not.
+            path: Ends in .yaml or .yml; or in .map for a MovingAI map, which only has free and blocked cells.
             mode: "trinary" keeps occupied, free and unknown; "scale" adds shades between; "raw" keeps every value.
             image_format: "png", or "pgm" (not for mode "scale", which needs transparency).
 
         Raises:
-            MapError: If the mode, the format or the file name cannot be used.
-            OutputError: If the folder cannot be written to. An old map stays as it was.
+            MapError: If the mode, the format or the file name is invalid.
+            OutputError: If the folder cannot be written to. An existing map is left unchanged.
         """
         from trundle.maps.ros_writer import save_map
 

@@ -1,4 +1,4 @@
-"""`HeightField`: how high the floor is, for maps of places with ramps and more than one level."""
+"""`HeightField`: the height of the floor, for maps of places with ramps and several levels."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ _FARTHEST = 1e9  # [m]
 
 @dataclass(frozen=True, slots=True)
 class HeightField:
-    """Heights of a floor at samples on a grid along x and y, bilinear between them.
+    """Heights of a floor, sampled on a grid along x and y, with bilinear interpolation.
 
     Attributes:
         heights: [m], shape (rows, cols), at least 2 x 2, read-only; `heights[row, col]` is the floor at
-            `origin + (col, row) * resolution`, row 0 at the lowest y. NaN where the floor is not known: then nothing is
-            known of the four patches around that sample.
-        resolution: Between two samples [m].
-        origin: Where sample (0, 0) lies (x, y) [m], map frame.
+            `origin + (col, row) * resolution`, row 0 at the lowest y. NaN where the floor is unknown: the four
+            patches around that sample are then unknown.
+        resolution: Distance between two samples [m].
+        origin: Position (x, y) [m] of sample (0, 0), map frame.
 
     Raises:
-        MapError: If the heights have another shape or are infinite, or the other numbers cannot be.
+        MapError: If the heights have another shape or are infinite, or another number is invalid.
     """
 
     heights: FloatArray
@@ -50,7 +50,7 @@ class HeightField:
         if heights.ndim != 2 or min(heights.shape) < 2:
             raise MapError(f"a height field needs heights of shape (rows, cols), at least 2 x 2, got {heights.shape}")
         if (np.abs(heights) > _FARTHEST).any():
-            raise MapError(f"a height field's heights are at most {_FARTHEST:g} m, or NaN where unknown: some are more")
+            raise MapError(f"a height field's heights must be at most {_FARTHEST:g} m, or NaN where unknown")
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise MapError(f"a height field's resolution must be a positive number of metres, got {self.resolution}")
         if not all(abs(number) <= _FARTHEST for number in (x, y, max(heights.shape) * resolution)):
@@ -78,12 +78,12 @@ class HeightField:
         """Sample a function.
 
         Args:
-            height: The floor's height [m] at arrays x and y [m] of one shape; NaN where it is not known.
+            height: The floor's height [m] at arrays x and y [m] of one shape; NaN where it is unknown.
             bounds: ((x_min, y_min), (x_max, y_max)) [m]; the upper corner is moved out to whole samples.
-            resolution: Between two samples [m].
+            resolution: Distance between two samples [m].
 
         Raises:
-            MapError: If the bounds or the resolution cannot be, or there would be more than 100 million samples.
+            MapError: If the bounds or the resolution are invalid, or there would be more than 100 million samples.
         """
         corners = np.asarray(bounds, dtype=np.float64)
         if corners.shape != (2, 2) or not np.isfinite(corners).all() or (corners[1] <= corners[0]).any():
@@ -107,7 +107,7 @@ class HeightField:
         """Read a .npz file with the arrays `heights`, `resolution` and, unless it is (0, 0), `origin`.
 
         Raises:
-            MapError: If it cannot be read, or lacks one of them; the message says which.
+            MapError: If it cannot be read, or an array is missing; the message names it.
         """
         file = Path(as_path(path, "a height field's file", MapError))
         found, names = read_arrays(file, _KEYS, error=MapError)
@@ -126,23 +126,23 @@ class HeightField:
 
         Raises:
             MapError: If the file's name does not end in .npz.
-            OutputError: If the folder cannot be written to. No half file is left.
+            OutputError: If the folder cannot be written to. No partial file is left.
         """
         file = output_path(path)
         if file.suffix != ".npz":
-            raise MapError(f"{file}: a height field's file ends in .npz")
+            raise MapError(f"{file}: the name of a height field's file must end in .npz")
         with atomic_path(file) as temporary, temporary.open("wb") as stream:
             np.savez_compressed(stream, heights=self.heights, resolution=self.resolution, origin=self.origin)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Where the samples lie: ((x_min, y_min), (x_max, y_max)) [m]."""
+        """Extent of the samples: ((x_min, y_min), (x_max, y_max)) [m]."""
         rows, cols = self.heights.shape
         (x, y), step = self.origin, self.resolution
         return (x, y), (x + (cols - 1) * step, y + (rows - 1) * step)
 
     def height_at(self, x: FloatArray | float, y: FloatArray | float) -> FloatArray:
-        """The floor's height [m] at points (x, y) [m]; NaN outside, and where it is not known."""
+        """The floor's height [m] at points (x, y) [m]; NaN outside, and where it is unknown."""
         rows, cols = self.heights.shape
         u = (np.asarray(x, dtype=np.float64) - self.origin[0]) / self.resolution
         v = (np.asarray(y, dtype=np.float64) - self.origin[1]) / self.resolution

@@ -1,4 +1,4 @@
-"""Reading a map's image: the format told from its content, the size checked before anything is decoded."""
+"""Reading a map's image: the format is detected from its content, and the size checked before decoding."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trundle.maps.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16
 _PNG_EXTRA_BYTES = 16_000_000
-_TRAILING_BYTES = 1 << 16  # padding and colour profiles behind the pixels
+_TRAILING_BYTES = 1 << 16  # padding and colour profiles after the pixels
 _MAX_DECODED_BYTES = 4 * MAX_CELLS
 
 
@@ -24,7 +24,7 @@ def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
         max_cells: The most pixels to accept.
 
     Raises:
-        MapError: If the file cannot be read, is no PNG, PNM or BMP, is too large, truncated or damaged.
+        MapError: If the file cannot be read, is not a PNG, PNM or BMP image, is too large, truncated or damaged.
     """
     try:
         with open_file(path) as stream:
@@ -32,7 +32,7 @@ def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
             limit = _check_size(head, str(path), max_cells)
             content = head + read_up_to(stream, max(0, limit - len(head)))
             if head[:2] not in pnm.BINARY_MAGIC and stream.read(1):
-                raise MapError(f"{path}: the file is far longer than its picture needs; write the image again")
+                raise MapError(f"{path}: the file is far longer than its image needs; write the image again")
     except FileNotFoundError:
         raise MapError(f"{path}: there is no such image file; correct `image` or put the file there") from None
     except OSError as error:
@@ -53,7 +53,7 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
         limit = header.offset + header.raster_bytes
     elif head.startswith(bmp.SIGNATURE):
         header = bmp.parse_header(head, name)
-        # Runs take at most two bytes a pixel and two at the end of each row.
+        # Run-length encoding takes at most two bytes per pixel, and two at the end of each row.
         packed = 2 * (header.width + 1) * header.height
         limit = header.offset + max(packed if header.is_packed else 0, header.raster_bytes) + _TRAILING_BYTES
     else:

@@ -1,4 +1,4 @@
-"""What a converted map no longer says, in plain words."""
+"""Information that a map loses in a conversion, in plain words."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ LossKind: TypeAlias = Literal[
 ]
 Format: TypeAlias = Literal["ros", "movingai"]
 
-_MOVINGAI_RESOLUTION = 1.0  # What a reader takes for it.
+_MOVINGAI_RESOLUTION = 1.0  # Assumed by readers, the format has none.
 
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Something that a converted map no longer says.
+    """Information that a converted map has lost.
 
     Attributes:
-        kind: What kind of thing.
-        message: What it is, for people.
-        cells: How many cells it is about, None where it is about the whole map.
+        kind: Kind of the loss.
+        message: Description for the user.
+        cells: Number of cells concerned, None for the whole map.
     """
 
     kind: LossKind
@@ -38,7 +38,7 @@ class Loss:
 
 
 def find_file_losses(grid: OccupancyGrid, form: Format, mode: Mode = "trinary") -> tuple[Loss, ...]:
-    """What a map loses when it is written to a file.
+    """The information that a map loses when it is written to a file.
 
     Args:
         grid: The map.

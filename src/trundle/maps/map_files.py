@@ -21,18 +21,18 @@ _MOST_TEXT = 100_000
 def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[str], str]) -> None:
     """Write a map's image, and then the YAML that names it.
 
-    No image that a YAML names is ever written over. The new one gets a name of its own: that of the YAML where it is
-    free, else one from its content. The image of the map that was replaced is deleted at the end, where it has one of
-    these names and no other YAML in the folder names it. A kill at any moment leaves the old map or the new one.
+    An image that a YAML refers to is never overwritten. The new image gets a new name: that of the YAML if it is free,
+    else a hash of its content. The image of the replaced map is deleted at the end, if it has one of these names and no
+    other YAML in the folder refers to it. A kill at any moment leaves either the old map or the new one.
 
     Args:
         yaml_file: The map's YAML.
-        suffix: Of the image: .png or .pgm.
-        content: Of the image.
-        compose: Gives the YAML's text for the name of the image.
+        suffix: Suffix of the image: .png or .pgm.
+        content: Bytes of the image.
+        compose: Returns the YAML's text for the name of the image.
 
     Raises:
-        OutputError: If they cannot be written; the old map is left as it was.
+        OutputError: If they cannot be written; the old map is left unchanged.
     """
     replaced = _image_of(yaml_file)
     image, is_new = _write_image(yaml_file, suffix, content)
@@ -43,12 +43,12 @@ def save_pair(yaml_file: Path, suffix: str, content: bytes, compose: Callable[[s
             image.unlink(missing_ok=True)
         raise
     if replaced is not None and replaced != image and not _is_named_elsewhere(replaced, yaml_file):
-        with suppress(OSError):  # The new map is there; an image that is left does no harm.
+        with suppress(OSError):  # The new map is complete; a leftover image is harmless.
             replaced.unlink()
 
 
 def _write_image(yaml_file: Path, suffix: str, content: bytes) -> tuple[Path, bool]:
-    """Write the image under the first name that is free or holds the same; and whether the file is new."""
+    """Write the image under the first name that is free or has the same content; tell whether the file is new."""
     names = _image_names(yaml_file.stem, suffix, content)
     while True:
         image = yaml_file.with_name(next(names))
@@ -67,7 +67,7 @@ def _image_names(stem: str, suffix: str, content: bytes) -> Iterator[str]:
 
 
 def _image_of(yaml_file: Path) -> Path | None:
-    """The image beside a YAML that it names, where that is named after it."""
+    """The image that a YAML refers to, if it lies beside the YAML and is named after it."""
     name: object = None
     with suppress(yaml.YAMLError, RecursionError, ValueError):
         content: object = yaml.safe_load(_read_text(yaml_file))
@@ -77,7 +77,7 @@ def _image_of(yaml_file: Path) -> Path | None:
 
 
 def _is_named_elsewhere(image: Path, yaml_file: Path) -> bool:
-    """Whether another YAML of the folder names an image, or might: its text is searched."""
+    """Whether the text of another YAML in the folder contains the image's name."""
     others = (path for path in image.parent.iterdir() if path.suffix.lower() in (".yaml", ".yml"))
     names = (image.name, json.dumps(image.name)[1:-1])
     return any(any(name in _read_text(path) for name in names) for path in others if path.name != yaml_file.name)

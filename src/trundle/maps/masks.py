@@ -1,8 +1,8 @@
-"""`KeepoutMask` and `SpeedMask`: zones that are painted as ROS maps, as Nav2's costmap filters read them.
+"""`KeepoutMask` and `SpeedMask`: zones painted as ROS maps, as Nav2's costmap filters read them.
 
-A mask lies in the map's frame with a resolution, an origin and a size of its own. Nav2 is told what a speed mask's
-values mean by its costmap filter info server; here the mask's YAML may say it, in the keys `type`, `base` and
-`multiplier` under Nav2's names, which Nav2's map server ignores there.
+A mask lies in the map frame with its own resolution, origin and size. In Nav2 the costmap filter info server defines
+the meaning of a speed mask's values; here the mask's YAML may define it with the same keys `type`, `base` and
+`multiplier`, which Nav2's map server ignores.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ _LARGEST = 1e6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeepoutMask:
-    """Where the robot must not go, and where it would rather not.
+    """Zones that the robot must not enter, or should avoid.
 
-    Cells of 100 are kept out: no part of the robot may touch them. From 1 to 99 a cell is free, but costs at least
-    `254 · value / 100`, as in Nav2's keepout filter. 0, unknown cells and all beyond the mask change nothing.
+    Cells of 100 are lethal: no part of the robot may touch them. A cell of 1 to 99 is free, but costs at least
+    `254 · value / 100`, as in Nav2's keepout filter. 0, unknown cells and the area outside the mask change nothing.
 
     Attributes:
-        grid: The mask, in the map's frame.
-        name: For messages: where it came from.
+        grid: The mask, in the map frame.
+        name: Its source, for messages.
 
     Raises:
-        MapError: If it is no `OccupancyGrid`.
+        MapError: If `grid` is not an `OccupancyGrid`.
     """
 
     grid: OccupancyGrid
@@ -60,25 +60,25 @@ class KeepoutMask:
         """Read a mask as a ROS map.
 
         Raises:
-            MapError: If it cannot be read, or its YAML says that it is another kind of mask.
+            MapError: If it cannot be read, or its YAML declares another kind of mask.
         """
         kind, fields = _read_info(path)
         if kind not in (None, _KEEPOUT_TYPE) or (fields.get("base", 0.0), fields.get("multiplier", 1.0)) != (0.0, 1.0):
-            what = f"type {kind}, {_KINDS[kind]}" if kind else f"{' and '.join(fields)} of its own, as a speed mask has"
-            raise MapError(f"{os.fspath(path)}: no keep-out mask: it has {what}; give it as what it is")
+            what = f"type {kind}, {_KINDS[kind]}" if kind else f"{' and '.join(fields)}, as a speed mask has"
+            raise MapError(f"{os.fspath(path)}: not a keep-out mask: it has {what}; use it as such")
         return cls(OccupancyGrid.load(path, compat=compat), os.fspath(path))
 
     def costs_on(self, frame: GridFrame) -> npt.NDArray[np.uint8]:
-        """What cells of another grid cost at least: 254 where they touch a kept-out cell, however little.
+        """Lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
 
         Returns:
             uint8, shape `frame.shape`, read-only.
 
         Raises:
-            MapError: If the mask lies beside the grid.
+            MapError: If the mask does not overlap the grid.
         """
         check_overlap(self.grid, frame, self.name)
-        # A rim of free cells, so that what hangs out of the mask is not taken for unknown.
+        # A border of free cells, so that cells partly outside the mask do not become unknown.
         rim = math.ceil(math.sqrt(2.0) * frame.resolution / self.grid.resolution) + 1
         cells = np.pad(np.maximum(self.grid.data, FREE), rim)
         corner = self.grid.origin @ Pose2D(-rim * self.grid.resolution, -rim * self.grid.resolution)
@@ -93,21 +93,21 @@ class KeepoutMask:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpeedMask:
-    """How fast the robot may drive, by where its base_link is.
+    """Speed limits by the position of the robot's base_link.
 
-    The limit in a cell is `base + multiplier · value`, in percent of the robot's top speed or in m/s. 0 means no limit,
-    as does all beyond the mask. What Nav2 takes for no limit with a warning is refused here: a limit of 0 or less, more
-    than 100 %, and unknown cells.
+    The limit in a cell is `base + multiplier · value`, in percent of the robot's top speed or in m/s. A value of 0
+    means no limit, as does the area outside the mask. Limits of 0 or less, limits above 100 % and unknown cells, which
+    Nav2 treats as no limit with a warning, are refused.
 
     Attributes:
-        grid: The mask, in the map's frame.
+        grid: The mask, in the map frame.
         unit: "percent", Nav2's type 1, or "absolute" (m/s), its type 2.
         base: [% or m/s].
         multiplier: [% or m/s per unit of the mask]; 100 and −1 make darker paint slower in a mask of mode scale.
-        name: For messages: where it came from.
+        name: Its source, for messages.
 
     Raises:
-        MapError: If a cell has no limit that can be kept, the unit is unknown, or it is no `OccupancyGrid`.
+        MapError: If a cell has an invalid limit, the unit is unknown, or `grid` is not an `OccupancyGrid`.
     """
 
     grid: OccupancyGrid
@@ -119,14 +119,14 @@ class SpeedMask:
     def __post_init__(self) -> None:
         _check_grid(self.grid, self.name)
         if self.unit not in get_args(SpeedUnit):
-            raise MapError(f'{self.name}: unit is {self.unit!r}, it must be "percent" or "absolute" (m/s)')
+            raise MapError(f'{self.name}: unit is {self.unit!r}; it must be "percent" or "absolute" (m/s)')
         if not (math.isfinite(self.base) and math.isfinite(self.multiplier)):
             raise MapError(f"{self.name}: base and multiplier must be finite, got {self.base} and {self.multiplier}")
         most, mark = (100.0, "%") if self.unit == "percent" else (math.inf, "m/s")
         for value in VALUES[count_values(self.grid.data) > 0].tolist():
             limit = self.base + self.multiplier * value
             if value == UNKNOWN:
-                found = "is unknown, which says no speed"
+                found = "is unknown, which defines no speed"
             elif value == FREE or 0.0 < limit <= most:
                 continue
             else:
@@ -136,7 +136,8 @@ class SpeedMask:
             allowed = f"above 0 and at most {most:g} %" if self.unit == "percent" else "above 0 m/s"
             raise MapError(
                 f"{self.name}: the cell at ({x:.2f}, {y:.2f}) {found}; a limit must be {allowed}. Paint white where "
-                "there is none (0), mend base and multiplier, use mode scale or raw for shades; a keep-out mask stops"
+                "there is no limit (0), correct base and multiplier, or use mode scale or raw for shades; to block an "
+                "area, use a keep-out mask"
             )
 
     @classmethod
@@ -149,15 +150,15 @@ class SpeedMask:
         multiplier: float | None = None,
         compat: Compat | None = None,
     ) -> SpeedMask:
-        """Read a mask as a ROS map. What is not given is taken from its YAML, else it is Nav2's: percent, 0 and 1.
+        """Read a mask as a ROS map. Arguments not given are taken from its YAML, else from Nav2: percent, 0 and 1.
 
         Raises:
-            MapError: If it cannot be read, is another kind of mask, or has a limit that cannot be kept.
+            MapError: If it cannot be read, is another kind of mask, or has an invalid limit.
         """
         kind, fields = _read_info(path)
         if kind is not None and kind not in _SPEED_TYPES:
             raise MapError(
-                f"{os.fspath(path)}: type {kind}, {_KINDS[kind]}, is no speed mask; "
+                f"{os.fspath(path)}: type {kind}, {_KINDS[kind]}, is not a speed mask; "
                 "write type: 1 for percent or type: 2 for m/s"
             )
         said = "percent" if kind is None else _SPEED_TYPES[kind]
@@ -177,7 +178,7 @@ class SpeedMask:
         return cast("FloatArray", limits)
 
     def limit_at(self, x: npt.ArrayLike, y: npt.ArrayLike, top_speed: float) -> FloatArray:
-        """Limits [m/s] at points x, y [m] in the map frame, of any one shape; infinite where there is none."""
+        """Limits [m/s] at points x, y [m] in the map frame, of any one shape; infinite where there is no limit."""
         row, col = self.grid.world_to_cell(x, y)
         inside = self.grid.contains(row, col)
         values = np.where(inside, self.grid.data[np.where(inside, row, 0), np.where(inside, col, 0)], FREE)
@@ -185,18 +186,18 @@ class SpeedMask:
 
 
 def check_overlap(grid: OccupancyGrid, frame: GridFrame, name: str) -> None:
-    """Refuse a mask that shares no area with a map.
+    """Refuse a mask that does not overlap a map.
 
     Raises:
         MapError: If it does not.
     """
-    # Two rectangles are apart where the sides of one of them part them.
+    # Separating-axis test: disjoint rectangles are separated by a side of one of them.
     for one, other in ((grid, frame), (frame, grid)):
         corners = one.origin.inverse().transform_points(_corners(other))
         size = np.array([one.shape[1], one.shape[0]]) * one.resolution
         if (corners.max(axis=0) <= 1e-9).any() or (corners.min(axis=0) >= size - 1e-9).any():
             raise MapError(
-                f"{name}: the mask lies beside the map: it covers {_extent(grid)}, the map {_extent(frame)}; "
+                f"{name}: the mask does not overlap the map: it covers {_extent(grid)}, the map {_extent(frame)}; "
                 "correct its origin and resolution"
             )
 
@@ -217,24 +218,24 @@ def _extent(frame: GridFrame) -> str:
 
 
 def _read_info(path: str | os.PathLike[str]) -> tuple[int | None, dict[str, float]]:
-    """What a mask's YAML says in Nav2's words: its `type`, and `base` and `multiplier` as far as they are there."""
+    """Nav2's keys in a mask's YAML: its `type`, and `base` and `multiplier` if present."""
     from trundle.maps.ros_yaml import read_fields
 
     if not isinstance(path, str | os.PathLike):
         raise MapError(
             f"a mask is loaded from the path of its YAML, got {type(path).__name__}; "
-            "KeepoutMask(grid) and SpeedMask(grid) make one of an OccupancyGrid"
+            "KeepoutMask(grid) and SpeedMask(grid) make one from an OccupancyGrid"
         )
     try:
         fields = read_fields(path)
     except MapError:
-        return None, {}  # It may be no YAML file; the reader of maps says what is wrong with it.
+        return None, {}  # It may not be a YAML file; the map reader reports the problem.
     kind: int | None = None
     if "type" in fields.nodes:
         number = fields.number("type", low=0, high=_LARGEST)
         if number not in _KINDS:
             kinds = ", ".join(f"{key} ({what})" for key, what in _KINDS.items())
-            raise MapError(f"{fields.place('type')}: type is {number:g}, it must be one of {kinds}")
+            raise MapError(f"{fields.place('type')}: type is {number:g}; it must be one of {kinds}")
         kind = int(number)
     numbers = {
         key: fields.number(key, low=-_LARGEST, high=_LARGEST) for key in ("base", "multiplier") if key in fields.nodes

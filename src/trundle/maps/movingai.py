@@ -21,16 +21,16 @@ _MAX_SCENARIO_BYTES = 200_000_000
 
 @dataclass(frozen=True, slots=True)
 class MovingAIQuery:
-    """One line of a `.scen` file, in our rows.
+    """One line of a `.scen` file, with row 0 at the bottom.
 
     Attributes:
         bucket: Its group of path lengths.
-        map_name: The map's file name as it stands there.
+        map_name: The map's file name as written in the file.
         width: Columns of the map.
         height: Rows of the map.
         start: Cell (row, col), row 0 at the bottom.
         goal: Cell (row, col), row 0 at the bottom.
-        optimal_length: Length of the shortest 8-connected path [cells], diagonals √2, no corner cut.
+        optimal_length: Length of the shortest 8-connected path [cells], diagonals √2, without corner cutting.
     """
 
     bucket: int
@@ -61,19 +61,19 @@ def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0) -> Occupa
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     """Write a MovingAI map: `.` where a cell is free, `@` where it is occupied or unknown.
 
-    The format has no unknown cells, no values between, no resolution and no origin: they are lost.
+    The format has no unknown cells, intermediate values, resolution or origin: they are lost.
 
     Raises:
-        OutputError: If the file cannot be written. No half file is left.
+        OutputError: If the file cannot be written. No partial file is left.
     """
     write_cells(grid.data, path)
 
 
 def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
-    """Read the queries of a MovingAI `.scen` file, in its order.
+    """Read the queries of a MovingAI `.scen` file, in file order.
 
     Raises:
-        MapError: If the file cannot be read, or a line has other fields than the nine of the format.
+        MapError: If the file cannot be read, or a line does not have the nine fields of the format.
     """
     source = Path(as_path(path, "a file of scenarios", MapError))
     queries: list[MovingAIQuery] = []
@@ -81,11 +81,11 @@ def load_scenarios(path: str | os.PathLike[str]) -> list[MovingAIQuery]:
         try:
             line = raw.decode().strip()
         except UnicodeDecodeError as error:
-            raise MapError(f"{source}:{number}:{error.start + 1}: not text in UTF-8; copy the file again") from error
+            raise MapError(f"{source}:{number}:{error.start + 1}: not UTF-8 text; copy the file again") from error
         if line and not (number == 1 and line.startswith("version")):
             queries.append(_parse_query(line, f"{source}:{number}"))
     if not queries:
-        raise MapError(f"{source}: there is no query in this file")
+        raise MapError(f"{source}: the file contains no queries")
     return queries
 
 
@@ -100,12 +100,12 @@ def _parse_query(line: str, place: str) -> MovingAIQuery:
         bucket, width, height, start_x, start_y, goal_x, goal_y = (int(fields[i]) for i in (0, 2, 3, 4, 5, 6, 7))
         length = float(fields[8])
     except ValueError as error:
-        raise MapError(f"{place}:1: a field of this query is no number ({error}); correct it") from error
+        raise MapError(f"{place}:1: a field of this query is not a number ({error}); correct it") from error
     for what, x, y in (("start", start_x, start_y), ("goal", goal_x, goal_y)):
         if not (0 <= x < width and 0 <= y < height):
             raise MapError(f"{place}:1: the {what} ({x}, {y}) is outside the map of {width} x {height} cells")
     if not (math.isfinite(length) and length >= 0.0):
-        raise MapError(f"{place}:1: the optimal length is {fields[8]}, it must be a finite number of at least 0")
+        raise MapError(f"{place}:1: the optimal length is {fields[8]}; it must be a finite number of at least 0")
     return MovingAIQuery(
         bucket=bucket,
         map_name=fields[1],

@@ -65,7 +65,7 @@ def read_content(source: Path, max_bytes: int) -> bytes:
     """Read a MovingAI file.
 
     Raises:
-        MapError: If it cannot be read, or is larger.
+        MapError: If it cannot be read, or is larger than `max_bytes`.
     """
     try:
         with open_file(source) as stream:
@@ -73,7 +73,7 @@ def read_content(source: Path, max_bytes: int) -> bytes:
     except OSError as error:
         raise MapError(f"cannot read {source}: {error.strerror or error}") from error
     if len(content) > max_bytes:
-        raise MapError(f"{source}: larger than {max_bytes} bytes; this is no MovingAI file")
+        raise MapError(f"{source}: larger than {max_bytes} bytes; this is not a MovingAI file")
     return content
 
 
@@ -90,10 +90,10 @@ def _parse_header(lines: list[bytes], source: Path) -> tuple[int, int, int]:
         if len(words) == 2 and words[0] in (b"height", b"width"):
             if not (words[1].isdigit() and len(words[1]) < 10 and int(words[1]) > 0):
                 raise MapError(
-                    f"{source}:{index + 1}:{len(words[0]) + 2}: {words[0].decode()} must be a whole number of at "
+                    f"{source}:{index + 1}:{len(words[0]) + 2}: {words[0].decode()} must be an integer of at "
                     f"least 1, got {words[1][:20]!r}; correct it"
                 )
             sizes[words[0]] = int(words[1])
         elif words[:1] != [b"type"]:
             break
-    raise MapError(f"{source}:1:1: not a MovingAI map: it begins with the lines type, height, width and map")
+    raise MapError(f"{source}:1:1: not a MovingAI map: it must begin with the lines type, height, width and map")

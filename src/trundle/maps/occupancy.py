@@ -23,13 +23,13 @@ UNKNOWN_GREY = 205
 
 @dataclass(frozen=True, slots=True)
 class PixelRule:
-    """How a map's pixels are read.
+    """The rules by which a map's pixels are read.
 
     Attributes:
         mode: trinary (occupied, free, unknown), scale (0..100 between the thresholds) or raw (the grey is the value).
         negate: Whether bright means occupied.
-        occupied_thresh: From this darkness, 0..1, a cell is occupied.
-        free_thresh: Up to this darkness a cell is free.
+        occupied_thresh: A cell of at least this darkness, 0..1, is occupied.
+        free_thresh: A cell of at most this darkness is free.
     """
 
     mode: Mode = "trinary"
@@ -51,11 +51,11 @@ def compute_cells(pixels: Pixels, rule: PixelRule, compat: Compat | None = None)
 
 
 def compute_table(rule: PixelRule) -> CellData:
-    """What each grey 0..255 becomes in current Nav2, shape (256,)."""
+    """The cell value of each grey 0..255 in current Nav2, shape (256,)."""
     greys = np.arange(256)
     if rule.mode == "raw":
         return np.where(greys <= OCCUPIED, greys, UNKNOWN).astype(np.int8)
-    # Nav2 computes and compares in single precision: a grey at a threshold depends on it.
+    # Nav2 computes and compares in single precision: the result for a grey at a threshold depends on it.
     darkness = greys.astype(np.float32) / np.float32(255.0)
     if not rule.negate:
         darkness = np.float32(1.0) - darkness

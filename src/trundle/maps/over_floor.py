@@ -1,4 +1,4 @@
-"""Solids to cells over a floor that is not level: the band of heights follows a `HeightField`."""
+"""Solids to cells over an uneven floor: the height band follows a `HeightField`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from trundle.maps.rasterise import CORNERS, HeightBand, mark_pending, run_corner
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 ROUND = 1e-4
-"""Cylinders and spheres come out at most this part of their radius, or this many metres, too large; never too small."""
+"""Largest excess of cylinders and spheres, as a fraction of their radius and in metres; they are never too small."""
 
 _CELLS_AT_ONCE = 1_000_000
 # Faces of a box whose corners are numbered by the bits of their index: x, y, z.
@@ -32,7 +32,7 @@ _FACES = np.array(
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Triangles and where they are; the name of a mesh that is one solid."""
+    """Triangles and their pose; the name, if they are one solid's mesh."""
 
     vertices: FloatArray
     faces: npt.NDArray[np.int32]
@@ -48,12 +48,12 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class FloorMarks:
-    """What `mark_over_floor` found besides the obstacles it marked.
+    """Results of `mark_over_floor` besides the marked obstacles.
 
     Attributes:
-        no_floor: Cells where the floor is not known, bool, shape (rows, cols).
+        no_floor: Cells where the floor is unknown, bool, shape (rows, cols).
         steep: Cells where it is steeper than the limit, bool, shape (rows, cols).
-        open_meshes: Names of the meshes in the band that are not closed, so that only their surface counts.
+        open_meshes: Names of the meshes in the band that are not closed; only their surface is marked.
     """
 
     no_floor: npt.NDArray[np.bool_]
@@ -72,16 +72,16 @@ def mark_over_floor(
     max_slope: float,
     centre: bool = False,
 ) -> FloorMarks:
-    """Mark what stands in a band above a floor, and where the floor is too steep; see `OccupancyGrid.from_world`.
+    """Mark obstacles in a band above a floor, and where the floor is too steep; see `OccupancyGrid.from_world`.
 
     Args:
         cells: int8, shape (rows, cols), written to: 100 where there is a solid or a slope, −1 where there is no floor.
-        solids: What there is.
+        solids: The world's solids.
         floor: The floor.
         resolution: Edge of a cell [m].
         origin: Lower-left corner (x, y) [m] of cell (0, 0).
-        band: The heights that count, above the floor.
-        max_slope: The steepest floor that is no obstacle [rad].
+        band: The range of heights above the floor.
+        max_slope: The steepest drivable floor [rad].
         centre: Mark only cells whose centre is inside a solid.
     """
     parts = _triangulate(solids)
@@ -90,7 +90,7 @@ def mark_over_floor(
     opened: set[str] = set()
     step = max(1, _CELLS_AT_ONCE // cols)
     for begin in range(0, rows, step):
-        # With a row more on each side: what lies between two blocks is seen from both.
+        # One row more on each side: faces between two blocks are seen from both.
         first, end = max(0, begin - 1), min(rows, begin + step + 1)
         corner = (origin[0], origin[1] + first * resolution)
         planes = floor_planes(
@@ -123,7 +123,7 @@ def _mark_block(
     *,
     centre: bool,
 ) -> set[str]:
-    """Mark parts in a block of rows; returns the names of those that are not closed."""
+    """Mark parts in a block of rows; return the names of the meshes that are not closed."""
     numbers = (band.inner_low, band.inner_high, resolution, band.depth)
     opened: set[str] = set()
     thin: list[tuple[_Part, npt.NDArray[np.int32]]] = []
@@ -164,7 +164,7 @@ def _triangulate(solids: Sequence[Solid]) -> list[_Part]:
 
 
 def _surface(shape: Box | Cylinder | Sphere | OccupancyCells) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """Vertices [m] and faces that hold a shape."""
+    """Vertices [m] and faces that enclose a shape."""
     match shape:
         case Box(size):
             return CORNERS * (np.asarray(size) / 2.0), _FACES
@@ -188,7 +188,7 @@ def _cylinder(radius: float, length: float) -> tuple[FloatArray, npt.NDArray[np.
 def _sphere(radius: float) -> tuple[FloatArray, npt.NDArray[np.int32]]:
     sides = _sides(radius, 0.5)
     rings = sides // 2
-    # Half a circle around the sphere, then circles around that.
+    # The profile is half a circle around the sphere, rotated in polygons around the circle.
     angles = (np.arange(rings) + 0.5) * (math.pi / rings) - math.pi / 2.0
     wide = radius / math.cos(math.pi / rings / 2.0)
     inner = np.column_stack([np.cos(angles) * wide / math.cos(math.pi / sides), np.sin(angles) * wide])
@@ -196,12 +196,12 @@ def _sphere(radius: float) -> tuple[FloatArray, npt.NDArray[np.int32]]:
 
 
 def _sides(radius: float, share: float) -> int:
-    """Of a polygon around a circle that is at most `share` of `ROUND` wider; even."""
+    """Number of sides, even, of a polygon around a circle that exceeds it by at most `share` of `ROUND`."""
     return 2 * math.ceil(math.pi / 2.0 / math.acos(1.0 / (1.0 + share * ROUND * max(1.0, 1.0 / radius))))
 
 
 def _revolve(profile: FloatArray, sides: int) -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """A profile (distance from the z axis, z), upwards, with both its ends on the axis, turned round it."""
+    """A surface of revolution: a profile (distance from the z axis, z), upwards, with both ends on the axis."""
     angles = np.arange(sides) * (2.0 * math.pi / sides)
     rings = profile[1:-1]
     vertices = np.column_stack(

@@ -1,4 +1,4 @@
-"""Pixels as a map reader sees them: colour at 8 or 16 bit with or without alpha, and their greys."""
+"""Pixels of a map image: 8 or 16-bit colour with or without alpha, and their greys."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Pixels:
 def compute_greys(pixels: Pixels) -> npt.NDArray[np.uint8]:
     """Greys 0..255, shape (rows, cols), as Nav2's image library makes them.
 
-    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋; an image that is grey already keeps ⌊v / 257⌋.
+    A grey is ⌊round(0.299 R + 0.587 G + 0.114 B at 16 bit) / 257⌋; a grey image keeps ⌊v / 257⌋.
     """
     if pixels.colour.ndim == 2:
         wide = pixels.colour.dtype != np.uint8
@@ -70,7 +70,7 @@ def compute_transparent(pixels: Pixels) -> npt.NDArray[np.bool_] | None:
 
 
 def compute_channel_means(pixels: Pixels, rows: slice, *, with_alpha: bool) -> FloatArray:
-    """Mean of red, green, blue (and alpha) of some rows, 0..1: the shade that Nav2 Humble used."""
+    """Mean of red, green, blue (and alpha) of a slice of rows, 0..1: the shade that Nav2 Humble used."""
     colour = _at_16_bit(pixels.colour[rows])
     channels = 3
     total = colour.sum(axis=-1) if colour.ndim == 3 else colour * 3.0

@@ -1,4 +1,4 @@
-"""PNG images, read to their full depth and written, by Pillow but for 16-bit colour."""
+"""PNG images, read at full depth and written; by Pillow except for 16-bit colour."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def decode_png(content: bytes, name: str) -> Pixels:
     if header.depth == 16 and header.color_type != GREY:
         return _split_channels(file, unpack_samples(file, name), name)
     if header.color_type == PALETTE and file.palette is None:
-        raise MapError(f"{name}: the PNG image has no palette though it needs one; write it again")
+        raise MapError(f"{name}: the PNG image needs a palette and has none; write it again")
     samples = _decode_by_pillow(file, name)
     if not samples[_last_row(header)].any() and _unpacked_bytes(file.packed, name) < header.stream_bytes:
         raise truncated(name)
@@ -55,7 +55,7 @@ def encode_png(samples: npt.NDArray[np.uint8]) -> bytes:
     from PIL import Image
 
     stream = io.BytesIO()
-    # Maps are walls and blank space: runs pack them as tightly as deflate's full search, in less time.
+    # Maps are walls and blank space: run-length matching compresses them as well as deflate's full search, and faster.
     Image.fromarray(samples).save(stream, "PNG", compress_type=zlib.Z_RLE)
     return stream.getvalue()
 
@@ -64,7 +64,7 @@ def _decode_by_pillow(file: PngFile, name: str) -> SampleArray:
     """Samples, shape (rows, cols, channels), greys of less than 8 bits scaled to 8, palette entries as they are."""
     from PIL import PngImagePlugin
 
-    # Chunks that do not matter here stay out: Pillow refuses long texts and reads animations.
+    # Only the needed chunks are passed on: Pillow refuses long texts and reads animations.
     header = file.header
     ihdr = (header.width, header.height, header.depth, header.color_type, 0, 0, header.interlaced)
     content = SIGNATURE + write_chunk(b"IHDR", struct.pack(">IIBBBBB", *ihdr))
@@ -72,10 +72,10 @@ def _decode_by_pillow(file: PngFile, name: str) -> SampleArray:
         content += write_chunk(b"PLTE", file.palette)
     content += write_chunk(b"IDAT", file.packed) + write_chunk(b"IEND", b"")
     try:
-        # Not Image.open: it warns of large images, and the size was checked already.
+        # Not Image.open: it warns about large images, and the size has been checked already.
         with PngImagePlugin.PngImageFile(io.BytesIO(content)) as image:
             samples = np.asarray(image)
-    except Exception as error:  # Pillow's reader raises whatever the bytes lead it into
+    except Exception as error:  # Pillow's reader may raise anything on damaged bytes
         if "truncated" in str(error):
             raise truncated(name) from error
         raise MapError(f"{name}: the PNG image is damaged ({parser_reason(error)}); copy or write it again") from error
@@ -85,7 +85,7 @@ def _decode_by_pillow(file: PngFile, name: str) -> SampleArray:
 
 
 def _last_row(header: PngHeader) -> tuple[slice, slice]:
-    """The pixels that come last in the stream: Pillow leaves the rows black that a stream does not have."""
+    """The last pixels of the stream, for a check: Pillow leaves rows black that are missing in the stream."""
     last = header.passes()[-1]
     row = last.y0 + (last.rows - 1) * last.dy
     return slice(row, row + 1), slice(last.x0, None, last.dx)
@@ -96,7 +96,7 @@ def _unpacked_bytes(packed: bytes, name: str) -> int:
     unpacker = zlib.decompressobj()
     count = 0
     try:
-        # The unpacker may hold bytes back that do not fit into a piece, after it took all of its input.
+        # The decompressor may still hold bytes that did not fit into a piece after it consumed all of its input.
         while piece := unpacker.decompress(packed, _COUNTED_BYTES):
             count += len(piece)
             packed = unpacker.unconsumed_tail
@@ -108,7 +108,7 @@ def _unpacked_bytes(packed: bytes, name: str) -> int:
 def _apply_palette(file: PngFile, index: SampleArray, name: str) -> Pixels:
     palette = np.frombuffer(file.palette or b"", dtype=np.uint8).reshape(-1, 3)
     if index.max() >= len(palette):
-        raise MapError(f"{name}: a pixel names palette entry {index.max()} of {len(palette)}; write the image again")
+        raise MapError(f"{name}: a pixel uses palette entry {index.max()} of {len(palette)}; write the image again")
     if not file.transparency:
         return Pixels(palette[index])
     opacity = np.full(256, 255, dtype=np.uint8)

@@ -1,6 +1,6 @@
 """PNG samples of 16 bits in more than one channel.
 
-Pillow reduces 16-bit colour to 8 bits, and whether a cell is free may depend on the lower eight.
+Pillow reduces 16-bit colour to 8 bits, and the state of a cell may depend on the lower eight.
 """
 
 from __future__ import annotations

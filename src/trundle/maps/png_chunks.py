@@ -17,7 +17,7 @@ _CHANNELS = {GREY: 1, RGB: 3, PALETTE: 1, GREY_ALPHA: 2, RGBA: 4}
 _DEPTHS = {GREY: (1, 2, 4, 8, 16), RGB: (8, 16), PALETTE: (1, 2, 4, 8), GREY_ALPHA: (8, 16), RGBA: (8, 16)}
 # Adam7: first column, first row, column step, row step of each pass (section 8.2).
 _ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
-# Deflate never packs tighter than 1032 to 1.
+# Deflate never compresses better than 1032 to 1.
 _MAX_RATIO = 1032
 
 
@@ -26,8 +26,8 @@ class PngPass:
     """One pass over the image: the whole of it, or one of Adam7's seven.
 
     Attributes:
-        cols: Pixels of a row.
-        rows: Rows.
+        cols: Pixels per row.
+        rows: Number of rows.
         x0: First column.
         y0: First row.
         dx: Columns from one pixel to the next.
@@ -54,7 +54,7 @@ class PngHeader:
 
     @property
     def channels(self) -> int:
-        """Samples a pixel."""
+        """Samples per pixel."""
         return _CHANNELS[self.color_type]
 
     def row_bytes(self, width: int) -> int:
@@ -82,7 +82,7 @@ class PngHeader:
 
 @dataclass(frozen=True, slots=True)
 class PngFile:
-    """What a PNG file holds, still packed.
+    """Contents of a PNG file, still compressed.
 
     Attributes:
         header: Its IHDR chunk.
@@ -101,7 +101,7 @@ def parse_header(head: bytes, name: str) -> PngHeader:
     """Read the header from the first bytes of a PNG file; `name` stands for the file in messages.
 
     Raises:
-        MapError: If the file is cut off there, or the header is none that PNG allows.
+        MapError: If the file is truncated there, or PNG does not allow this header.
     """
     if len(head) < HEADER_BYTES:
         raise truncated(name)
@@ -117,14 +117,14 @@ def parse_header(head: bytes, name: str) -> PngHeader:
         or interlace not in (0, 1)
     ):
         raise MapError(
-            f"{name}: the PNG header is none that PNG allows ({width} x {height}, depth {depth}, colour type "
+            f"{name}: PNG does not allow this header ({width} x {height}, depth {depth}, colour type "
             f"{color_type}, interlace {interlace}); write the image again"
         )
     return PngHeader(width, height, depth, color_type, interlace == 1)
 
 
 def parse_chunks(content: bytes, name: str) -> PngFile:
-    """Check the chunks of a whole PNG file, and that its stream can hold as many pixels as the header claims.
+    """Check the chunks of a whole PNG file, and that its stream is long enough for the pixels that the header claims.
 
     Raises:
         MapError: If the file is truncated or damaged, or needs a chunk that PNG does not define.
@@ -172,7 +172,7 @@ def _read_chunks(content: bytes, name: str) -> Iterator[tuple[bytes, bytes]]:
             raise MapError(f"{name}: the PNG image is damaged at byte {position} (checksum); copy or write it again")
         if kind == b"IEND":
             return
-        # An upper-case first letter marks a chunk that a reader must know.
+        # An upper-case first letter marks a critical chunk, which a reader must know.
         if kind[0] & 0x20 == 0 and kind not in (b"PLTE", b"IDAT"):
             raise MapError(f"{name}: the PNG image needs the unknown chunk {kind!r}; save it as plain PNG")
         yield kind, data

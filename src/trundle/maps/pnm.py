@@ -15,7 +15,7 @@ PLAIN_MAGIC = (b"P1", b"P2", b"P3")
 BINARY_MAGIC = (b"P4", b"P5", b"P6")
 MAGIC = PLAIN_MAGIC + BINARY_MAGIC
 PLAIN_BYTES_PER_SAMPLE = 24
-"""More text than this for a sample is not a map."""
+"""Most bytes of text per sample that are accepted."""
 
 _WHITESPACE = b" \t\n\v\f\r"
 _NUMBER = re.compile(rb"[0-9]{1,10}")
@@ -49,12 +49,12 @@ class PnmHeader:
 
     @property
     def channels(self) -> int:
-        """Samples a pixel."""
+        """Samples per pixel."""
         return 3 if self.magic in (b"P3", b"P6") else 1
 
     @property
     def raster_bytes(self) -> int:
-        """Bytes of the raster; the most that is read where it is text."""
+        """Bytes of the raster; for text, the most that is read."""
         if self.magic == b"P4":
             return (self.width + 7) // 8 * self.height
         samples = self.width * self.height * self.channels
@@ -70,7 +70,7 @@ def parse_header(head: bytes, name: str) -> PnmHeader:
     """Read the header from the first bytes of a PNM file; `name` stands for the file in messages.
 
     Raises:
-        MapError: If it is cut off, not numbers, or a number is out of range.
+        MapError: If it is truncated, not numeric, or a number is out of range.
     """
     magic = head[:2]
     position = 2
@@ -79,7 +79,7 @@ def parse_header(head: bytes, name: str) -> PnmHeader:
         number, position = _read_number(head, position, what, name)
         if not 1 <= number <= (FULL_SCALE if what == "maxval" else 2**31 - 1):
             limit = f"1..{FULL_SCALE}" if what == "maxval" else "at least 1"
-            raise MapError(f"{name}: the PNM header has {what} {number}, it must be {limit}; write the image again")
+            raise MapError(f"{name}: the PNM header has {what} {number}; it must be {limit}. Write the image again")
         numbers.append(number)
     if position >= len(head):
         raise _truncated(name)
@@ -147,7 +147,7 @@ def _read_plain(header: PnmHeader, text: bytes, name: str) -> npt.NDArray[np.int
     text = _COMMENT.sub(b" ", text)
     stray = (_NO_BIT if header.magic == b"P1" else _NO_SAMPLE).search(text)
     if stray is not None:
-        raise MapError(f"{name}: {stray.group()[:20]!r} is no PNM sample; write the image again")
+        raise MapError(f"{name}: {stray.group()[:20]!r} is not a PNM sample; write the image again")
     if header.magic == b"P1":
         samples = np.frombuffer(b"".join(text.split()), dtype=np.uint8).astype(np.int32) - ord("0")
     else:

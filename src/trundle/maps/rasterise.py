@@ -13,10 +13,10 @@ from trundle.geometry import FloatArray, Pose3D
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, SolidArrays, Sphere
 
 DEPTH = 1e-6
-"""A solid must reach deeper than this into a cell [m]: float noise makes 20, 21 or 22 cells of a 1 m box otherwise."""
+"""A solid must reach deeper than this into a cell [m]: otherwise rounding makes a 1 m box 20, 21 or 22 cells wide."""
 
 TOUCH = -1e-9
-"""As a depth: what comes this near to a cell [m] counts."""
+"""The same as a negative depth: a solid this near to a cell [m] counts as touching it."""
 
 _OCCUPIED = 100
 _PENDING = 99  # Touched by a face without thickness; see raster_thin_faces.
@@ -28,7 +28,7 @@ CORNERS = np.array([[(i >> axis & 1) * 2 - 1 for axis in range(3)] for i in rang
 
 @dataclass(frozen=True, slots=True)
 class HeightBand:
-    """Heights [m] in which solids count, and how deep [m] they must reach into it, and into a cell."""
+    """The height range [m] in which solids are marked, and how deep [m] they must reach into it and into a cell."""
 
     low: float
     high: float
@@ -36,12 +36,12 @@ class HeightBand:
 
     @property
     def inner_low(self) -> float:
-        """Lowest height that counts [m]."""
+        """Lowest height of the band [m]."""
         return self.low + self.depth
 
     @property
     def inner_high(self) -> float:
-        """Highest height that counts [m]."""
+        """Highest height of the band [m]."""
         return self.high - self.depth
 
 
@@ -62,10 +62,10 @@ class SolidRaster:
         cells: int8, shape (rows, cols), written to: 100 where there is a solid.
         resolution: Edge of a cell [m].
         origin: Lower-left corner (x, y) [m] of cell (0, 0).
-        band: The heights that count.
+        band: The height range.
         centre: Mark only cells whose centre is inside a solid.
-        fill: Mark what closed meshes enclose; else they are surfaces as open ones are.
-        open_meshes: Names of the meshes that reach into the band and are not closed, so that only their surface counts.
+        fill: Mark the interior of closed meshes; else only their surface, as for open ones.
+        open_meshes: Names of the meshes that reach into the band and are not closed; only their surface is marked.
     """
 
     cells: npt.NDArray[np.int8]
@@ -165,7 +165,7 @@ class SolidRaster:
                 self.open_meshes.append(solid.name)
             if len(between):
                 thin.append(_ThinFaces(mesh, transform, mesh.faces[between]))
-        # Only now is it known what stands behind these faces.
+        # Faces without thickness come last: they depend on the solids behind them.
         for part in thin:
             raster_thin_faces(self.cells, part.mesh.vertices, part.faces, part.transform, *band)
         if thin:

@@ -1,4 +1,4 @@
-"""Maps on another lattice of cells: turned, finer, coarser or moved, never with an obstacle less."""
+"""Maps on another lattice of cells: rotated, finer, coarser or moved, without losing an obstacle."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from trundle.maps.values import UNKNOWN_RANK, Ranks, count_values, from_ranks, t
 from trundle.solids import OccupancyCells, Solid
 
 SLACK = 0.02
-"""Edges of cells that are nowhere farther apart than this part of a cell are one: 1.5708 is a quarter turn."""
+"""Tolerance [cells] within which cell edges coincide everywhere, so a yaw of 1.5708 is a quarter turn."""
 
 _ROUNDING = 1e-9  # Of a cell.
 _BLOCK_CELLS = 1 << 20
@@ -31,8 +31,8 @@ class CellLayout(GridFrame):
     Attributes:
         resolution: Edge of a cell [m].
         origin: Pose of the lower-left corner of cell (0, 0); its yaw is 0.
-        rows: How many cells there are in y.
-        cols: How many cells there are in x.
+        rows: Number of cells in y.
+        cols: Number of cells in x.
     """
 
     resolution: float
@@ -52,8 +52,8 @@ class Resampled:
 
     Attributes:
         cells: int8, shape (rows, cols).
-        lossless: Whether each new cell lies in one old cell, so that nothing was joined.
-        moved: By how much cells were moved at most to fall on the new lattice [m]; `SLACK` allows it.
+        lossless: Whether each new cell lies in one old cell, so that no values were merged.
+        moved: Largest shift of a cell onto the new lattice [m], within `SLACK`.
     """
 
     cells: npt.NDArray[np.int8]
@@ -64,7 +64,7 @@ class Resampled:
 def resample_axis_aligned(
     grid: OccupancyGrid, *, resolution: float | None = None, max_cells: int = MAX_CELLS
 ) -> OccupancyGrid:
-    """Make a map whose origin has yaw 0 and that covers the same ground; see `resample` for the cells' values.
+    """Make a map with an origin of yaw 0 that covers the same area; see `resample` for the cells' values.
 
     Args:
         grid: The map.
@@ -88,9 +88,9 @@ def resample_axis_aligned(
 def resample(grid: OccupancyGrid, layout: CellLayout) -> Resampled:
     """Cells of a map on another lattice.
 
-    A new cell takes the most careful value of all old ones that it overlaps, in the order free, 1 to 64, unknown (also
-    outside the map), 65 to 99, occupied. So an occupied cell stays occupied wherever it lies, and a new cell is free
-    only if all of its area was. Finer cells whose edges fall on the old ones, and quarter turns, lose nothing.
+    A new cell takes the most conservative value of all old cells that it overlaps, in the order free, 1 to 64, unknown
+    (also outside the map), 65 to 99, occupied. So no occupied area is lost, and a new cell is free only if all of its
+    area was. Finer cells whose edges align with the old ones, and quarter turns, lose nothing.
     """
     turns, off = _find_quarter(grid)
     if turns is None:
@@ -121,38 +121,38 @@ def find_bounds(grid: OccupancyGrid) -> tuple[FloatArray, FloatArray]:
 
 
 def find_slack(grid: OccupancyGrid, resolution: float) -> float:
-    """What part of a new cell may be left out at the border of a map: `SLACK` of the smaller one of both cells."""
+    """Fraction of a new cell that may be omitted at the border of a map: `SLACK` of the smaller of both cells."""
     return SLACK * min(1.0, grid.resolution / resolution)
 
 
 def check_resolution(resolution: float) -> float:
-    """An edge of a cell [m] that is a positive number.
+    """Check that the edge of a cell [m] is a positive number.
 
     Raises:
         MapError: If it is not.
     """
     edge = float(resolution)
     if not (math.isfinite(edge) and edge > 0.0):
-        raise MapError(f"resolution must be a positive number of metres a cell, got {resolution}")
+        raise MapError(f"resolution must be a positive number of metres per cell, got {resolution}")
     return edge
 
 
 def check_size(count: npt.ArrayLike, max_cells: int) -> None:
-    """Refuse a map of (cols, rows) cells that has too many.
+    """Refuse a map of too many (cols, rows) cells.
 
     Raises:
-        MapError: If it has.
+        MapError: If there are too many.
     """
     cols, rows = (float(number) for number in np.asarray(count))
     if not rows * cols <= max_cells:
         raise MapError(
             f"a map of {cols:.0f} x {rows:.0f} cells is more than {max_cells} cells; use larger cells or a smaller "
-            "part, or allow more"
+            "area, or raise max_cells"
         )
 
 
 def _find_quarter(grid: OccupancyGrid) -> tuple[int | None, float]:
-    """Quarter turns 0 to 3 of a map's yaw, None for another; and how far [cells] this moves its farthest corner."""
+    """Quarter turns 0 to 3 nearest to a map's yaw, else None; and the shift [cells] of its farthest corner."""
     quarters = grid.origin.yaw / (math.pi / 2.0)
     turns = round(quarters)
     off = abs(quarters - turns) * (math.pi / 2.0) * math.hypot(*grid.shape)
@@ -160,10 +160,10 @@ def _find_quarter(grid: OccupancyGrid) -> tuple[int | None, float]:
 
 
 def _snap(edges: FloatArray, ratio: float) -> tuple[FloatArray, bool, float]:
-    """Edges of new cells, in old ones, put on whole parts of an old one where they nearly are.
+    """Edges of new cells, in units of old cells, snapped to the old lattice or a subdivision of it if close.
 
     Returns:
-        The edges, whether each new cell lies in one old one, and by how much edges were moved at most [cells].
+        The edges, whether each new cell lies in one old one, and the largest shift of an edge [cells].
     """
     parts = max(1, round(1.0 / ratio))
     whole = np.round(edges * parts)
@@ -174,7 +174,7 @@ def _snap(edges: FloatArray, ratio: float) -> tuple[FloatArray, bool, float]:
 
 
 def _join_cells(ranks: Ranks, edges: FloatArray, axis: int) -> Ranks:
-    """The highest rank between each two edges along an axis; unknown beyond the first and last cell."""
+    """The highest rank between consecutive edges along an axis; unknown beyond the first and last cell."""
     border = [(0, 0), (0, 0)]
     border[axis] = (1, 1)
     padded = np.pad(ranks, border, constant_values=UNKNOWN_RANK)
@@ -188,7 +188,7 @@ def _join_cells(ranks: Ranks, edges: FloatArray, axis: int) -> Ranks:
 
 
 def _resample_turned(grid: OccupancyGrid, layout: CellLayout) -> npt.NDArray[np.int8]:
-    # All in old cells, so that the raster's micrometre is a millionth of a cell whatever its size.
+    # In units of old cells, so that the raster's micrometre is a millionth of a cell of any size.
     edge = layout.resolution / grid.resolution
     corner = (
         (layout.origin.x - grid.origin.x) / grid.resolution,
@@ -207,7 +207,7 @@ def _resample_turned(grid: OccupancyGrid, layout: CellLayout) -> npt.NDArray[np.
 
 
 def _find_outside(grid: OccupancyGrid, layout: CellLayout) -> Ranks:
-    """Unknown for new cells that reach out of the map, else free."""
+    """Unknown for new cells that extend beyond the map, else free."""
     ranks = np.empty(layout.shape, dtype=np.uint8)
     rows, cols = grid.shape
     yaw = grid.origin.yaw

@@ -1,6 +1,6 @@
-"""Reading a ROS map: its YAML file and its image, as Nav2's map server does, with the values checked that it does not.
+"""Reading a ROS map: its YAML file and its image, as Nav2's map server does, with stricter checks of the values.
 
-Nav2's costmaps ignore the yaw of `origin` and RViz shows it; here it is honoured everywhere, and
+Nav2's costmaps ignore the yaw of `origin`, while RViz shows it. Here it is applied everywhere;
 `trundle.maps.resample_axis_aligned` makes a map without it.
 """
 
@@ -29,14 +29,14 @@ def load_map(path: str | os.PathLike[str], *, compat: Compat | None = None, allo
     """Read the cells of a map; see `OccupancyGrid.load`."""
     source = Path(as_path(path, "a map's file", MapError))
     if compat not in (None, "humble"):
-        raise MapError(f'compat is {compat!r}, it must be "humble" or None')
+        raise MapError(f'compat is {compat!r}; it must be "humble" or None')
     suffix = source.suffix.lower()
     if suffix == ".map":
         from trundle.maps.movingai_cells import read_cells
 
         return PlacedCells(read_cells(source), 1.0, Pose2D(0.0, 0.0, 0.0))
     if suffix in _IMAGE_SUFFIXES:
-        raise MapError(f"{source} is an image; give the map's YAML file, which names it and says its resolution")
+        raise MapError(f"{source} is an image; give the map's YAML file, which names the image and the resolution")
     description = load_description(source)
     pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     _warn_of_unknown_as_free(pixels, description)
@@ -47,7 +47,7 @@ def find_image(source: Path, description: RosMapDescription, *, allow_outside: b
     """The image that a map's YAML file names.
 
     Raises:
-        MapError: If there is none, or it lies outside the file's folder and may not.
+        MapError: If it does not exist, or lies outside the file's folder without `allow_outside`.
     """
     where, image = description.image_place, description.image
     try:
@@ -56,14 +56,14 @@ def find_image(source: Path, description: RosMapDescription, *, allow_outside: b
         inside = found.is_relative_to(folder)
         exists = is_file(found)
     except (OSError, RuntimeError, ValueError) as error:
-        raise MapError(f"{where}: image {image[:100]!r} is no usable file name ({error}); correct it") from error
+        raise MapError(f"{where}: image {image[:100]!r} is not a valid file name ({error}); correct it") from error
     if not inside and not allow_outside:
         raise MapError(
             f"{where}: image {image[:100]!r} lies outside the map's folder {folder}; put it beside the YAML file, or "
             "allow it with allow_outside=True"
         )
     if not exists:
-        raise MapError(f"{where}: there is no image file {found}; correct the name or put the file there")
+        raise MapError(f"{where}: the image file {found} does not exist; correct the name or put the file there")
     return found
 
 

@@ -1,4 +1,4 @@
-"""Writing a ROS map: the image, and the YAML file that names it, each whole or not at all."""
+"""Writing a ROS map: the image, and the YAML file that names it, both written atomically."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ def save_map(
             f"a map is saved under the name of its YAML file, got {target}; end the name in .yaml, or .map for MovingAI"
         )
     if mode not in MODES:
-        raise MapError(f"mode is {mode!r}, it must be one of {', '.join(MODES)}")
+        raise MapError(f"mode is {mode!r}; it must be one of {', '.join(MODES)}")
     if image_format not in ("png", "pgm"):
-        raise MapError(f"image_format is {image_format!r}, it must be png or pgm")
+        raise MapError(f"image_format is {image_format!r}; it must be png or pgm")
     if mode == "scale" and image_format == "pgm":
-        raise MapError("mode scale needs transparency for unknown cells, which PGM has not; save as png")
+        raise MapError("mode scale needs transparency for unknown cells, which PGM lacks; save as png")
     samples = compute_samples(grid, mode)
     if image_format == "pgm":
         from trundle.maps.pnm import encode_pgm
@@ -68,8 +68,8 @@ def save_map(
 def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
     """8-bit samples of a map's image, top row first: greys (rows, cols), or (rows, cols, 4) in mode scale.
 
-    As Nav2's map saver: trinary rounds by its thresholds; scale is bright for free and transparent for unknown; raw
-    writes the values, unknown as 255.
+    As Nav2's map saver: trinary applies its thresholds; scale writes free as bright and unknown as transparent; raw
+    writes the values, with unknown as 255.
     """
     index = np.ascontiguousarray(grid.data[::-1]) + 1
     greys = _compute_greys(mode)[index]
@@ -80,12 +80,12 @@ def compute_samples(grid: CellGrid, mode: Mode) -> npt.NDArray[np.uint8]:
 
 
 def choose_mode(grid: CellGrid) -> Mode:
-    """The mode that keeps every cell of a map: trinary where there is nothing between free and occupied, else raw."""
+    """The mode that keeps every cell of a map: trinary if there are no values between free and occupied, else raw."""
     return "trinary" if count_values(grid.data)[~np.isin(VALUES, (UNKNOWN, FREE, OCCUPIED))].sum() == 0 else "raw"
 
 
 def read_back(mode: Mode) -> Cells:
-    """What each of `VALUES` is after it was written in a mode and read again, shape (102,)."""
+    """Each of `VALUES` after it was written in a mode and read back, shape (102,)."""
     values = compute_table(PixelRule(mode, False, OCCUPIED_THRESH, FREE_THRESH))[_compute_greys(mode)]
     if mode == "scale":
         values[0] = UNKNOWN  # Transparent.

@@ -1,4 +1,4 @@
-"""The YAML file of a ROS map: what it may say, each mistake with its line and column."""
+"""The YAML file of a ROS map: its keys and their checks; each error has line and column."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _FALSE = ("false", "no", "off", "n")
 
 @dataclass(frozen=True, slots=True)
 class RosMapDescription:
-    """What a map's YAML file says.
+    """Contents of a map's YAML file.
 
     Attributes:
-        image: The image as it is named there.
+        image: Name of the image, as written.
         image_place: `file:line:column` of that name.
         resolution: Edge of a cell [m].
         origin: Pose of the lower-left corner of the lower-left pixel.
-        rule: How pixels become cells.
+        rule: The conversion from pixels to cells.
         free_thresh_place: `file:line:column` of `free_thresh`.
     """
 
@@ -56,7 +56,7 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
     """Read the YAML file of a ROS map.
 
     Raises:
-        MapError: If it cannot be read, or says something that a map cannot mean.
+        MapError: If it cannot be read, or a value is invalid.
 
     Warns:
         MapWarning: If the yaw of its origin is in degrees.
@@ -72,7 +72,7 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
     if rule.free_thresh > rule.occupied_thresh:
         raise MapError(
             f"{fields.place('free_thresh')}: free_thresh {rule.free_thresh} is above occupied_thresh "
-            f"{rule.occupied_thresh}: the two are probably exchanged. Usual are 0.196 and 0.65"
+            f"{rule.occupied_thresh}: the two are probably swapped. Usual values are 0.196 and 0.65"
         )
     origin = parse_origin(fields)
     degrees = describe_degrees(fields)
@@ -89,10 +89,10 @@ def load_description(path: str | os.PathLike[str]) -> RosMapDescription:
 
 
 def read_fields(path: str | os.PathLike[str]) -> Fields:
-    """Read the YAML file of a ROS map as its keys, whose values are not looked at yet.
+    """Read the YAML file of a ROS map as its keys, without checking their values yet.
 
     Raises:
-        MapError: If it cannot be read, is no mapping, or is plainly another kind of file.
+        MapError: If it cannot be read, is not a mapping, or is clearly another kind of file.
     """
     try:
         root = compose(path, max_bytes=MAX_YAML_BYTES, allow_duplicate_keys=True)
@@ -110,7 +110,7 @@ class Fields:
     Attributes:
         name: The file, for messages.
         nodes: The value of each key.
-        keys: All keys in their order, repeated ones too.
+        keys: All keys in order, including repeated ones.
     """
 
     def __init__(self, root: yaml.Node, name: str) -> None:
@@ -145,17 +145,17 @@ class Fields:
         """A key's text and its place."""
         node = self.node(key)
         if not isinstance(node, yaml.ScalarNode):
-            raise MapError(f"{place(node, self.name)}: {key} must be a text, got {_kind(node)}; write `{key}: …`")
+            raise MapError(f"{place(node, self.name)}: {key} must be text, got {_kind(node)}; write `{key}: …`")
         if node.value == "" or (node.style is None and node.value in ("~", "null", "Null", "NULL")):
             raise MapError(f"{place(node, self.name)}: {key} is blank; write a value")
         return node.value, place(node, self.name)
 
     def number(self, key: str, *, low: float, high: float) -> float:
-        """A key's number between two others, these included."""
+        """A key's number within inclusive bounds."""
         value = parse_number(self.node(key), key, self.name)
         if not low <= value <= high:
             raise MapError(
-                f"{self.place(key)}: {key} is {value:g}, it must be between {low:g} and {high:g}; correct it"
+                f"{self.place(key)}: {key} is {value:g}; it must be between {low:g} and {high:g}; correct it"
             )
         return value
 
@@ -165,7 +165,7 @@ def parse_number(node: yaml.Node, what: str, name: str) -> float:
     text = node.value if isinstance(node, yaml.ScalarNode) else _kind(node)
     if not isinstance(node, yaml.ScalarNode) or _NUMBER.fullmatch(text) is None:
         raise MapError(
-            f"{place(node, name)}: {what} is {_shorten(text)}, it must be a finite number like 0.05 or 5e-2; correct it"
+            f"{place(node, name)}: {what} is {_shorten(text)}; it must be a finite number like 0.05 or 5e-2; correct it"
         )
     value = float(text)
     if not math.isfinite(value):
@@ -198,7 +198,7 @@ def parse_origin(fields: Fields) -> Pose2D:
     ):
         if abs(value) > most:
             raise MapError(
-                f"{place(item, fields.name)}: origin's {what} is {value:g}, it must be between {-most:g} and {most:g}; "
+                f"{place(item, fields.name)}: origin's {what} is {value:g}; it must be between {-most:g} and {most:g}; "
                 "correct it"
             )
     return Pose2D(x, y, wrap_angle(yaw))
@@ -213,35 +213,35 @@ def _parse_yaw(node: yaml.Node, name: str) -> float:
 
 
 def describe_degrees(fields: Fields) -> tuple[str, str] | None:
-    """Where the origin's yaw is in degrees, as nobody else reads it: what is wrong, and what to write; else None."""
+    """If the origin's yaw is in degrees, the problem and the correct notation; else None."""
     node = fields.node("origin").value[2]
     yaw = _parse_yaw(node, fields.name)
     where, right = place(node, fields.name), f"{math.radians(yaw):.6g}"
     if is_in_degrees(yaw):
-        message = f"{where}: origin's yaw is {yaw:g} rad, more than one turn: it is in radians, and degrees are "
-        return f"{message}probably meant", f"write {right}"
+        message = f"{where}: origin's yaw is {yaw:g} rad, more than one turn: it is read in radians, and was "
+        return f"{message}probably meant in degrees", f"write {right}"
     if _NUMBER.fullmatch(node.value) is None:
         return f"{where}: origin's yaw is {node.value}, which ROS does not read", f"write {yaw:.6g}"
     return None
 
 
 def parse_mode(fields: Fields) -> Mode:
-    """Read `mode`; trinary where there is none."""
+    """Read `mode`; trinary by default."""
     if "mode" not in fields.nodes:
         return "trinary"
     text, where = fields.text("mode")
     for mode in MODES:
         if text.lower() == mode:
             return mode
-    raise MapError(f"{where}: mode is {_shorten(text)}, it must be one of {', '.join(MODES)}; correct it")
+    raise MapError(f"{where}: mode is {_shorten(text)}; it must be one of {', '.join(MODES)}; correct it")
 
 
 def parse_negate(fields: Fields) -> bool:
-    """Read `negate`: a whole number or a YAML boolean."""
+    """Read `negate`: an integer or a YAML boolean."""
     text, where = fields.text("negate")
     if _INTEGER.fullmatch(text):
         return int(text, 16 if "x" in text.lower() else 10) != 0
     for words, value in ((_TRUE, True), (_FALSE, False)):
         if any(text in (word, word.upper(), word.capitalize()) for word in words):
             return value
-    raise MapError(f"{where}: negate is {_shorten(text)}, it must be 0 or 1 (or false, true); correct it")
+    raise MapError(f"{where}: negate is {_shorten(text)}; it must be 0 or 1 (or false, true); correct it")

@@ -1,4 +1,4 @@
-"""The values of cells: how often each occurs, and which of two is the more careful one."""
+"""The values of cells: how often each occurs, and their order from free to occupied."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells
 Ranks: TypeAlias = npt.NDArray[np.uint8]
 
 OCCUPIED_FROM = 65
-"""From this value a cell is occupied, as map files have it (occupied_thresh 0.65)."""
+"""Cells of at least this value are occupied, as in map files (occupied_thresh 0.65)."""
 FREE_UP_TO = 20
-"""Up to this value a cell is free, as map files have it (free_thresh 0.196)."""
+"""Cells of at most this value are free, as in map files (free_thresh 0.196)."""
 
 VALUES = np.arange(UNKNOWN, OCCUPIED + 1, dtype=np.int8)
 VALUES.flags.writeable = False
@@ -34,7 +34,7 @@ def count_values(cells: Cells) -> npt.NDArray[np.int64]:
 
 
 def to_ranks(cells: Cells) -> Ranks:
-    """Ranks of cells, where the higher is the more careful one: free, 1 to 64, unknown, 65 to 99, occupied."""
+    """Ranks of cells, in ascending order of caution: free, 1 to 64, unknown, 65 to 99, occupied."""
     ranks = cells.astype(np.uint8)
     ranks += cells >= OCCUPIED_FROM
     ranks[cells == UNKNOWN] = UNKNOWN_RANK
@@ -42,7 +42,7 @@ def to_ranks(cells: Cells) -> Ranks:
 
 
 def from_ranks(ranks: Ranks) -> Cells:
-    """Cells of ranks."""
+    """Cells from their ranks; the inverse of the ranking."""
     cells = ranks.astype(np.int8)
     cells -= ranks > UNKNOWN_RANK
     cells[ranks == UNKNOWN_RANK] = UNKNOWN

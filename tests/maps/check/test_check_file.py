@@ -39,7 +39,7 @@ def test_a_good_file_raises_nothing(good):
         ("resolution: 0.05", "resolution: -0.05", "resolution", ":3:13:"),
         ("resolution: 0.05", "resolution: .nan", "resolution", ":3:13:"),
         ("occupied_thresh: 0.65", "occupied_thresh: 65", "yaml", ":6:18: occupied_thresh is 65"),
-        ("image: map.png", "image: other.png", "yaml", ":1:8: there is no image file"),
+        ("image: map.png", "image: other.png", "yaml", ":1:8: the image file "),
         ("image: map.png", "image: map.yaml", "yaml", "not a PNG, PNM"),
         ("image: map.png", "image: [map.png", "yaml", "not valid YAML"),
     ],
