@@ -149,7 +149,8 @@ def test_the_free_points_the_coverage_and_the_style(trundle: Trundle, tmp_path: 
     assert (build(trundle, tmp_path, *bounds, "--style", "isaac").data[post] == 100).sum() == 21 * 22
     inside = trundle("map", "build", "yard.sdf", "--free", "0,0", "-o", "other.yaml")
     assert inside.code == 2
-    assert "the seed (0, 0) lies in a cell of 0.05 m that an obstacle between heights 0.1 and 0.62 m" in inside.err
+    assert "the seed (0, 0) lies in a cell of 0.05 m that contains part of an obstacle" in inside.err
+    assert "contains part of an obstacle between heights 0.1 and 0.62 m" in inside.err
     assert not (tmp_path / "other.yaml").exists()
 
 
@@ -172,11 +173,11 @@ def test_a_floor_with_a_ramp(trundle: Trundle, tmp_path: Path) -> None:
     steep = build(trundle, tmp_path, *ends, "--free", "-1.5,-1.5")  # 0.2 is more than ten degrees
     assert (steep.data[:, 20:50] == 100).all()
     assert (steep.data[:30, 50:] == -1).all()
-    with pytest.warns(MapWarning, match="the floor's height is not known in 3200 of 11200 cells"):
+    with pytest.warns(MapWarning, match="the floor's height is unknown in 3200 of 11200 cells"):
         trundle("map", "build", "yard.sdf", "--floor", "floor.npz", "--bounds", "-2,-2,2,5", "--max-slope", "0.2")
     elsewhere = trundle("map", "build", "yard.sdf", "--floor", "floor.npz", "--bounds", "12,-2,14,5", "-o", "no.yaml")
     assert (elsewhere.code, (tmp_path / "no.yaml").exists()) == (2, False)
-    assert "known in no cell" in elsewhere.err
+    assert "unknown in every cell" in elsewhere.err
 
 
 def test_a_world_of_kilometres_by_mistake_names_the_solid(trundle: Trundle, tmp_path: Path) -> None:
