@@ -57,7 +57,7 @@ def test_from_and_to_anywhere_in_a_cell_the_way_never_enters_cells_of_253(seed):
         back = planner.plan(costmap, goal, start)
         assert back.length == pytest.approx(path.length)
         corners = path.poses[:, :2]
-        # The corners of cells are whole numbers here but for rounding.
+        # The corners of cells are integers here but for rounding.
         near = np.round(corners / 0.05)
         exact = np.where(np.abs(corners / 0.05 - near) < 1e-9, near, corners / 0.05)
         inside = exact[(exact != np.round(exact)).all(axis=1)]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from support.grid_graph import cheapest_ways
 
 STRAIGHT, DIAGONAL = 5741, 8119
-"""What a step costs in the whole numbers of the kernels."""
+"""What a step costs in the integers of the kernels."""
 
 
 def ways_from(blocked: npt.NDArray[np.bool_], start: tuple[int, int], connectivity: int = 8) -> npt.NDArray[np.float64]:

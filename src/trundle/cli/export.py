@@ -217,10 +217,10 @@ def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _make_scene(setting: Setting, form: str) -> tuple[Scene, dict[str, Any]]:
-    """Make what is written of a scenario, with the way to its goals where the format has one, and the format's options.
+    """Make what a scenario is exported as, with the path to its goals where the format has one, and its options.
 
     Raises:
-        PlanningError: If there is no way.
+        PlanningError: If there is no path.
     """
     from trundle.export import Scene
     from trundle.geometry import Pose2D

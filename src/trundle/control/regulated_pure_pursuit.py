@@ -4,7 +4,7 @@ After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), 
 of that name. What is added: the path is cut at sharp bends, where its direction changes, and at bends that the
 footprint cannot take in a curve, into sections with turns in place between them; and every command is checked with the
 footprint over its stopping distance. A section that is driven backwards is followed as by a robot that looks the other
-way, with its speed turned round.
+way, with the speed negated.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def path_vertices(path: Path) -> list[Vertex]:
     poses: list[list[float]] = path.poses.tolist()
     driven_back: list[bool] = path.backward.tolist()
     places: list[list[float]] = []  # x, y, sum of the turns in place there
-    backward: list[bool] = []  # of the way there
+    backward: list[bool] = []  # of the leg there
     for i, (x, y, yaw) in enumerate(poses):
         if places and math.hypot(x - places[-1][0], y - places[-1][1]) <= _SAME_PLACE_M:
             places[-1][2] += wrap_angle(yaw - poses[i - 1][2])

@@ -224,7 +224,7 @@ class Costmap(GridFrame):
             raise InputError(f"the values of a rectangle must be an array: {error}") from None
         size = row_end - row, col_end - col
         if values.dtype.kind not in "iub" or values.shape not in ((), size):
-            raise InputError(f"a rectangle of {size} needs whole numbers of this shape or one, got {values.shape}")
+            raise InputError(f"a rectangle of {size} needs integers of this shape or one, got {values.shape}")
         if values.size and (values.min() < UNKNOWN or values.max() > OCCUPIED):
             raise InputError("occupancy goes from -1 (unknown) over 0 (free) to 100 (occupied)")
         table = cost_table(self.inscribed_radius, self.inflation_radius, self.cost_scaling_factor, self.resolution)

@@ -26,11 +26,11 @@ def check_unknown(policy: str, cost: int) -> None:
     if policy not in UNKNOWN_POLICIES:
         raise InputError(f"unknown is one of {', '.join(UNKNOWN_POLICIES)}; got {policy!r}")
     if isinstance(cost, bool) or not isinstance(cost, int | np.integer) or not 0 <= cost <= _MOST:
-        raise InputError(f"unknown_cost must be a whole number from 0 to {_MOST}, got {cost!r}")
+        raise InputError(f"unknown_cost must be an integer from 0 to {_MOST}, got {cost!r}")
 
 
 def check_unseen(policy: UnknownPolicy, unseen: npt.NDArray[np.bool_] | None, shape: tuple[int, ...]) -> None:
-    """Raise `MapError` unless the unknown cells are told where the costs do not tell them."""
+    """Raise `MapError` unless `unseen` names the unknown cells where the costs do not show them."""
     if policy == "blocked":
         if unseen is not None:
             raise MapError("where unknown cells block, their cost of 255 tells which they are; unseen is for others")

@@ -70,7 +70,7 @@ class DriveCheck:
             after it, straight on or turning, the greater; none where the robot did not move.
         slip_gentle: The same at a small acceleration. Slip is what grows between the two.
         wheel_radii: Effective, (left, right) [m].
-        wheel_tracking: Speed of the wheels as a share of what they are told, while nothing changes.
+        wheel_tracking: Speed of the wheels as a share of the commanded speed, while that is constant.
         findings: What is wrong; empty where all is as configured. Where the robot slips at a small acceleration too,
             its radius and track are not judged.
     """
@@ -144,8 +144,8 @@ def _wiring(drive: DifferentialDrive, left: Wheel, right: Wheel) -> list[DriveFi
             findings.append(
                 DriveFinding(
                     "wheel_reversed",
-                    f"{name} turns the wrong way: a positive speed drives backward. Turn its axis round, or negate its "
-                    "command",
+                    f"{name} turns in the wrong direction: a positive speed drives backward. Flip its axis, or negate "
+                    "its command",
                 )
             )
     if not left.on_left and right.on_left:
@@ -166,7 +166,7 @@ def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, t
             DriveFinding(
                 "unequal_wheels",
                 f"the wheels roll as with radii of {left.radius:.4f} m on the left and {right.radius:.4f} m on the "
-                "right: told to go straight, the robot curves. Check the wheels' colliders and their load",
+                "right: commanded to go straight, the robot curves. Check the wheels' colliders and their load",
             )
         )
     far = drive.wheel_radius / radius - 1.0
@@ -177,7 +177,7 @@ def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, t
             DriveFinding(
                 "wheel_radius",
                 f"wheel_radius is configured as {drive.wheel_radius:g} m, and the robot rolls as with {radius:.4f} m: "
-                f"it drives {share:.0%} {less} what it is told. Set it to {radius:.4f}",
+                f"it drives {share:.0%} {less} the command. Set it to {radius:.4f}",
                 drive.wheel_radius,
                 radius,
             )
@@ -203,7 +203,7 @@ def _stopped(finding: DriveFinding, tracking: float | None = None) -> DriveCheck
 def _still_wheels(drive: DifferentialDrive, tracking: float) -> DriveFinding:
     return DriveFinding(
         "wheels_do_not_turn",
-        f"{drive.left_joint} and {drive.right_joint} reach {tracking:.1%} of the speed that they are told"
+        f"{drive.left_joint} and {drive.right_joint} reach {tracking:.1%} of the commanded speed"
         f"{_degrees(tracking)}. Check that they are the drive's joints, and that their drives have damping above 0, "
         "stiffness 0 and enough force",
     )
@@ -223,7 +223,7 @@ def _slippery(hard: float, gentle: float) -> DriveFinding:
 def _wrong_speed(tracking: float) -> DriveFinding:
     return DriveFinding(
         "wheel_speed",
-        f"the wheels turn at {tracking:.0%} of the speed that they are told{_degrees(tracking)}: check the damping "
+        f"the wheels turn at {tracking:.0%} of the commanded speed{_degrees(tracking)}: check the damping "
         "and the largest force of their drives, and max_wheel_speed",
         measured=tracking,
     )

@@ -29,7 +29,7 @@ class Leg:
         hard: Whether it started at the robot's largest acceleration.
         start: Travel from rest until the command stopped growing, and one second on.
         cruise: Travel while nothing changes.
-        tracking: Speed of the wheels on the cruise as a share of what they were told.
+        tracking: Speed of the wheels on the cruise as a share of the commanded speed.
         touched: Names of what the robot touched.
     """
 
@@ -82,8 +82,8 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
         steps = math.ceil(seconds / PERIOD - 1e-9)
         for step in range(1, steps + 1):
             part = min(1.0, step * PERIOD / ramp) if share is None else share
-            told = drive.wheel_speeds(Twist2D(part * target.v, part * target.w))
-            states.append(simulator.step(simulator.robot.drive.twist(told), PERIOD))
+            commanded = drive.wheel_speeds(Twist2D(part * target.v, part * target.w))
+            states.append(simulator.step(simulator.robot.drive.twist(commanded), PERIOD))
             touched.update(contact.other for contact in states[-1].contacts)
         return len(states) - 1
 
@@ -95,9 +95,9 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
     cruise = _travel(states[settled : end + 1])
     # Of a drive that is configured far off, the simulator cuts the twist to the robot's limits: no fault of the wheels.
     robot = simulator.robot
-    told = robot.drive.wheel_speeds(robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target))))
+    commanded = robot.drive.wheel_speeds(robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target))))
     seconds = states[end].time - states[settled].time
-    expected = (abs(told.left) + abs(told.right)) * seconds
+    expected = (abs(commanded.left) + abs(commanded.right)) * seconds
     return Leg(
         hard,
         _travel(states[rest : settled + 1]),

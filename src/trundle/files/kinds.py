@@ -42,7 +42,7 @@ _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "
 
 
 def find_kind(path: str | os.PathLike[str]) -> str | None:
-    """The kind of a file or folder that is there; None where it cannot be told."""
+    """The kind of a file or folder that is there; None where that is unclear."""
     file = Path(path)
     try:
         if file.is_dir():
@@ -61,7 +61,7 @@ def find_kind(path: str | os.PathLike[str]) -> str | None:
 
 
 def kind_of_keys(keys: Iterable[str]) -> str | None:
-    """The kind of a YAML file that has these keys; None where it cannot be told."""
+    """The kind of a YAML file that has these keys; None where that is unclear."""
     found = set(keys)
     if "image" in found and found & {"resolution", "origin", "negate"}:
         return MAP

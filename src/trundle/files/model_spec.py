@@ -44,7 +44,7 @@ _NUMBERS = {
 
 
 def log_warnings() -> None:
-    """Make MuJoCo log its warnings; its own way is a file MUJOCO_LOG.TXT in the working folder."""
+    """Make MuJoCo log its warnings; by default it writes a file MUJOCO_LOG.TXT in the working folder."""
     import mujoco
 
     mujoco.set_mju_user_warning(_log_warning)

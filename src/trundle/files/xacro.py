@@ -188,7 +188,7 @@ def _number(value: Value) -> float:
 
 
 def _power(base: float, exponent: float) -> float:
-    # Of whole numbers a power can fill the memory.
+    # A power of integers can fill the memory.
     if abs(exponent) > _LARGEST_POWER:
         raise ValueError(f"the exponent {exponent:g} is above {_LARGEST_POWER:g}")
     result = float(base) ** exponent

@@ -2,7 +2,7 @@
 
 The libraries that read USD, MJCF and meshes are native, and a bad file can crash them, keep them busy for ever or make
 them take all memory. Here that happens to a child: it is given the name of a function of ours and its arguments, and
-hands the result back, with the warnings and errors on the way there. The child guards against accidents and bad files;
+hands the result back, with the warnings and errors raised meanwhile. The child guards against accidents and bad files;
 it is no sandbox, and what it sends is trusted.
 """
 

@@ -43,8 +43,8 @@ class DriveWheel(NamedTuple):
 class DifferentialDrive(Config):
     """Driven wheels on the left and on the right, with base_link on the ground in the middle of them.
 
-    Of several on a side, as skid-steer robots have them, all turn alike, and the robot turns about base_link as it is
-    told: it does not skid.
+    Of several on a side, as skid-steer robots have them, all turn alike, and the robot turns about base_link as
+    commanded: it does not skid.
 
     Attributes:
         wheel_radius: Radius of a wheel [m].

@@ -87,7 +87,7 @@ def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> L
         drive: Settings of the drive that are given.
 
     Raises:
-        RobotError: If they cannot be told, do not pair up, or are no wheels that roll straight on.
+        RobotError: If they cannot be identified, do not pair up, or do not roll straight ahead.
         UnknownNameError: If a joint is not there.
     """
     names = _name_joints(path, model, drive)

@@ -67,7 +67,7 @@ class LidarSet:
         """Start the noise again.
 
         Raises:
-            InputError: If the seed is no whole number of 0 or more.
+            InputError: If the seed is not an integer of 0 or more.
         """
         self._rng = np.random.default_rng(check_seed(seed))
 

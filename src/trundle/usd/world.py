@@ -46,7 +46,7 @@ def world_stage(world: World) -> Any:
     UsdGeom.Scope.Define(stage, home)
     names = PrimNames()
     paths = [f"{home}/{names.take(solid.name)}" for solid in world.solids]
-    # All at once: a stage composes a prim's children anew for each that is added to it.
+    # All at once: a stage composes a prim's children again for each that is added to it.
     with Sdf.ChangeBlock():
         for path in paths:
             Sdf.CreatePrimInLayer(stage.GetRootLayer(), path).specifier = Sdf.SpecifierDef

@@ -26,13 +26,13 @@ def check_number(world: str, name: str, value: float, low: float, high: float) -
 
 
 def check_whole(world: str, name: str, value: int, low: int, high: int) -> int:
-    """Return a whole number from `low` to `high`.
+    """Return an integer from `low` to `high`.
 
     Raises:
         WorldError: If it is none.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise WorldError(f"{world}: {name} must be a whole number from {low} to {high}, got {value!r}")
+        raise WorldError(f"{world}: {name} must be an integer from {low} to {high}, got {value!r}")
     return int(value)
 
 
@@ -40,7 +40,7 @@ def check_seed(world: str, seed: int) -> int:
     """Return a seed.
 
     Raises:
-        WorldError: If it is no whole number of 0 or more.
+        WorldError: If it is not an integer of 0 or more.
     """
     return check_whole(world, "seed", seed, 0, 2**63 - 1)
 

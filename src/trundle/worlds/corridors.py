@@ -39,9 +39,9 @@ def generate_corridors(
     the seed point is; hall `i`, from 0, lies about x = i · (spacing + door_depth).
 
     Args:
-        seed: Which way the doors are off the middle, where `stagger` is above 0.
+        seed: On which side of the middle the doors are, where `stagger` is above 0.
         door_widths: Clear widths [m] in the order in which they are met, 1 to 40 of them.
-        door_depth: Length of the way through a door [m], 0.05 to 10.
+        door_depth: Length of the passage through a door [m], 0.05 to 10.
         spacing: Length of a hall between two doors [m], 1 to 30.
         hall_width: [m], 1 to 30.
         stagger: How far doors are off the middle: 0 not at all, 1 as far as the hall allows.

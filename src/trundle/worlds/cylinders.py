@@ -28,7 +28,7 @@ RUN_IN = 2.0
 
 _WALL = 0.15  # thickness [m]
 _FILL_AT, _CLEAR_AT = 5, 1  # neighbours at which a cell is filled, and at which it is cleared
-_GRAZE = 0.01  # [m]: the guaranteed way is wider by this on either side, for the rounding of maps
+_GRAZE = 0.01  # [m]: the guaranteed path is wider by this on either side, for the rounding of maps
 _WALL_COLOR: Color = (0.80, 0.81, 0.82, 1.0)
 _BASE_COLOR: Color = (0.40, 0.45, 0.52, 1.0)
 
@@ -57,7 +57,7 @@ def generate_cylinders(
         length: Of the field [m], 2 to 100.
         width: Between the side walls [m], 1 to 50.
         passable_radius: A disc of this radius [m] can go from the west end to the east end: where it could not, the
-            fewest posts that are found to be in its way are left out. 0 for no such promise: the lane may be shut.
+            fewest posts that are found to block it are left out. 0 for no such guarantee: the lane may be blocked.
         height: Of the posts [m], 0.2 to 5.
 
     Raises:
@@ -105,8 +105,8 @@ def _centres(row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], rows: int) 
 def _open_way(filled: BoolArray, radius: float, width: float) -> BoolArray:
     """Take out posts so that a disc can pass from the west end to the east end.
 
-    The way is the one over cell centres with the fewest posts near it, by Dijkstra's search; its cost counts a post
-    once for every cell of the way that it is near, so the fewest posts in all are not promised.
+    The path is the one over cell centres with the fewest posts near it, by Dijkstra's search; its cost counts a post
+    once for every cell of the path that it is near, so the total may not be the minimum.
     """
     rows, columns = filled.shape
     reach = radius + RADIUS
@@ -115,9 +115,9 @@ def _open_way(filled: BoolArray, radius: float, width: float) -> BoolArray:
     # A step's middle lies half a step off its ends: cells are near a post within that much more.
     disc = _disc(math.hypot(reach, PITCH / math.sqrt(2.0)))
     near = _count_near(filled, disc)
-    way = _cheapest_way(np.where(inside, 1.0 + 100.0 * near, np.inf))
+    path = _cheapest_path(np.where(inside, 1.0 + 100.0 * near, np.inf))
     keep_out = np.zeros((rows, columns), dtype=np.bool_)
-    keep_out[tuple(np.transpose(way))] = True
+    keep_out[tuple(np.transpose(path))] = True
     return filled & (_count_near(keep_out, disc) == 0)
 
 
@@ -138,7 +138,7 @@ def _count_near(cells: BoolArray, disc: list[tuple[int, int]]) -> npt.NDArray[np
     return count
 
 
-def _cheapest_way(costs: FloatArray) -> list[tuple[int, int]]:
+def _cheapest_path(costs: FloatArray) -> list[tuple[int, int]]:
     """Cells (row, column) from the first column to the last, 8-connected; a step costs its length times its cell's."""
     rows, columns = costs.shape
     best = np.full(costs.shape, np.inf)
@@ -151,10 +151,10 @@ def _cheapest_way(costs: FloatArray) -> list[tuple[int, int]]:
         if cost > best[row, col]:
             continue
         if col == columns - 1:
-            way = [(row, col)]
-            while way[-1] in before:
-                way.append(before[way[-1]])
-            return way
+            path = [(row, col)]
+            while path[-1] in before:
+                path.append(before[path[-1]])
+            return path
         for i in (-1, 0, 1):
             for j in (-1, 0, 1):
                 to = (row + i, col + j)

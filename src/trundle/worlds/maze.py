@@ -34,10 +34,10 @@ def generate_maze(
     wall_thickness: float = 0.15,
     wall_height: float = 1.0,
 ) -> World:
-    """Make a maze: between any two cells there is exactly one way, or more with `loops`.
+    """Make a maze: between any two cells there is exactly one path, or more with `loops`.
 
-    The way is cut by a depth-first walk with random turns (recursive backtracking), which makes long winding passages.
-    The maze is centred on the origin; the seed point is the middle of its south-west cell.
+    The passages are cut by a depth-first walk with random turns (recursive backtracking), which makes them long and
+    winding. The maze is centred on the origin; the seed point is the middle of its south-west cell.
 
     Args:
         seed: The same seed and options make the same maze.

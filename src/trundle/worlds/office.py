@@ -2,7 +2,7 @@
 
 The floor is `size` between the outer walls, centred on the origin. Corridors run along x; each has a row of rooms north
 and south of it, and every room has one door of the same clear width. Furniture stands along the walls, meeting tables
-in the middle; a way of `FREE_WAY` stays free from each door to the middle of its room.
+in the middle; a lane of `FREE_LANE` stays free from each door to the middle of its room.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROOM_DEPTH = (3.4, 4.6)
 ROOM_WIDTH = (3.4, 5.6)
 """Least and usual greatest width of rooms along the corridor [m]."""
 
-FREE_WAY = 1.4
+FREE_LANE = 1.4
 """Width that furniture leaves free behind a door [m]."""
 
 MAX_SIZE = 100.0  # [m]
@@ -242,7 +242,7 @@ class _Furnisher:
         self._counts: dict[str, int] = {}
         self._taken: list[tuple[float, float, float, float]] = []
         # From the door to the middle of the room, and a place to turn there.
-        free = max(FREE_WAY, door + 0.2) / 2.0
+        free = max(FREE_LANE, door + 0.2) / 2.0
         self._free = (self._door_x - free, room.depth / 2.0 - 0.1, self._door_x + free, room.depth)
         self.solids: list[Solid] = []
 
@@ -283,7 +283,7 @@ class _Furnisher:
         self._put("table", low, 0.0, depth + 0.55, 0.0, 0.8, 0.45)
 
     def storage(self) -> None:
-        """Cabinets along the side walls and plants in the corners, where they leave the way free."""
+        """Cabinets along the side walls and plants in the corners, where they leave the lane free."""
         room, rng = self._room, self._rng
         long, deep = furniture.CABINET_SIZE
         half = room.width / 2.0
@@ -311,7 +311,7 @@ class _Furnisher:
         *,
         overlap: bool = False,
     ) -> None:
-        """Put a thing where it is in nobody's way, else leave it out. Extents are along the room's axes."""
+        """Put a thing where it blocks no lane, else leave it out. Extents are along the room's axes."""
         rect = (x - extent_x / 2.0, y - extent_y / 2.0, x + extent_x / 2.0, y + extent_y / 2.0)
         blocked = [self._free] if overlap else [self._free, *self._taken]
         if any(_overlap(rect, other) for other in blocked):

@@ -153,7 +153,7 @@ def test_in_a_symmetric_world_a_wrong_map_is_not_put_right_by_guess():
     assert report.kinds() == {"rotated"}
     assert "rotated" in report.ambiguous
     assert report.corrected is None
-    assert "nothing is put right" in report.findings[0].fix
+    assert "nothing is corrected automatically" in report.findings[0].fix
 
 
 def test_in_a_symmetric_world_a_shift_is_certain():
@@ -267,7 +267,7 @@ def test_a_turned_map_of_a_round_room_is_not_put_right_by_guess():
     report = check_grid(turned(map_of(round_room()), 20.0), world=round_room())
     assert placement(report) == {"rotated"}
     assert "rotated" in report.ambiguous
-    assert "nothing is put right" in report.findings[0].fix
+    assert "nothing is corrected automatically" in report.findings[0].fix
     assert report.corrected is None or "rotated" not in report.corrected_kinds
 
 

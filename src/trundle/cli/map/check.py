@@ -53,7 +53,7 @@ def check(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     json: options.Json = False,
 ) -> int:
-    """Look for what is wrong with a map: its file, its place, its space, and a robot's way through it.
+    """Look for what is wrong with a map: its file, its place, its space, and a robot's paths through it.
 
     Exits with 1 where there is an error among the findings, and with 2 where the file is missing or no
     text. A map that is flipped, rotated, shifted or half a cell off shows only against a world.

@@ -1,4 +1,4 @@
-"""Checking a map: its file, its image, its place in the world, its space, and a robot's way through it."""
+"""Checking a map: its file, its image, its place in the world, its space, and a robot's paths through it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def check_map(
         path: The map's YAML file, or a MovingAI map.
         world: The world that it shows; without one, a map that is flipped, rotated, shifted or half a cell off looks
             like any other.
-        robot: Whose way through doors, and from start to goals, is checked.
+        robot: The robot whose paths through doors, and from start to goals, are checked.
         start: Where a robot starts [m, m, rad], map frame.
         goals: Where it shall go.
         z_range: The heights of the world that the map shows [m]; by default the robot's.

@@ -13,11 +13,11 @@ from trundle.maps.check.areas import Area, Areas, Chart, Mask, shorten
 from trundle.maps.check.finding import Finding
 from trundle.robots import Robot
 
-_DETOUR_M = 2.5  # a gap with a way round that stays within so many metres of it is no door
+_DETOUR_M = 2.5  # a gap with a detour that stays within this distance is not a door
 _LEAST_ROOM_M2 = 1.0  # behind a door; less is a corner between things
 # Of the robot's width, and in metres: a narrower gap is no door that anybody would try, but a slit between things.
 _LEAST_ONLY = (0.35, 0.15)
-_LEAST_DETOUR = (0.6, 0.25)  # where there is another way
+_LEAST_DETOUR = (0.6, 0.25)  # where there is a detour
 _SLACK = 1.1  # slanted gaps are up to 8 % narrower than the runs of cells that find them
 _LEVELS = 250
 
@@ -32,7 +32,7 @@ class _Door:
 def check_doors(chart: Chart, robot: Robot) -> list[Finding]:
     """Look for gaps between two places where the robot has room, that it does not fit through straight ahead.
 
-    A gap with another way round near it, as between a pillar and a wall, is no door.
+    A gap with a detour near it, as between a pillar and a wall, is not a door.
     """
     width = float(np.ptp(robot.outline[:, 1]))
     limit = width / chart.grid.resolution * _SLACK
@@ -66,21 +66,21 @@ def _describe(door: _Door, chart: Chart, robot: Robot, width: float) -> Finding:
         return Finding(
             "narrow_door",
             "warning",
-            f"{size}, and what is beyond cannot be reached by another way",
+            f"{size}, and what is beyond cannot be reached otherwise",
             chart.place(row, col),
             "widen it in the map if the real one is wider (a finer resolution helps), or use a narrower robot",
         )
     return Finding(
         "narrow_door",
         "info",
-        f"{size}; there is another way, which is longer",
+        f"{size}; there is a detour",
         chart.place(row, col),
         "nothing, if the detour is meant; else check the door's real width",
     )
 
 
 class _Search:
-    """Gaps one by one, each in a window that is large enough to see a way round.
+    """Gaps one by one, each in a window that is large enough to see a detour.
 
     Args:
         chart: The map.
@@ -159,23 +159,23 @@ class _HalfCells:
         self._levels = np.where(costs == 254, -1, 252 - costs.astype(np.int16))
 
     def narrowest(self, gap: Mask, start: Mask, end: Mask) -> tuple[float, tuple[float, float]] | None:
-        """Width in cells, and the (row, col) where, of the widest way from start to end; None where there is none."""
+        """Width in cells, and the (row, col) where, of the widest path from start to end; None where there is none."""
         start_nodes, end_nodes = _nodes(start, closed=False), _nodes(end, closed=False)
         values = np.flatnonzero(np.bincount(self._levels[self._levels > 0]))
         low, high, best = 0, len(values) - 1, None
         while low <= high:
             middle = (low + high) // 2
-            way = self._connect(int(values[middle]), start_nodes, end_nodes)
-            if way is None:
+            path = self._connect(int(values[middle]), start_nodes, end_nodes)
+            if path is None:
                 high = middle - 1
             else:
-                low, best = middle + 1, (int(values[middle]), way)
+                low, best = middle + 1, (int(values[middle]), path)
         if best is None:
             return None
-        level, way = best
-        tight = way & _nodes(gap, closed=True) & (self._levels == level)
+        level, path = best
+        tight = path & _nodes(gap, closed=True) & (self._levels == level)
         if not tight.any():
-            tight = way & (self._levels == level)
+            tight = path & (self._levels == level)
         rows, cols = np.nonzero(tight)
         gap_rows, gap_cols = np.nonzero(gap)
         middle_row, middle_col = 2 * gap_rows.mean() + 1, 2 * gap_cols.mean() + 1

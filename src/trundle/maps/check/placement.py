@@ -63,7 +63,7 @@ class PlacementCheck:
 
     Attributes:
         findings: What is wrong with its place.
-        unverified: What could not be told.
+        unverified: What could not be determined.
         ambiguous: What the world's symmetry hides.
         remarks: Why.
         truth: What the world says of the map's cells, or None.

@@ -39,8 +39,8 @@ def read_map(
         pixels = read_image(find_image(source, description, allow_outside=allow_outside))
     except MapError as error:
         message, place = str(error), description.image_place
-        told = message if message.startswith(place) else f"{place}: {message}"
-        return Reading(None, [Finding("yaml", "error", told, None, _advise_image(source, description.image))], ())
+        located = message if message.startswith(place) else f"{place}: {message}"
+        return Reading(None, [Finding("yaml", "error", located, None, _advise_image(source, description.image))], ())
     rule = description.rule
     trapped = _find_trapped(pixels, rule)
     if trapped is None:

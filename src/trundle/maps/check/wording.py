@@ -60,8 +60,8 @@ def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ..
     note = ""
     if not certain:
         note = (
-            f"; nothing is put right by itself: the world looks the same in {found.ways} ways; find out which one is "
-            "meant"
+            f"; nothing is corrected automatically: the world looks the same in {found.ways} ways; find out "
+            "which one is meant"
         )
     stated = OccupancyGrid(found.grid.data, found.grid.resolution, found.stated)
     rows, cols = stated.shape
@@ -96,7 +96,7 @@ def _describe_image(found: Explanation) -> list[tuple[Kind, str, str]]:
     items: list[tuple[Kind, str, str]] = []
     for kind in match.orientation.kinds:
         if kind == "rotated" and found.angle:
-            continue  # The angle is told as a whole.
+            continue  # The angle is reported as a whole.
         fix = f"bring the image right and write {place}"
         if kind == "rotated" and not match.orientation.flipped:
             turned = _turned_origin(grid, match)

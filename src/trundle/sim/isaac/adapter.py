@@ -68,7 +68,7 @@ class Adapter(Protocol):
         ...
 
     def place(self, position: FloatArray, quaternion: FloatArray) -> None:
-        """Stop, write a pose (wxyz) on the robot's prim, and play: everything starts anew from there."""
+        """Stop, write a pose (wxyz) on the robot's prim, and play: everything restarts from there."""
         ...
 
     def joint_names(self) -> list[str]:

@@ -50,7 +50,7 @@ class Isaac5Adapter:
         self._world.stop()
         self._robot.set_world_pose(position=position, orientation=quaternion)
         self._world.reset()
-        # Whoever is in no scene takes hold of its joints anew after every stop.
+        # Whoever is in no scene takes hold of its joints again after every stop.
         self._robot.initialize()
 
     def joint_names(self) -> list[str]:

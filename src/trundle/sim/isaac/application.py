@@ -137,7 +137,7 @@ def check_installation() -> None:
 
 
 def installed_version() -> str | None:
-    """Return the version of this Python's Isaac Sim, `5.1.0…`; none where it cannot be told without starting it."""
+    """Return the version of this Python's Isaac Sim, `5.1.0…`; None where that is unknown without starting it."""
     for package in ("isaacsim", "isaacsim-kernel", "isaacsim-core"):
         try:
             return version(package)

@@ -71,7 +71,7 @@ class Servo:
 class FeedForward:
     """Tells the wheels' servos the torque that a change of speed needs, so that they need no speed error to find it.
 
-    A wheel that is held, which turns slower or faster than it was told by more than the servo's largest error, gets the
+    A wheel that is held, which turns slower or faster than commanded by more than the servo's largest error, gets the
     torque of that error and no feed-forward: what does not accelerate needs none.
 
     Attributes:
@@ -129,17 +129,17 @@ class FeedForward:
         right = along + across + self.wheel * (now.right - before.right) / self.timestep
         return now.left + left / self.gain, now.right + right / self.gain
 
-    def held(self, free: float, told: float, speed: float) -> float:
+    def held(self, free: float, commanded: float, speed: float) -> float:
         """Speed [rad/s] to set a servo to.
 
         The error is limited, and not the torque: MuJoCo damps a servo at its limit of torque no more, and it chatters.
 
         Args:
             free: Where the wheel follows, from `free`.
-            told: What the wheel was told for the step before.
+            commanded: Speed commanded for the step before [rad/s].
             speed: What it has.
         """
-        error = told - speed
+        error = commanded - speed
         if -self.error <= error <= self.error:
             return free
         return speed + math.copysign(self.error, error)
@@ -176,7 +176,7 @@ def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
 def traction_joints(robot: Robot) -> tuple[str, str]:
     """Joints of the two wheels that grip: the drive's, or of several axles those of a hidden pair in their middle.
 
-    Wheels of several axles would scrub in every turn. So they carry the robot and turn as they are told, without
+    Wheels of several axles would scrub in every turn. So they carry the robot and turn as commanded, without
     friction, and the pair in the middle drives it.
     """
     drive = robot.drive

@@ -35,7 +35,7 @@ _LARGEST_TILT = 0.05
 class MujocoSimulator:
     """Drives a robot through a world in MuJoCo.
 
-    The limits of the robot are applied at every physics step; its wheels are velocity servos that are told the torque
+    The limits of the robot are applied at every physics step; its wheels are velocity servos that are given the torque
     which the acceleration needs. After a reset the robot stands on the floor at rest, as it does after settling there.
 
     Args:
@@ -67,7 +67,7 @@ class MujocoSimulator:
         if not 0.0 < timestep <= 0.02:
             raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 0.02")
         if casters not in ("trailing", "reversed"):
-            raise InputError(f"casters {casters!r} is not a way to stand; use 'trailing' or 'reversed'")
+            raise InputError(f"casters {casters!r} is unknown; use 'trailing' or 'reversed'")
         log_warnings()
         self._robot = robot
         self._world = world
@@ -122,7 +122,7 @@ class MujocoSimulator:
         self._steps = 0
         self._wheel_start = (float(self.data.qpos[self._wheel_qpos[0]]), float(self.data.qpos[self._wheel_qpos[1]]))
         self._odometry = (pose.x, pose.y, pose.yaw)
-        self._told = Motion(0.0, 0.0, 0.0, 0.0)
+        self._commanded = Motion(0.0, 0.0, 0.0, 0.0)
         touched: dict[tuple[str, str], Contact] = {}
         self._contacts.read(self.data, touched)
         return self._state(tuple(touched.values()), since=-1.0)
@@ -140,8 +140,8 @@ class MujocoSimulator:
         touched: dict[tuple[str, str], Contact] = {}
         model, data, control = self.model, self.data, self.data.ctrl
         qpos, qvel = data.qpos, data.qvel
-        contact = data.contact  # A view that follows the data; making one anew costs as much as reading it.
-        step, told = mujoco.mj_step, self._told
+        contact = data.contact  # A view that follows the data; making a new one costs as much as reading it.
+        step, commanded = mujoco.mj_step, self._commanded
         left_address, right_address = self._wheel_qpos
         left_speed, right_speed = self._wheel_qvel
         drive, free = self._feed_forward, (0.0, 0.0)
@@ -149,20 +149,20 @@ class MujocoSimulator:
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
         steady = False
         for motion in motions:
-            if motion is not told or not steady:
-                free = drive.free(told, motion)
-            if several and motion is not told:
+            if motion is not commanded or not steady:
+                free = drive.free(commanded, motion)
+            if several and motion is not commanded:
                 control[2::2], control[3::2] = motion.left, motion.right
-            steady = motion is told
-            control[0] = drive.held(free[0], told.left, qvel[left_speed])
-            control[1] = drive.held(free[1], told.right, qvel[right_speed])
-            told = motion
+            steady = motion is commanded
+            control[0] = drive.held(free[0], commanded.left, qvel[left_speed])
+            control[1] = drive.held(free[1], commanded.right, qvel[right_speed])
+            commanded = motion
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))
             # The floor is geom 0, and a plane comes first in its contacts: any other number is a collision.
             if any(contact.geom1.tolist()):
                 self._contacts.read(data, touched)
-        self._told = told
+        self._commanded = commanded
         self._steps += len(motions)
         self._integrate_odometry(angles)
         self._check_sound()
