@@ -9,6 +9,7 @@ A finding prints the arguments; pin it with `@example(…)` beside the test's `@
 from __future__ import annotations
 
 import functools
+import signal
 import time
 from collections.abc import Callable
 from typing import Any
@@ -30,6 +31,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # Started in the background of a shell: tests that interrupt a child need it to take Ctrl-C.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     settings.load_profile("explore" if config.getoption("explore") else "repeatable")
 
 

@@ -41,5 +41,5 @@ def test_what_is_made_already_is_taken_if_it_can_do_what_is_asked_of_it():
     for other in (None, 3, Shape, object()):
         with pytest.raises(InputError, match=r"a shape is given by its name or as an object with area\(…\), got"):
             REGISTRY.take(other, "area")
-    with pytest.raises(InputError, match="size: options are for a shape by name"):
+    with pytest.raises(InputError, match="size: options need a shape given by name"):
         REGISTRY.take(shape, "area", size=2.0)

@@ -273,7 +273,7 @@ def test_regulated_pure_pursuit_keeps_a_limit_until_it_is_lifted():
 
 
 def test_a_speed_mask_beside_the_map_is_refused():
-    with pytest.raises(MapError, match="beside the map"):
+    with pytest.raises(MapError, match="does not overlap the map"):
         Navigator(room(), CARTER, speed_mask=SpeedMask(zone(50, 20.0, 0.0, 21.0, 1.0)))
 
 

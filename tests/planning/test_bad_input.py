@@ -280,5 +280,5 @@ def test_blocked_is_read_where_it_lies_whatever_its_strides(view, dtype):
 def test_what_is_no_planner_and_no_smoother(other):
     for make in (create_planner, create_smoother, lambda planner: plan_many(planner, costmap_of(FREE), [], [])):
         assert "by its name" in str(refused(lambda make=make: make(other)))
-    with pytest.raises(InputError, match="goal_tolerance: options are for a planner by name"):
+    with pytest.raises(InputError, match="goal_tolerance: options need a planner given by name"):
         create_planner(create_planner("astar"), goal_tolerance=1.0)
