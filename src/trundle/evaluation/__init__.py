@@ -1,0 +1,3 @@
+"""Evaluation: thousands of missions run, judged and compared."""
+
+__all__: list[str] = []

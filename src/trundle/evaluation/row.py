@@ -1,0 +1,113 @@
+"""`Row`: what an evaluation keeps of one episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Self
+
+MEASURED = ("planning_ms", "cpu_s", "wall_s")
+"""Columns that depend on how fast the machine is; all others are the same whenever an episode is run again."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One episode of an evaluation. Figures of an episode that did not end by itself (`crashed`, …) are None.
+
+    Attributes:
+        id: Hash of everything that decides the episode; 16 hexadecimal digits.
+        mission: Hash of world, robot, start, goal and seed; episodes of one mission are compared with each other.
+        index: Number of the episode in its suite.
+        world: Label of the world.
+        robot: Name of the robot.
+        planner: Label of the planner: its name, with the options that the suite crosses.
+        controller: Likewise.
+        backend: Likewise.
+        seed: Of the mission.
+        settings: Other settings that the suite crosses, as `name=value`, separated by spaces; empty without any.
+        outcome: As `trundle.Outcome`, or `crashed`, `hung`, `out_of_memory` or `error`.
+        message: The outcome in words.
+        error: What ended an episode that did not end by itself, with the place in the code; None for others.
+        time_s: Simulated time [s].
+        distance_m: Driven [m].
+        spl: Success weighted by path length, 0..1, against the true shortest path; 0 unless arrived.
+        min_clearance_m: Smallest distance to a solid [m]; see `Metrics`.
+        contacts: Number of solids touched.
+        replans: Plans beyond the first.
+        path_length_m: Length of the first plans [m].
+        shortest_path_m: True shortest path [m]; None unless arrived.
+        max_cross_track_error_m: Largest distance to the path that was followed [m].
+        smoothness_rad_per_m: Turning per distance [rad/m].
+        touched: Names of what was touched, separated by commas.
+        start_x, start_y, start_yaw: Start [m, m, rad], map frame.
+        goal_x, goal_y, goal_yaw: Last goal [m, m, rad]; `goal_yaw` is None for any yaw.
+        end_x, end_y, end_yaw: Where the robot stopped [m, m, rad].
+        closest_x, closest_y: Where its clearance was smallest [m].
+        trail: Where it drove: x0, y0, x1, y1, … [m], up to 64 points, rounded to 1 cm.
+        vary: What was varied, by name: the values drawn for this episode.
+        place: Key of the world's map in the evaluation's folder; None where it was not built.
+        planning_ms: Wall time of all planning [ms].
+        cpu_s: CPU time of the episode in its worker [s].
+        wall_s: Wall time of the episode in its worker [s].
+    """
+
+    id: str
+    mission: str
+    index: int
+    world: str
+    robot: str
+    planner: str
+    controller: str
+    backend: str
+    seed: int
+    settings: str = ""
+    outcome: str
+    message: str = ""
+    error: str | None = None
+    time_s: float | None = None
+    distance_m: float | None = None
+    spl: float = 0.0
+    min_clearance_m: float | None = None
+    contacts: int | None = None
+    replans: int | None = None
+    path_length_m: float | None = None
+    shortest_path_m: float | None = None
+    max_cross_track_error_m: float | None = None
+    smoothness_rad_per_m: float | None = None
+    touched: str = ""
+    start_x: float | None = None
+    start_y: float | None = None
+    start_yaw: float | None = None
+    goal_x: float | None = None
+    goal_y: float | None = None
+    goal_yaw: float | None = None
+    end_x: float | None = None
+    end_y: float | None = None
+    end_yaw: float | None = None
+    closest_x: float | None = None
+    closest_y: float | None = None
+    trail: tuple[float, ...] = ()
+    vary: Mapping[str, float] | None = None
+    place: str | None = None
+    planning_ms: float | None = None
+    cpu_s: float | None = None
+    wall_s: float | None = None
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Names of the columns, in order."""
+        return tuple(field.name for field in fields(cls))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The row as plain values, for JSON."""
+        return {**asdict(self), "trail": list(self.trail), "vary": None if self.vary is None else dict(self.vary)}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a row of what `as_dict` gave; columns that it does not know are left out."""
+        known = {name: values[name] for name in cls.columns() if name in values}
+        return cls(**{**known, "trail": tuple(known.get("trail") or ())})
+
+    def unmeasured(self) -> dict[str, Any]:
+        """All but the measured columns: equal whenever and wherever the episode is run with the same code."""
+        return {name: value for name, value in self.as_dict().items() if name not in MEASURED}
