@@ -1,0 +1,1 @@
+"""What an evaluation says to people and to CI: report.html, junit.xml, summary.json and tables of text."""

@@ -1,0 +1,20 @@
+"""What rows of an evaluation say: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
+
+from trundle.evaluation.statistics.gates import Gate, GateResult
+from trundle.evaluation.statistics.intervals import Interval, no_failure_bound, wilson
+from trundle.evaluation.statistics.paired import holm, mcnemar_exact, paired_bootstrap
+from trundle.evaluation.statistics.ranks import rank_correlation
+from trundle.evaluation.statistics.table import Table
+
+__all__ = [
+    "Gate",
+    "GateResult",
+    "Interval",
+    "Table",
+    "holm",
+    "mcnemar_exact",
+    "no_failure_bound",
+    "paired_bootstrap",
+    "rank_correlation",
+    "wilson",
+]

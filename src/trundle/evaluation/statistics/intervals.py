@@ -1,0 +1,116 @@
+"""Intervals of shares: Wilson's, what a share without any failure is bounded by, and how many more episodes decide."""
+
+from __future__ import annotations
+
+import math
+from statistics import NormalDist
+
+from trundle.errors import InputError
+from trundle.values import check_count, check_number
+
+CONFIDENCE = 0.95
+"""Of every interval, unless another one is asked for."""
+
+_MOST = 10**12
+
+
+class Interval(tuple[float, float]):
+    """The low and the high end of a confidence interval; NaN for both where there is nothing to tell from."""
+
+    __slots__ = ()
+
+    def __new__(cls, low: float, high: float) -> Interval:
+        """Make it of its two ends."""
+        return super().__new__(cls, (float(low), float(high)))
+
+    def __getnewargs__(self) -> tuple[float, float]:
+        return self[0], self[1]
+
+    @property
+    def low(self) -> float:
+        """The low end."""
+        return self[0]
+
+    @property
+    def high(self) -> float:
+        """The high end."""
+        return self[1]
+
+    def holds(self, value: float) -> bool:
+        """Whether a value lies in it, its ends included; never in an interval of NaN."""
+        return self[0] <= value <= self[1]
+
+
+def quantile(confidence: float) -> float:
+    """How many standard deviations of a normal distribution a two-sided interval reaches to each side.
+
+    Raises:
+        InputError: If the confidence is not between 0 and 1.
+    """
+    if not 0.0 < check_number("confidence", confidence, 0.0, 1.0) < 1.0:
+        raise InputError(f"confidence must be between 0 and 1, got {confidence:g}")
+    return NormalDist().inv_cdf(0.5 + confidence / 2.0)
+
+
+def wilson(successes: int, n: int, confidence: float = CONFIDENCE) -> Interval:
+    """Interval of a share, from a count of successes: Wilson's score interval (JASA 22, 1927).
+
+    Args:
+        successes: 0..n.
+        n: Number of trials; without any, the share may be anything from 0 to 1.
+        confidence: Of the two-sided interval.
+
+    Raises:
+        InputError: If the counts are not such counts.
+    """
+    n = check_count("n", n, 0, _MOST)
+    successes = check_count("successes", successes, 0, n)
+    return _wilson(float(successes), float(n), quantile(confidence))
+
+
+def no_failure_bound(n: int, confidence: float = CONFIDENCE) -> float:
+    """The largest failure rate that `n` episodes without a failure leave possible: the far end of Wilson's interval."""
+    return 1.0 - wilson(n, n, confidence).low
+
+
+def episodes_to_decide(successes: int, n: int, wanted: float, confidence: float = CONFIDENCE) -> int | None:
+    """How many more episodes decide whether a share is at least `wanted`, if they go as those so far.
+
+    Returns:
+        0 where the interval lies on one side of `wanted` already; None where no number would do, as the share so far
+        is `wanted` itself.
+    """
+    low, high = wilson(successes, n, confidence)
+    if low >= wanted or high < wanted:
+        return 0
+    share = successes / n if n else 1.0
+    if share == wanted or (share < wanted and n == 0):
+        return None
+    z = quantile(confidence)
+
+    def decides(total: int) -> bool:
+        ends = _wilson(share * total, float(total), z)
+        return ends.low >= wanted or ends.high < wanted
+
+    upper = max(1, n)
+    while not decides(upper):
+        upper *= 2
+        if upper > _MOST:
+            return None
+    lower = n
+    while upper - lower > 1:
+        middle = (lower + upper) // 2
+        lower, upper = (lower, middle) if decides(middle) else (middle, upper)
+    return upper - n
+
+
+def _wilson(successes: float, n: float, z: float) -> Interval:
+    if n == 0.0:
+        return Interval(0.0, 1.0)
+    share = successes / n
+    middle = share + z * z / (2.0 * n)
+    half = z * math.sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n))
+    whole = 1.0 + z * z / n
+    low = 0.0 if successes == 0.0 else max(0.0, (middle - half) / whole)
+    high = 1.0 if successes == n else min(1.0, (middle + half) / whole)
+    return Interval(low, high)
