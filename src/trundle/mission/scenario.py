@@ -33,6 +33,7 @@ from trundle.navigation import Navigator, NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
+from trundle.sim.actuation import Actuation
 from trundle.values import as_path
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
@@ -80,6 +81,7 @@ class Scenario(CostmapSettings, RunSettings):
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
         backend: Simulator, likewise.
+        actuation: How the robot's motion differs from what its software believes; none means not at all.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -103,6 +105,7 @@ class Scenario(CostmapSettings, RunSettings):
     )
     smoother: Annotated[Choice | None, takes_name(Choice)] = None
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
+    actuation: Actuation | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
@@ -236,6 +239,8 @@ class Scenario(CostmapSettings, RunSettings):
         """Prepare it, and start its simulator; see `prepare` for the errors."""
         setting = self.prepare()
         sim = simulate(setting.world, setting.robot, backend=self.backend.name, **self.backend.options)
+        if self.actuation is not None:
+            sim = self.actuation.simulate(sim)
         return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
 
     @property

@@ -145,6 +145,20 @@ class FeedForward:
         return speed + math.copysign(self.error, error)
 
 
+def scale_robot(model: mujoco.MjModel, *, mass: float = 1.0, friction: float = 1.0) -> None:
+    """Multiply the masses and inertias of the robot in a compiled model, and the sliding friction of its geoms."""
+    if friction != 1.0:
+        for geom in range(model.ngeom):
+            if model.geom(geom).name.startswith("robot:"):
+                model.geom_friction[geom, 0] *= friction
+    if mass != 1.0:
+        base = int(model.body(BASE).id)
+        of_robot = model.body_rootid == base
+        model.body_mass[of_robot] *= mass
+        model.body_inertia[of_robot] *= mass
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
 def part_of(geom: str) -> str:
     """Name of the robot's part that a geom belongs to."""
     return geom.removeprefix("robot:").removesuffix(_GUARD)

@@ -18,10 +18,10 @@ from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
-from trundle.sim.mujoco.robot_parts import FeedForward, traction_joints
+from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState, Scan
-from trundle.values import check_seed
+from trundle.values import as_number, check_seed
 from trundle.worlds import World
 
 Casters = Literal["trailing", "reversed"]
@@ -44,6 +44,8 @@ class MujocoSimulator:
         lidar: Take scans: with all lidars of the robot, or with those named.
         timestep: Length of a physics step [s].
         casters: How swivel casters stand after a reset: behind their axis for driving forward, or the other way.
+        mass: True mass of the robot over the one that its servos are tuned for, 0.1 to 10.
+        friction: Friction between the robot and everything else, relative to rubber on concrete, 0.05 to 5.
 
     Attributes:
         model: The compiled MuJoCo model: what the robot can touch, without its looks. Viewers build their own.
@@ -63,16 +65,21 @@ class MujocoSimulator:
         lidar: LidarChoice = False,
         timestep: float = TIMESTEP,
         casters: Casters = "trailing",
+        mass: float = 1.0,
+        friction: float = 1.0,
     ) -> None:
         if not 0.0 < timestep <= 0.02:
             raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 0.02")
         if casters not in ("trailing", "reversed"):
             raise InputError(f"casters {casters!r} is unknown; use 'trailing' or 'reversed'")
+        for name, factor, least, most in (("mass", mass, 0.1, 10.0), ("friction", friction, 0.05, 5.0)):
+            if not least <= as_number(factor, name) <= most:
+                raise InputError(f"{name} must be a factor from {least:g} to {most:g}, got {factor}")
         log_warnings()
         self._robot = robot
         self._world = world
         self._timestep = timestep
-        self._rest = _resting_state(robot, timestep, casters)
+        self._rest = _resting_state(robot, timestep, casters, mass=mass)
         try:
             self.model = build_spec(within_reach(world, robot), robot, timestep=timestep, looks=False).compile()
         except InputError:
@@ -83,6 +90,7 @@ class MujocoSimulator:
         self._wheel_qpos, self._wheel_qvel = _wheel_addresses(self.model, robot)
         self._ramp = CommandRamp(robot, timestep)
         self._feed_forward = FeedForward.of(self.model, robot)
+        scale_robot(self.model, mass=mass, friction=friction)
         self._contacts = ContactReader(self.model, world)
         self._outlines: dict[float, WorldOutline] = {}
         self._lidars = LidarSet(robot, lidar, self._cast)
@@ -238,7 +246,7 @@ def check_stands(robot: Robot) -> None:
     _resting_state(robot, TIMESTEP, "trailing")
 
 
-def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArray:
+def _resting_state(robot: Robot, timestep: float, casters: Casters, *, mass: float = 1.0) -> FloatArray:
     """Joint positions of the robot after it has settled on a bare floor, looking along x from the origin.
 
     Raises:
@@ -248,6 +256,7 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters) -> FloatArra
         model = robot_spec(robot, floor=True, timestep=timestep, looks=False).compile()
     except ValueError as error:
         raise RobotError(f"MuJoCo cannot model the robot {robot.name!r}: {error}") from error
+    scale_robot(model, mass=mass)
     data = mujoco.MjData(model)
     if casters == "reversed":
         for caster in robot.casters:
