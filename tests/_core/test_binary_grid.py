@@ -34,7 +34,7 @@ def test_an_update_outside_is_refused(row, col):
 @pytest.mark.parametrize(("goals", "threads"), [([[0, 0], [1, 1]], 1), ([[0]], 1), ([[0, 0]], 0)])
 def test_a_batch_that_cannot_be_is_refused(goals, threads):
     with pytest.raises(ValueError, match=r"need|threads"):
-        BinaryGrid(MAP, 8, "auto").find_ways(np.zeros((1, 2), np.int64), np.array(goals), threads, None, None)
+        BinaryGrid(MAP, 8, "auto").find_paths(np.zeros((1, 2), np.int64), np.array(goals), threads, None, None)
 
 
 def test_corners_are_walked_cell_by_cell():

@@ -48,7 +48,7 @@ def oracle(costs, weights, start, goal, connectivity):
     return distances[index[goal]] / (2 * STRAIGHT)
 
 
-def way_cost(costs, weights, cells):
+def path_cost(costs, weights, cells):
     """Price of a way, and that each of its steps is allowed."""
     total = 0
     w = weights[costs].astype(np.int64)
@@ -84,7 +84,7 @@ def test_cost_is_dijkstras(rows, cols, density, connectivity, weighted, seed):
     assert cost == expected
     assert tuple(cells[0]) == start
     assert tuple(cells[-1]) == goal
-    assert way_cost(costs, weights, cells) == expected
+    assert path_cost(costs, weights, cells) == expected
     _, backwards = _core.grid_search(costs, weights, goal, start, connectivity)
     assert backwards == cost
 
@@ -113,21 +113,21 @@ def test_corners_are_not_cut():
     assert len(_core.grid_search(costs, make_weights(), (0, 0), (1, 1))[0]) == 0
 
 
-def test_a_blocked_end_has_no_way():
+def test_a_blocked_end_has_no_path():
     costs = np.zeros((3, 3), np.uint8)
     costs[2, 2] = 253
     assert len(_core.grid_search(costs, make_weights(), (0, 0), (2, 2))[0]) == 0
     assert len(_core.grid_search(costs, make_weights(), (2, 2), (0, 0))[0]) == 0
 
 
-def test_a_way_dearer_than_32_bits_is_exact():
+def test_a_path_cost_above_32_bits_is_exact():
     rows = 601
     costs = np.full((rows, rows), 252, np.uint8)
     costs[1::4, :-1] = 254
     costs[3::4, 1:] = 254
     weights = make_weights(10_000.0, 0.0)
     cells, cost = _core.grid_search(costs, weights, (0, 0), (rows - 1, 0))
-    assert cost == way_cost(costs, weights, cells)
+    assert cost == path_cost(costs, weights, cells)
     assert cost * 2 * STRAIGHT > 2**32
 
 

@@ -9,7 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from fuzz.fuzz_least_cost import one_round
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 from trundle import _core
 
 
@@ -85,7 +85,7 @@ def find(costs, start, goal, weights=WEIGHTS, ends=None, **limits):
 
 def octile_optimum(costs, start, goal, weights=WEIGHTS):
     wall = weights[costs] == 0.0
-    return cheapest_ways(weights[costs], wall, [start])[goal]
+    return cheapest_costs(weights[costs], wall, [start])[goal]
 
 
 @settings(max_examples=150, deadline=None)
@@ -96,7 +96,7 @@ def octile_optimum(costs, start, goal, weights=WEIGHTS):
     rough=st.booleans(),
     neutral_and_factor=st.sampled_from([(50.0, 0.8), (1.0, 0.0), (1.0, 39.0), (10_000.0, 0.0)]),
 )
-def test_the_way_is_free_as_dear_as_told_and_no_dearer_than_by_centres(seed, rows, cols, rough, neutral_and_factor):
+def test_the_path_is_free_its_cost_is_right_and_no_higher_than_by_centres(seed, rows, cols, rough, neutral_and_factor):
     rng = np.random.default_rng(seed)
     costs = rng.integers(0, 256, (rows, cols)).astype(np.uint8) if rough else smooth_costs(rows, cols, seed)
     weights = make_weights(*neutral_and_factor)
@@ -132,7 +132,7 @@ def test_a_small_map_is_crossed_nearly_as_cheaply_as_brute_force_finds(seed):
     assert cost <= best * 1.012
 
 
-def test_of_two_ways_round_the_shorter_is_taken_where_octile_lengths_take_the_longer():
+def test_of_two_detours_the_shorter_is_taken_where_octile_lengths_take_the_longer():
     # By the left it is 300 cells up and 124 across, at 22.5°; the gap on the right is dearer than that by 2 %.
     costs = np.zeros((320, 420), np.uint8)
     costs[150, 100:384] = 254
@@ -160,7 +160,7 @@ def test_a_cheap_lane_is_used_from_beside_it():
     assert (np.abs(middle[:, 1] - 20.5) < 0.6).all()
 
 
-def test_a_way_round_the_end_of_a_wall_does_not_enter_it():
+def test_a_path_round_the_end_of_a_wall_does_not_enter_it():
     costs = np.zeros((30, 30), np.uint8)
     costs[0:15, 15] = 254
     _, points, cost = find(costs, (4, 4), (4, 26))
@@ -180,7 +180,7 @@ def test_a_gap_of_one_cell_is_found_in_a_wall_of_one_cell():
     assert (np.abs(points[:, 0] - 171.5) < 0.5).any()
 
 
-def test_a_wall_that_blocks_of_cells_hide_costs_no_way():
+def test_a_gap_that_coarse_blocks_hide_is_found():
     # A diagonal wall that is two cells thick: every block of 4 x 4 beside it has open cells.
     costs = np.zeros((240, 240), np.uint8)
     rows = np.arange(240)
@@ -219,7 +219,7 @@ def test_weights_so_different_that_single_precision_would_not_do():
     assert cost <= octile_optimum(costs, start, goal, weights) * (1 + 1e-5)
 
 
-def test_a_blocked_end_has_no_way_and_a_cell_to_itself_costs_nothing():
+def test_a_blocked_end_has_no_path_and_a_cell_to_itself_costs_nothing():
     costs = np.zeros((4, 4), np.uint8)
     costs[2, 2] = 253
     assert find(costs, (0, 0), (2, 2))[0] == 1
@@ -268,5 +268,5 @@ def test_bad_arguments_are_refused():
         find(costs, (0, 0), (0, 1), ends=np.zeros((3, 2)))
 
 
-def test_the_way_down_comes_to_the_start_where_triangles_point_in_a_ring():
+def test_the_descent_reaches_the_start_where_triangles_point_in_a_ring():
     one_round(random.Random(10605))

@@ -81,7 +81,7 @@ def test_a_line_through_a_corner_needs_all_four_cells():
     assert math.isinf(line_cost(costs, (1.5, 1.5), (0.5, 0.5)))
 
 
-def test_a_line_along_a_border_takes_the_dearer_cell():
+def test_a_line_along_a_border_takes_the_cell_of_higher_cost():
     costs = np.zeros((2, 3), np.uint8)
     costs[1, 1] = 100
     assert line_cost(costs, (0.0, 1.0), (3.0, 1.0)) == pytest.approx(50 + 130 + 50)
@@ -138,7 +138,7 @@ def test_points_on_a_straight_line_are_left_out():
     assert chosen.tolist() == [0, 29]
 
 
-def test_a_way_there_and_back_keeps_its_turning_point():
+def test_a_path_there_and_back_keeps_its_turning_point():
     costs = np.zeros((3, 9), np.uint8)
     costs[1, :8] = 254
     points = np.array([(0.5, 0.5), (4.5, 0.5), (8.5, 0.5), (8.5, 1.5), (8.5, 2.5), (4.5, 2.5), (0.5, 2.5)])
@@ -147,7 +147,7 @@ def test_a_way_there_and_back_keeps_its_turning_point():
     assert cost == pytest.approx(50 * 18)
 
 
-def test_a_way_there_and_back_to_the_same_point_on_the_maps_edge_keeps_its_turning_point():
+def test_a_path_there_and_back_to_the_same_point_on_the_maps_edge_keeps_its_turning_point():
     # A line of no length along the edge is blocked, as one of any length is.
     points = np.array([(0.5, 0.0), (0.5, 0.5), (0.5, 0.0)])
     chosen, cost = _core.shortcut(np.zeros((1, 1), np.uint8), make_weights(), points)

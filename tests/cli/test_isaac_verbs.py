@@ -187,7 +187,7 @@ def test_a_drive_that_is_stopped_by_ctrl_c_keeps_its_record(trundle, fake):
         (("--backend", "isaac", "--assets-root", "nowhere"), "there is no such folder"),
     ],
 )
-def test_bad_input_is_told_before_isaac_sim_starts(trundle, fake, room_map, arguments, says):
+def test_bad_input_is_reported_before_isaac_sim_starts(trundle, fake, room_map, arguments, says):
     done = trundle("run", room_map, "--start", "0,0", "--goal", "3,1", "--no-video", *arguments)
     assert done.code == 2
     assert says in done.err

@@ -152,7 +152,7 @@ def test_bad_input_leaves_nothing(
 
 
 @pytest.mark.parametrize("door_m", [0.0, 0.4])
-def test_where_there_is_no_way_the_exit_code_is_not_bad_input(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
+def test_where_there_is_no_path_the_exit_code_is_not_bad_input(trundle: Trundle, tmp_path: Path, door_m: float) -> None:
     room(door_m=door_m).save(tmp_path / "door.yaml")
     done = trundle("plan", "door.yaml", "--start", "0.5,0.5", "--goal", "5.5,0.5", "-o", "plan.png")
     assert done.code == 1
@@ -161,7 +161,7 @@ def test_where_there_is_no_way_the_exit_code_is_not_bad_input(trundle: Trundle, 
     assert not (tmp_path / "plan.png").exists()
 
 
-def test_a_footprint_that_still_hits_something_is_no_bad_input(trundle: Trundle, tmp_path: Path) -> None:
+def test_a_footprint_that_still_collides_is_not_bad_input(trundle: Trundle, tmp_path: Path) -> None:
     cells = np.zeros((160, 240), np.int8)
     cells[80, :200] = 100
     OccupancyGrid(cells, 0.05).save(tmp_path / "wall.yaml")
@@ -172,14 +172,16 @@ def test_a_footprint_that_still_hits_something_is_no_bad_input(trundle: Trundle,
 
 
 @pytest.mark.parametrize(("goal", "code"), [("-9,0", 2), ("3.02,0.5,1.57", 2), ("5,2,1.57", 1)])
-def test_a_comparison_tells_bad_input_from_no_way(trundle: Trundle, tmp_path: Path, goal: str, code: int) -> None:
+def test_a_comparison_distinguishes_bad_input_from_no_path(
+    trundle: Trundle, tmp_path: Path, goal: str, code: int
+) -> None:
     room(door_m=0.0).save(tmp_path / "halves.yaml")
     query = ("plan", "halves.yaml", "--start", "0,0,0", "--goal", goal)
     assert trundle(*query).code == code
     assert trundle(*query, "--compare").code == code
 
 
-def test_a_goal_that_was_moved_is_told(trundle: Trundle, room_map: Path) -> None:
+def test_a_goal_that_was_moved_is_reported(trundle: Trundle, room_map: Path) -> None:
     ends = ("--start", "0.5,0.5", "--robot", "turtlebot3_burger")
     done = trundle("plan", room_map, *ends, "--goal", "6.97,0.5,0", "--planner-option", "goal_tolerance=0.5")
     lines = dict(line.split(maxsplit=1) for line in done.out.splitlines())
@@ -240,7 +242,7 @@ def test_all_planners_are_compared_on_one_query(trundle: Trundle, room_map: Path
     assert [line.split()[0] for line in table.splitlines()[1:-1]] == sorted(planner_names())
 
 
-def test_a_comparison_without_any_way_says_why_and_leaves_no_picture(trundle: Trundle, tmp_path: Path) -> None:
+def test_a_comparison_without_any_path_says_why_and_leaves_no_picture(trundle: Trundle, tmp_path: Path) -> None:
     room(door_m=0.0).save(tmp_path / "halves.yaml")
     options = ["--start", "0,0,0", "--goal", "5,2,1.57", "--compare", "-o", tmp_path / "all.png"]
     done = trundle("plan", tmp_path / "halves.yaml", *options)
@@ -270,7 +272,7 @@ def test_masks_turn_the_path_aside_and_are_drawn(trundle: Trundle, room_map: Pat
     assert (bad.code, "none.yaml" in bad.err) == (2, True)
 
 
-def test_part_of_the_way_through_costly_unknown_space(trundle: Trundle, tmp_path: Path) -> None:
+def test_a_partial_path_through_costly_unknown_space(trundle: Trundle, tmp_path: Path) -> None:
     data = np.zeros((60, 140), np.int8)
     data[:, 60:70] = -1
     data[:, 110:112] = 100

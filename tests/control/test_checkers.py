@@ -32,7 +32,7 @@ def test_a_robot_that_stands_too_long_is_stuck():
     assert not checker.is_moving_on(Pose2D(0.49, 0), 10.1)
 
 
-def test_driving_or_turning_far_enough_starts_the_time_anew():
+def test_driving_or_turning_far_enough_restarts_the_timer():
     checker = ProgressChecker()
     checker.is_moving_on(Pose2D(0, 0), 0.0)
     assert checker.is_moving_on(Pose2D(0.5, 0), 9.0)

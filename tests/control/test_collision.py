@@ -18,7 +18,7 @@ DT = 0.05
 
 @pytest.mark.parametrize("robot", ["nova_carter", "jackal", "turtlebot3_waffle"])
 @pytest.mark.parametrize("share", [(0.0, 0.0), (1.0, 0.0), (0.5, 0.5), (0.6, -1.0), (0.0, 1.0)])
-def test_the_way_to_a_stop_is_as_long_as_it_is_driven(robot, share):
+def test_the_stopping_distance_is_the_one_driven(robot, share):
     robot = Robot.load(robot)
     limits = robot.limits
     command = Twist2D(share[0] * limits.linear_speed, share[1] * limits.angular_speed)

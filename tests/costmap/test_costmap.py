@@ -392,7 +392,7 @@ def test_what_is_kept_out_is_lethal_and_inflates_for_the_robot():
     assert costmap.update(slice(0, 1), slice(0, 41), 0).data[0, 20] == LETHAL
 
 
-def test_a_mask_makes_free_cells_dearer_but_unknown_ones_not_known():
+def test_a_mask_raises_the_cost_of_free_cells_and_leaves_unknown_ones_unknown():
     grid = OccupancyGrid(np.array([[0, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]], np.int8), 0.1)
     mask = KeepoutMask(OccupancyGrid(np.full((1, 12), 50, np.int8), 0.1))
     data = Costmap.from_grid(grid, SQUARE, 0.3, keepout=mask).data[0]

@@ -105,7 +105,7 @@ def test_what_unknown_cells_cost_decides_whether_to_go_round_them(name, options)
     assert through == [True, True, False, False]
 
 
-def test_with_no_other_way_costly_unknown_space_is_driven_through():
+def test_with_no_other_path_costly_unknown_space_is_driven_through():
     grid = hall(gap=1)
     with pytest.raises(PlanningError, match="unknown space"):
         Navigator(grid, BURGER).planner.plan(Costmap.from_grid(grid, BURGER), START, GOAL)
@@ -115,7 +115,7 @@ def test_with_no_other_way_costly_unknown_space_is_driven_through():
     assert episode.arrived
 
 
-def test_a_scenario_drives_through_unknown_space_where_it_is_told_to(tmp_path):
+def test_a_scenario_drives_through_unknown_space_where_it_is_allowed_to(tmp_path):
     hall(gap=1).save(tmp_path / "hall.yaml")
     settings_ = {"map": str(tmp_path / "hall.yaml"), "robot": "turtlebot3_burger", "backend": "kinematic"}
     ends = {"start": START.as_tuple(), "goal": GOAL.as_tuple()}

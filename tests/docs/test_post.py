@@ -96,7 +96,7 @@ def test_the_posts_path_leads_through_things_and_trundles_does_not(post, place, 
     assert place.costmap.clearance(poses, 2.0).min() == printed("and {} m from everything")
 
 
-def test_with_the_posts_wheel_base_it_hits_the_barrels(wrong) -> None:
+def test_with_the_posts_wheel_base_it_collides_with_the_barrels(wrong) -> None:
     assert wrong.outcome is Outcome.COLLIDED
     assert wrong.metrics.contacts == ("barrels_2_1",)
     assert wrong.metrics.time_s == printed("hits the barrels after {} s")

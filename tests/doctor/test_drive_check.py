@@ -125,13 +125,13 @@ def test_a_reversed_wheel_is_named(backend: str, signs: tuple[int, int], joint: 
 
 
 @BACKENDS
-def test_swapped_and_reversed_wheels_are_told_apart(backend: str) -> None:
+def test_swapped_and_reversed_wheels_are_distinguished(backend: str) -> None:
     with Rewired(simulate(EMPTY, "nova_carter", backend=backend), swapped=True, signs=(-1, -1)) as simulator:
         check = check_drive(simulator)
     assert kinds(check) == ["wheel_reversed", "wheel_reversed", "wheels_swapped"]
 
 
-def test_a_smaller_wheel_is_told_from_two_wrong_ones() -> None:
+def test_a_smaller_wheel_is_distinguished_from_two_wrong_ones() -> None:
     with MujocoSimulator(EMPTY, Robot.load("nova_carter")) as simulator:
         simulator.model.geom_size[simulator.model.geom("robot:wheel_left").id] *= 0.97
         check = check_drive(simulator)
@@ -179,7 +179,7 @@ def test_wheels_that_reach_other_speeds_are_named_with_the_likely_cause() -> Non
     assert check.wheel_radius == pytest.approx(0.14, rel=0.01)
 
 
-def test_wheels_in_the_air_are_told_from_a_small_radius() -> None:
+def test_wheels_in_the_air_are_distinguished_from_a_small_radius() -> None:
     with MujocoSimulator(EMPTY, Robot.load("nova_carter")) as simulator:
         simulator.model.geom_friction[:, 0] = 0.0
         check = check_drive(simulator)
@@ -208,7 +208,7 @@ def test_a_robot_that_cannot_turn_on_the_spot_is_no_differential_drive() -> None
     assert "a car-like robot is no differential drive" in check.findings[0].message
 
 
-def test_too_little_room_is_told_with_what_was_touched() -> None:
+def test_too_little_room_is_reported_with_what_was_touched() -> None:
     wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((1.0, 0.0, 0.5)))
     with simulate(World("wall", (wall,)), "nova_carter", backend="kinematic") as simulator:
         check = check_drive(simulator)

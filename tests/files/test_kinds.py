@@ -16,7 +16,7 @@ from trundle.files.kinds import find_kind, kind_of_keys
         ([], None),
     ],
 )
-def test_a_kind_is_told_by_the_keys(keys, kind):
+def test_the_kind_of_a_file_follows_from_its_keys(keys, kind):
     assert kind_of_keys(keys) == kind
 
 
@@ -24,13 +24,13 @@ def test_a_kind_is_told_by_the_keys(keys, kind):
     ("name", "kind"),
     [("a.png", "a picture"), ("a.mp4", "a video"), ("a.sdf", "a world"), ("a.csv", "a table"), ("a.xyz", None)],
 )
-def test_a_kind_is_told_by_the_suffix_of_a_file_that_is_there(tmp_path, name, kind):
+def test_the_kind_of_an_existing_file_follows_from_its_suffix(tmp_path, name, kind):
     assert find_kind(tmp_path / name) is None
     (tmp_path / name).write_text("")
     assert find_kind(tmp_path / name) == kind
 
 
-def test_folders_are_told_by_what_they_hold(tmp_path):
+def test_the_kind_of_a_folder_follows_from_its_contents(tmp_path):
     assert find_kind(tmp_path) == "a folder"
     (tmp_path / "drive.csv").write_text("")
     assert find_kind(tmp_path) == "the folder of a drive"
@@ -38,7 +38,7 @@ def test_folders_are_told_by_what_they_hold(tmp_path):
     assert find_kind(tmp_path) == "the folder of a run"
 
 
-def test_a_yaml_is_told_by_its_keys(tmp_path):
+def test_the_kind_of_a_yaml_file_follows_from_its_keys(tmp_path):
     file = tmp_path / "some.yaml"
     file.write_text("drive: {}\nlimits: {}\n")
     assert find_kind(file) == "a robot"

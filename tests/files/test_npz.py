@@ -39,7 +39,7 @@ def test_a_broken_stream_is_refused(archive):
         HeightField.load(archive)
 
 
-def test_another_way_of_packing_is_refused(archive):
+def test_other_compression_methods_are_refused(archive):
     """NotImplementedError: the number of the method in the directory."""
     content = archive.read_bytes()
     spoil(archive, content.index(b"PK\x01\x02") + 10, 99)

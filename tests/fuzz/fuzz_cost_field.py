@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fuzz.loop import NUMBERS, attempt, rng_of, spoil
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 from trundle import _core
 from trundle.errors import InputError, PlanningError
 from trundle.planning import cost_field
@@ -57,7 +57,7 @@ def one_round(generator: random.Random) -> None:
         return
     given = generator.choice((costs, costs[::-1][::-1], np.asfortranarray(costs)))
     field = cost_field(given, goals, connectivity=connectivity, threads=threads)
-    expected = cheapest_ways(costs.astype(np.float64), wall, [tuple(goal) for goal in goals], connectivity)
+    expected = cheapest_costs(costs.astype(np.float64), wall, [tuple(goal) for goal in goals], connectivity)
     assert np.array_equal(np.isfinite(field), np.isfinite(expected))
     reached = np.isfinite(expected)
     assert np.allclose(field[reached], expected[reached], rtol=6e-7, atol=1e-6)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, ways_from
+from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, path_costs_from
 from trundle.errors import BlockedPoseError, InputError, PlanningError
 from trundle.planning import Cancellation, GridSearch
 
@@ -133,7 +133,7 @@ def check_dijkstra(generator: random.Random, searches: list[GridSearch], current
     corners = [(row, col) for row in (0, current.shape[0] - 1) for col in (0, current.shape[1] - 1)]
     goals = [start, *[cell for cell in corners if not current[cell]]]
     goals += [tuple(generator.choice(free).tolist()) for _ in range(6)]
-    costs = ways_from(current, start, searches[0].connectivity)
+    costs = path_costs_from(current, start, searches[0].connectivity)
     for search in searches:
         many = search.plan_many([start] * len(goals), goals, threads=1)
         for goal, path in zip(goals, many, strict=True):

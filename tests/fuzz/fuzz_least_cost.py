@@ -12,7 +12,7 @@ import numpy as np
 
 from fuzz.fuzz_weighted_grid import make_costs, make_weights
 from fuzz.loop import attempt, rng_of, spoil
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 from trundle import _core
 
 LEAST = 1.002
@@ -55,7 +55,7 @@ def one_round(generator: random.Random) -> None:
         if status == 2:
             assert limits[0] is not None
             continue
-        best = float(cheapest_ways(weights[costs], wall, [start])[goal])
+        best = float(cheapest_costs(weights[costs], wall, [start])[goal])
         assert (status == 0) == math.isfinite(best)
         if status != 0:
             continue

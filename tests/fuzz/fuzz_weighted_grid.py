@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from fuzz.loop import attempt, rng_of, spoil
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 from trundle import _core
 from trundle.geometry import FloatArray
 
@@ -32,7 +32,7 @@ def make_weights(generator: random.Random) -> FloatArray:
     return weights
 
 
-def check_way(generator: random.Random, costs: np.ndarray, weights: FloatArray) -> None:
+def check_path(generator: random.Random, costs: np.ndarray, weights: FloatArray) -> None:
     whole = np.minimum(np.floor(weights), 65535).astype(np.uint16)
     start, goal = ([generator.randrange(count) for count in costs.shape] for _ in range(2))
     connectivity = generator.choice((4, 8))
@@ -45,7 +45,7 @@ def check_way(generator: random.Random, costs: np.ndarray, weights: FloatArray) 
     expected = math.inf
     if not (wall[tuple(start)] or wall[tuple(goal)]):
         prices = whole[costs].astype(np.float64)
-        expected = cheapest_ways(prices, wall, [tuple(start)], connectivity, (2 * STRAIGHT, 2 * DIAGONAL))[tuple(goal)]
+        expected = cheapest_costs(prices, wall, [tuple(start)], connectivity, (2 * STRAIGHT, 2 * DIAGONAL))[tuple(goal)]
     if math.isinf(expected):
         assert len(cells) == 0
         return
@@ -110,4 +110,4 @@ def check_lines(generator: random.Random, costs: np.ndarray, weights: FloatArray
 
 def one_round(generator: random.Random) -> None:
     costs, weights = make_costs(generator), make_weights(generator)
-    generator.choice((check_way, check_lines))(generator, costs, weights)
+    generator.choice((check_path, check_lines))(generator, costs, weights)

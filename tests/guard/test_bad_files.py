@@ -257,7 +257,7 @@ def test_a_map_is_at_most_100_km_wide(tmp_path, text):
 
 
 @pytest.mark.parametrize(("origin", "what"), [([1e300, 0, 0], "x"), ([0, -2e9, 0], "y"), ([0, 0, 1e300], "yaw")])
-def test_origins_from_which_no_cell_can_be_told_are_refused(tmp_path, origin, what):
+def test_origins_too_far_away_to_resolve_a_cell_are_refused(tmp_path, origin, what):
     write(tmp_path, "m.pgm", b"P5 3 3 255\n" + bytes([254] * 9))
     with pytest.raises(MapError, match=rf"m\.yaml:3:\d+: origin's {what} is .* must be between"):
         OccupancyGrid.load(write(tmp_path, "m.yaml", YAML.format(0.05, origin)))

@@ -232,7 +232,7 @@ def test_a_box_of_less_than_two_micrometres_between_two_cells_is_not_lost(size):
             assert count(grid) == 4
 
 
-def test_an_open_mesh_is_a_surface_and_is_told_by_name():
+def test_an_open_mesh_is_a_surface_and_is_named():
     open_box = Mesh(cube_mesh(1.02).vertices, cube_mesh(1.02).faces[:-1])
     solids = [Solid("crate", open_box, Pose3D.planar(0.0, 0.0, 0.5)), Solid("high", open_box, Pose3D((0.0, 0.0, 5.0)))]
     with pytest.warns(MapWarning, match=r"not watertight.*: 'crate'\. Close") as caught:
@@ -380,7 +380,7 @@ def test_arguments_that_cannot_be_are_refused(options, message):
         OccupancyGrid.from_world(Room(WALLS), **options)
 
 
-def test_a_world_without_solids_or_without_any_in_the_band_is_told():
+def test_a_world_without_solids_or_without_any_in_the_band_is_reported():
     with pytest.raises(MapError, match="the world has no solids"):
         OccupancyGrid.from_world(World("empty", ()))
     with pytest.warns(MapWarning, match="the world has no solids"):
@@ -391,7 +391,7 @@ def test_a_world_without_solids_or_without_any_in_the_band_is_told():
     assert caught[0].filename == __file__
 
 
-def test_a_map_without_a_free_cell_is_told():
+def test_a_map_without_a_free_cell_is_reported():
     with pytest.warns(MapWarning, match="no cell of the map is free"):
         grid = occupied((Box((9.0, 9.0, 1.0)), Pose3D.planar(0.0, 0.0, 0.5)))
     assert (grid.data == 100).all()

@@ -200,7 +200,7 @@ def test_where_the_floor_is_not_known_the_map_is_unknown_and_stops_the_flood():
         build(crate, floor=floor, seeds=[(0.5, 0.0)])
 
 
-def test_a_field_that_does_not_cover_the_world_is_told():
+def test_a_field_that_does_not_cover_the_world_is_reported():
     crate = Solid("crate", Box((0.4, 0.4, 0.4)), Pose3D.planar(-1.0, 0.0, 0.2))
     half = HeightField(np.zeros((5, 3)), 1.0, (-2.0, -2.0))
     with pytest.warns(MapWarning, match=r"3200 of 6400 cells.*spans x -2 to 0, y -2 to 2 m and the map x -2 to 2"):
@@ -212,7 +212,7 @@ def test_a_field_that_does_not_cover_the_world_is_told():
         build(crate, floor=elsewhere)
 
 
-def test_open_meshes_and_empty_bands_are_told_over_a_floor_too():
+def test_open_meshes_and_empty_bands_are_reported_over_a_floor_too():
     opened = Mesh(box_mesh(1.0, 1.0, 1.0).vertices, FACES[:-1])
     with pytest.warns(MapWarning, match="not watertight.*: 'crate'"):
         grid = build(Solid("crate", opened, Pose3D.planar(0.01, 0.01, 0.5)), floor=plane(0.0, 0.0, 0.0), seeds=())

@@ -154,7 +154,7 @@ def idat(stream: bytes, *, checksum: bool = True) -> bytes:
         (header(20000, 20000) + idat(b"\x00ab"), "truncated"),
     ],
 )
-def test_damage_is_told(content, message):
+def test_damage_is_reported(content, message):
     with pytest.raises(MapError, match=message):
         decode_png(content, "a.png")
 

@@ -94,6 +94,6 @@ def test_what_is_written_is_read_back_and_has_the_plain_header():
         (b"P1 2 1\n12", "not a PNM sample"),
     ],
 )
-def test_damage_is_told(content, message):
+def test_damage_is_reported(content, message):
     with pytest.raises(MapError, match=r"^a\.pgm: .*" + message):
         decode_pnm(content, "a.pgm")

@@ -266,7 +266,7 @@ def test_a_huge_png_is_refused_before_it_is_decoded(tmp_path):
         OccupancyGrid.load(path)
 
 
-def test_the_format_is_told_by_the_content(tmp_path):
+def test_the_format_follows_from_the_content(tmp_path):
     path = write_map(tmp_path)
     Image.fromarray(np.array([[254, 205], [0, 255]], dtype=np.uint8)).save(tmp_path / "map.pgm", format="PNG")
     assert OccupancyGrid.load(path).data.tolist() == CELLS

@@ -103,7 +103,7 @@ def test_folders_without_a_run_say_what_is_missing(tmp_path, folder):
         Episode.load(3)
 
 
-def test_a_run_that_has_not_ended_is_told_from_a_folder_of_another_kind(folder):
+def test_a_run_that_has_not_ended_is_distinguished_from_a_folder_of_another_kind(folder):
     (folder / "episode.json").unlink()
     with pytest.raises(InputError, match="has not ended, or was killed"):
         Episode.load(folder)

@@ -51,7 +51,7 @@ def drive(navigator, pose, *, seconds=90.0, watch=lambda navigator, pose, twist:
     return np.array([pose.as_tuple() for pose in poses]), np.array(speeds)
 
 
-def test_a_path_that_a_changed_map_blocks_is_planned_anew_at_the_next_update():
+def test_a_path_that_a_changed_map_blocks_is_replanned_at_the_next_update():
     navigator = Navigator(room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     navigator.update((1.5, 4.0, 0.0), Twist2D())
@@ -80,7 +80,7 @@ def test_a_change_beside_the_path_or_behind_the_robot_plans_nothing():
     assert navigator.replans == 0
 
 
-def test_where_no_other_way_is_left_it_stops_in_front_and_goes_on_when_it_is_freed():
+def test_where_no_other_path_is_left_it_stops_in_front_and_goes_on_when_it_is_freed():
     navigator = Navigator(room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     free = navigator.costmap
@@ -130,12 +130,12 @@ def flips(margin):
     return int(np.count_nonzero(np.diff(np.array(sides, dtype=int))))
 
 
-def test_replanning_does_not_flip_flop_between_ways_that_are_as_good():
+def test_replanning_does_not_oscillate_between_equal_cost_paths():
     assert flips(0.1) == 0
     assert flips(0.0) > 0  # The noise does decide where no margin is asked for.
 
 
-def test_a_way_that_becomes_much_cheaper_is_taken():
+def test_a_path_that_becomes_much_cheaper_is_taken():
     navigator = Navigator(room(), CARTER, settings=NavigatorSettings(replan_interval_s=0.5))
     free = navigator.costmap
     navigator.costmap = box(free, 5.0, 0.0, 5.5, 6.0)

@@ -100,7 +100,7 @@ def test_three_tries_with_pauses_between_them_then_an_outcome_of_its_own(clock):
     assert navigator.status is NavigationStatus.DRIVING
 
 
-def test_a_try_that_succeeds_drives_on_and_counts_anew(clock):
+def test_a_try_that_succeeds_drives_on_and_resets_the_count(clock):
     navigator, planner = make(clock, 9.0, 9.0, 0.1, 9.0, 9.0, 0.1)
     for time in (0.0, 1.0):
         assert update(navigator, time) == STANDS

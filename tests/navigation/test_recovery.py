@@ -33,7 +33,7 @@ def test_six_times_at_one_place_then_no_more():
     assert tries([5.0, 5.2, 4.8, 5.3, 4.6, 5.0, 4.9]) == [True] * 6 + [False]
 
 
-def test_getting_on_by_half_a_metre_counts_anew():
+def test_half_a_metre_of_progress_resets_the_count():
     assert all(tries(np.arange(20.0, 0.0, -0.6)))
     assert tries([5.0] * 6 + [4.4] * 7) == [True] * 12 + [False]
     assert tries([5.0] * 6 + [4.6]) == [True] * 6 + [False]
@@ -45,7 +45,7 @@ def test_coming_back_to_where_it_was_does_not():
     assert sum(tries([9.0, 3.0] * 20)) == 7
 
 
-def test_a_new_goal_counts_anew():
+def test_a_new_goal_resets_the_count():
     recovery = Recovery(0.05)
     tries([5.0] * 7, recovery=recovery)
     recovery.reset()
@@ -104,7 +104,7 @@ def drive(places):
     return episode, int(np.count_nonzero(np.diff(blocked) == 1))
 
 
-def test_a_robot_that_is_stopped_in_many_places_of_a_long_way_arrives():
+def test_a_robot_that_is_stopped_in_many_places_of_a_long_path_arrives():
     episode, blocks = drive(np.arange(2.5, 13.0, 1.0))
     assert episode.outcome is Outcome.ARRIVED
     assert blocks > 6

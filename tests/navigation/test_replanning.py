@@ -56,11 +56,11 @@ def flips(planner, margin):
 
 
 @pytest.mark.parametrize("planner", ["least_cost", "astar"])
-def test_it_keeps_to_its_way_while_the_map_flickers(planner):
+def test_it_keeps_its_path_while_the_map_flickers(planner):
     count, paths = flips(planner, 0.1)
     assert count == 0
     assert paths <= 3
 
 
-def test_without_a_margin_the_map_decides_anew_each_time():
+def test_without_a_margin_the_map_decides_each_time():
     assert flips("least_cost", 0.0)[1] > 20

@@ -195,7 +195,7 @@ def test_a_run_that_was_loaded_is_shown_by_its_overlay(tmp_path):
     assert picture(loaded).shape != pixels.shape
 
 
-def test_values_are_told_in_one_line(episode):
+def test_values_have_a_repr_of_one_line(episode):
     grid = OccupancyGrid(np.zeros((384, 512), dtype=np.int8), 0.05, Pose2D(-1.5, 2.0, 0.0))
     path = Path([(0, 0, 0), (3, 4, 1.5)], planner="astar", status="partial", remaining_m=1.25)
     texts = (

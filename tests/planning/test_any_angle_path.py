@@ -56,7 +56,7 @@ def test_an_empty_map_is_crossed_in_a_straight_line():
     assert path.waypoints.tolist() == [[0, 3], [39, 88]]
 
 
-def test_a_way_turns_at_the_corner_of_a_block_and_touches_it():
+def test_a_path_turns_at_the_corner_of_a_block_and_touches_it():
     path = any_angle_path(grid_of("... .#. ..."), (0, 0), (2, 2))
     assert path.waypoints[1].tolist() in ([0.5, 1.5], [1.5, 0.5])
     assert path.length == pytest.approx(2 * math.hypot(0.5, 1.5))
@@ -68,7 +68,7 @@ def test_a_line_through_the_corner_of_one_block_is_free():
     assert (path.length, len(path.waypoints)) == (ROOT_2, 2)
 
 
-def test_there_is_no_way_between_diagonal_blocks():
+def test_there_is_no_path_between_diagonal_blocks():
     blocked = grid_of(".# #.")
     path = any_angle_path(blocked, (1, 0), (0, 1))
     assert (path.status, path.length, path.waypoints.shape) == ("unreachable", math.inf, (0, 2))
@@ -87,7 +87,7 @@ def test_a_line_along_the_sides_of_blocks_on_both_hands_is_free():
     check_path(slalom, any_angle_path(slalom, (5, 0), (0, 4)), (5, 0), (0, 4))
 
 
-def test_a_way_through_two_corners_on_one_line_is_straight():
+def test_a_path_through_two_corners_on_one_line_is_straight():
     # Corners of one block to the left and of one to the right, both on the line.
     blocked = np.zeros((6, 6), bool)
     blocked[2, 1] = blocked[3, 4] = True
@@ -107,7 +107,7 @@ def test_a_spiral_is_followed_to_its_middle():
     assert len(path.waypoints) > 6
 
 
-def test_start_and_goal_in_one_cell_are_a_way_of_length_0():
+def test_start_and_goal_in_one_cell_give_a_path_of_length_0():
     path = GridSearch(np.zeros((1, 1), bool)).any_angle_path((0, 0), (0, 0))
     assert (path.status, path.length, path.waypoints.tolist()) == ("found", 0.0, [[0, 0]])
 
@@ -116,14 +116,14 @@ def test_start_and_goal_in_one_cell_are_a_way_of_length_0():
 
 
 @pytest.mark.parametrize("density", [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7])
-def test_ways_are_those_of_the_visibility_graph(density):
+def test_paths_are_those_of_the_visibility_graph(density):
     rng = np.random.default_rng(int(100 * density))
     for _ in range(120):
         check_map(rng.random(rng.integers(1, 7, 2)) < density, rng)
 
 
 @pytest.mark.parametrize("shape", [(1, 12), (12, 1), (2, 9), (9, 2), (3, 3), (10, 10)])
-def test_ways_are_those_of_the_visibility_graph_on_odd_shapes(shape):
+def test_paths_are_those_of_the_visibility_graph_on_odd_shapes(shape):
     rng = np.random.default_rng(4)
     for density in (0.1, 0.3, 0.5):
         for _ in range(8 if min(shape) < 10 else 1):
@@ -132,7 +132,7 @@ def test_ways_are_those_of_the_visibility_graph_on_odd_shapes(shape):
 
 @settings(max_examples=60, deadline=None)
 @given(data=st.data(), rows=st.integers(1, 6), cols=st.integers(1, 6))
-def test_ways_are_those_of_the_visibility_graph_on_maps_by_hypothesis(data, rows, cols):
+def test_paths_are_those_of_the_visibility_graph_on_maps_by_hypothesis(data, rows, cols):
     cells = data.draw(st.lists(st.booleans(), min_size=rows * cols, max_size=rows * cols))
     check_map(np.array(cells).reshape(rows, cols), np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
 
@@ -160,7 +160,7 @@ def make_map(rows, cols, kind, seed):
     kind=st.sampled_from(["cells", "boxes", "walls"]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_ways_are_free_the_same_both_ways_and_between_the_straight_and_the_octile_length(rows, cols, kind, seed):
+def test_paths_are_free_symmetric_and_between_the_straight_and_the_octile_length(rows, cols, kind, seed):
     blocked = make_map(rows, cols, kind, seed)
     search, mirrored = GridSearch(blocked), GridSearch(blocked[::-1].T)
     cells = draw_cells(blocked, np.random.default_rng(seed), 8)
@@ -178,7 +178,7 @@ def test_ways_are_free_the_same_both_ways_and_between_the_straight_and_the_octil
             assert path.length <= octile.length * (1.0 + 1e-13)
 
 
-def test_a_line_that_touches_or_misses_a_corner_by_a_30_000th_of_a_cell_is_told_apart():
+def test_a_line_that_touches_a_corner_differs_from_one_that_misses_it_by_a_30_000th_of_a_cell():
     blocked = np.zeros((3, 60_003), bool)
     blocked[0, 15_001:] = True
     straight = any_angle_path(blocked, (0, 0), (2, 60_002))

@@ -28,7 +28,7 @@ def make_costs(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_way_between_centres_of_cells_is_that_of_the_search(seed):
+def test_the_path_between_centres_of_cells_is_that_of_the_search(seed):
     costs = make_costs(seed)
     costmap, cells = costmap_of(costs, origin=Pose2D(-1.0, 2.0, 0.3)), ((2, 2), (87, 117))
     centres = [costmap.cell_to_world(*cell) for cell in cells]
@@ -41,7 +41,7 @@ def test_the_way_between_centres_of_cells_is_that_of_the_search(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_from_and_to_anywhere_in_a_cell_the_way_never_enters_cells_of_253(seed):
+def test_from_and_to_anywhere_in_a_cell_the_path_never_enters_cells_of_253(seed):
     costs = make_costs(seed)
     rng = np.random.default_rng(seed)
     costmap = costmap_of(costs)
@@ -64,7 +64,7 @@ def test_from_and_to_anywhere_in_a_cell_the_way_never_enters_cells_of_253(seed):
         assert (costs[tuple(np.floor(inside[:, ::-1]).astype(int).T)] < 253).all()
 
 
-def test_the_exact_way_is_never_longer_than_those_over_cells():
+def test_the_exact_path_is_never_longer_than_those_over_cells():
     for seed in range(6):
         costmap = costmap_of(make_costs(seed))
         start, goal = Pose2D(0.125, 0.125), Pose2D(5.875, 4.375)
@@ -73,7 +73,7 @@ def test_the_exact_way_is_never_longer_than_those_over_cells():
             assert exact <= create_planner("astar", method=method).plan(costmap, start, goal).length + 1e-9
 
 
-def test_where_the_footprint_hits_something_another_way_is_found():
+def test_where_the_footprint_collides_another_path_is_found():
     # Two gaps: the near one lets the inscribed circle through, but not a long robot that has to turn in it.
     costs = np.zeros((80, 120), np.uint8)
     costs[[0, 1, -2, -1]] = costs[:, [0, 1, -2, -1]] = 254

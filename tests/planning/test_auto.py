@@ -126,7 +126,7 @@ def test_there_is_no_path_only_after_a_search_that_was_complete():
         create_planner("auto").plan(alley((3.0, 4.3, 3.3, 5.7)), NOSE_IN, Pose2D(8, 8))
 
 
-def test_least_cost_never_says_that_there_is_none_because_its_footprint_hits_something():
+def test_least_cost_never_says_that_there_is_none_because_its_footprint_collides():
     with pytest.raises(PlanningStoppedError) as caught:
         create_planner("least_cost", max_replans=3).plan(alley(), NOSE_IN, Pose2D(8, 8))
     assert caught.value.status == "exhausted"

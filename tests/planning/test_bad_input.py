@@ -220,7 +220,7 @@ def test_costs_that_are_none(costs):
 
 
 @pytest.mark.parametrize("cost", [-1, 70000, -1.5, math.nan])
-def test_the_cell_of_a_cost_that_is_none_is_told(cost):
+def test_the_cell_of_an_invalid_cost_is_named(cost):
     costs = np.ones((3, 4), type(cost))
     costs[1, 2] = cost
     assert "(1, 2)" in str(refused(lambda: cost_field(costs, (0, 1))))

@@ -112,7 +112,7 @@ def attempt(planner, costmap):
         return str(error)
 
 
-def test_the_search_of_a_changed_costmap_is_not_made_anew_while_nobody_uses_it():
+def test_the_search_of_a_changed_costmap_is_not_rebuilt_while_nobody_uses_it():
     costmap = Costmap.from_grid(OccupancyGrid(np.zeros((60, 80), np.int8), 0.05), SMALL, 0.3)
     kept = KeptSearch(INSCRIBED, "jps")
     with kept.of(costmap) as first:

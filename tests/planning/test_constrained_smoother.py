@@ -171,7 +171,7 @@ def test_new_curves_keep_the_padding():
 
 
 @pytest.mark.parametrize(("wall", "y"), [((0, 0, 8, 0.3), 0.75), ((0, 1.7, 8, 2), 1.25)], ids=["below", "above"])
-def test_on_the_border_of_two_cells_the_dearer_counts(wall, y):
+def test_on_the_border_of_two_cells_the_higher_cost_counts(wall, y):
     costmap = costmap_of(room(8, 2, wall), SMALL)
     line = polyline((1, y), (7, y))
     low, high = (float(costmap.cost_at(4.01, y + side)) for side in (-0.01, 0.01))
@@ -180,7 +180,7 @@ def test_on_the_border_of_two_cells_the_dearer_counts(wall, y):
     assert done.cost_before == pytest.approx(6 * (1 + 4 * max(low, high) / 252))
 
 
-def test_corners_of_dear_cells_that_a_curve_cuts_count():
+def test_corners_of_costly_cells_that_a_curve_cuts_count():
     # Cells of 0.7 m, up to a hundred times dearer than others: a corner of a few centimetres costs more than metres.
     smoother = ConstrainedSmoother(w_cost=100.0, w_smooth=10.0, padding=0.0)
     changed = 0

@@ -31,7 +31,7 @@ def with_door(cells):
     return costmap, np.array([[x, 3.0], [x, 7.0]])
 
 
-def hits_of(costmap, vertices):
+def collisions_of(costmap, vertices):
     return fit_motions(costmap, motions_along(vertices, np.pi / 2, None))
 
 
@@ -39,10 +39,10 @@ def closed(detours, costmap):
     return (detours.costs >= LETHAL) & (costmap.data < LETHAL)
 
 
-def test_the_first_round_closes_the_cells_around_the_hits():
+def test_the_first_round_closes_the_cells_around_the_collisions():
     costmap, line = with_door(20)
     detours = Detours(costmap, ENDS, 20, wide=True)
-    fit = hits_of(costmap, line)
+    fit = collisions_of(costmap, line)
     assert detours.close(*fit)
     rows, cols = np.nonzero(closed(detours, costmap))
     assert len(rows) > 0
@@ -51,10 +51,10 @@ def test_the_first_round_closes_the_cells_around_the_hits():
     assert detours.costs is not costmap.data
 
 
-def test_repeated_hits_close_what_is_too_narrow_for_half_and_then_for_any_turn():
+def test_repeated_collisions_close_what_is_too_narrow_for_half_and_then_for_any_turn():
     costmap, line = with_door(20)
     detours = Detours(costmap, ENDS, 20, wide=True)
-    fit = hits_of(costmap, line)
+    fit = collisions_of(costmap, line)
     middle = (101, slice(90, 110))
     assert detours.close(*fit)
     assert detours.close(*fit)
@@ -65,7 +65,7 @@ def test_repeated_hits_close_what_is_too_narrow_for_half_and_then_for_any_turn()
     assert detours.reopen()
     assert np.array_equal(detours.costs, costmap.data)
     assert detours.close(*fit)
-    assert detours.close(*hits_of(costmap, np.add(line, (0.05, 0.0))))
+    assert detours.close(*collisions_of(costmap, np.add(line, (0.05, 0.0))))
     assert (detours.costs[middle] < LETHAL).sum() > 8
     assert not detours.reopen()
 
@@ -75,14 +75,14 @@ def test_the_ends_stay_open_and_what_is_near_them_is_not_widened():
     keep = ((104, 94), (180, 180))
     detours = Detours(costmap, keep, 20, wide=True)
     for _ in range(3):
-        assert detours.close(*hits_of(costmap, line))
+        assert detours.close(*collisions_of(costmap, line))
     assert detours.costs[104, 94] == costmap.data[104, 94]
     assert (detours.costs[106, 94:106] < LETHAL).any()
 
 
 def test_rounds_are_bounded():
     costmap, line = with_door(20)
-    motions, hits, owners = hits_of(costmap, line)
+    motions, hits, owners = collisions_of(costmap, line)
     for wide, most, expected in ((False, 3, 3), (False, 0, 0), (True, 0, 0)):
         detours = Detours(costmap, ENDS, most, wide=wide)
         rounds = 0
@@ -102,7 +102,7 @@ def test_rounds_are_bounded():
 def test_a_path_is_led_through_the_middle_of_a_door(number):
     costmap, line = with_door(20)
     bent = np.concatenate([line[:1] - [1.5, 0.0], line, np.add(line[1:], (1.0, 0.5))])
-    hits = hits_of(costmap, bent)[1]
+    hits = collisions_of(costmap, bent)[1]
     assert len(hits) > 0
     led = TightPlaces().reroute(costmap, costmap.data, bent, hits, number, PATIENCE)
     assert led[0] == pytest.approx(bent[0])
@@ -110,7 +110,7 @@ def test_a_path_is_led_through_the_middle_of_a_door(number):
     in_door = np.interp(5.05, led[:, 1], led[:, 0])
     before = abs(line[0, 0] - 5.0)
     assert abs(in_door - 5.0) < before - 0.02
-    assert len(hits_of(costmap, led)[1]) < len(hits) or number == 0
+    assert len(collisions_of(costmap, led)[1]) < len(hits) or number == 0
 
 
 def test_a_path_of_one_place_stays():
@@ -123,7 +123,7 @@ def test_a_path_of_one_place_stays():
 def test_a_path_stays_where_there_is_no_other():
     costmap, line = with_door(20)
     nothing = np.full_like(costmap.data, LETHAL)
-    hits = hits_of(costmap, line)[1]
+    hits = collisions_of(costmap, line)[1]
     led = TightPlaces().reroute(costmap, nothing, line, hits, 0, PATIENCE)
     assert np.hypot(*np.diff(led, axis=0).T).sum() == pytest.approx(4.0)
     assert led[[0, -1]] == pytest.approx(line)

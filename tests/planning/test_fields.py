@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
 from trundle.planning import Cancellation, cost_field
 
@@ -18,7 +18,7 @@ from trundle.planning import Cancellation, cost_field
 def by_dijkstra(costs: npt.NDArray[np.generic], goals: list[tuple[int, int]], connectivity: int = 8):
     walls = {"uint8": 255, "uint16": 65535, "float32": np.inf}
     wall = costs == walls[costs.dtype.name]
-    return cheapest_ways(costs.astype(np.float64), wall, goals, connectivity)
+    return cheapest_costs(costs.astype(np.float64), wall, goals, connectivity)
 
 
 def assert_same(field: npt.NDArray[np.float32], expected: npt.NDArray[np.float64]) -> None:
@@ -64,7 +64,7 @@ def maze(seed: int, rows: int, cols: int) -> npt.NDArray[np.uint8]:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
-def test_long_ways_through_many_tiles_are_exact(threads: int) -> None:
+def test_long_paths_through_many_tiles_are_exact(threads: int) -> None:
     costs = maze(3, 150, 210)
     free = np.argwhere(costs != 255)
     goals = [tuple(free[0].tolist()), tuple(free[-1].tolist())]
@@ -132,7 +132,7 @@ def test_costs_beyond_32_bits_are_still_exact() -> None:
     assert field[1, 1999] == np.float32(65534.0 * 1999)
 
 
-def test_the_dearest_costs_that_are_taken_and_the_least_ones_are_exact() -> None:
+def test_the_highest_and_the_lowest_accepted_costs_are_exact() -> None:
     # The longest way through a map goes through all of it; numbers below 1.2e-38 are kept with fewer digits.
     for cost, exact in ((2e36, 1e-6), (1e-37, 1e-6), (1e-44, 0.1)):
         costs = np.full((5, 7), cost, dtype=np.float32)
@@ -142,7 +142,7 @@ def test_the_dearest_costs_that_are_taken_and_the_least_ones_are_exact() -> None
         assert np.isfinite(field).sum() == np.isfinite(costs).sum()
 
 
-def test_costs_of_0_lead_nowhere_else_than_dearer_ones_do() -> None:
+def test_costs_of_0_lead_where_higher_ones_do() -> None:
     costs = np.zeros((40, 70), dtype=np.float32)
     costs[::3] = np.float32(0.5)
     costs[:, 20] = np.inf

@@ -91,7 +91,7 @@ def test_the_ends_are_kept_exactly():
     assert path.goal == goal
 
 
-def test_cost_keeps_the_way_off_the_walls_and_astar_goes_straight():
+def test_cost_keeps_the_path_off_the_walls_and_astar_goes_straight():
     data = room(10, 6)
     block(data, 4.0, 0.0, 6.0, 3.0)
     costmap = costmap_of(data)
@@ -287,7 +287,7 @@ def test_a_robot_with_its_tail_at_a_wall_can_leave():
     assert_drivable(costmap, path, start, goal)
 
 
-def test_a_robot_with_its_nose_at_a_wall_is_told_that_it_cannot_turn():
+def test_for_a_robot_with_its_nose_at_a_wall_the_error_says_that_it_cannot_turn():
     costmap = costmap_of(room(8, 8))
     start = Pose2D(4.0, 8.0 - 0.1401, math.pi / 2)
     with pytest.raises(PlanningError, match="footprint") as caught:

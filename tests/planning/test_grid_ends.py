@@ -30,7 +30,7 @@ def cells_of(mask):
 
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), method=st.sampled_from(["jps", "astar"]))
-def test_a_partial_way_ends_at_the_reachable_cell_nearest_to_the_goal(seed, method):
+def test_a_partial_path_ends_at_the_reachable_cell_nearest_to_the_goal(seed, method):
     blocked = make_map(seed)
     free = cells_of(~blocked)
     if not free:
@@ -113,7 +113,7 @@ def test_many_queries_are_moved_as_one_is():
         search.plan_many(starts, goals, start_tolerance=20)
 
 
-def test_many_ways_in_any_direction_are_those_of_one_query_each():
+def test_a_batch_of_any_angle_paths_equals_single_queries():
     blocked = np.random.default_rng(5).random((64, 65)) < 0.25
     free = np.argwhere(~blocked)
     rng = np.random.default_rng(6)
@@ -128,7 +128,7 @@ def test_many_ways_in_any_direction_are_those_of_one_query_each():
     assert len(search.any_angle_paths(np.zeros((0, 2), int), [])) == 0
 
 
-def test_many_ways_in_any_direction_stop_as_one_does():
+def test_a_batch_of_any_angle_paths_stops_as_one_does():
     blocked = np.random.default_rng(7).random((900, 900)) < 0.2
     ends = np.argwhere(~blocked)
     starts, goals = ends[:200], ends[::-1][:200]

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, ways_from
+from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, path_costs_from
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.planning import Cancellation, GridSearch
 
@@ -43,7 +43,7 @@ def check_queries(blocked, connectivity, seed, count=25):
     rng = np.random.default_rng(seed)
     start = tuple(free[rng.integers(len(free))].tolist())
     goals = [tuple(cell) for cell in free[rng.integers(len(free), size=count)].tolist()]
-    costs = ways_from(blocked, start, connectivity)
+    costs = path_costs_from(blocked, start, connectivity)
     for method in METHODS[connectivity]:
         search = GridSearch(blocked, connectivity, method=method)
         assert search.method == method
@@ -67,23 +67,23 @@ def check_queries(blocked, connectivity, seed, count=25):
     connectivity=st.sampled_from([8, 8, 4]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_ways_are_dijkstras_in_both_directions(rows, cols, kind, connectivity, seed):
+def test_path_costs_are_dijkstras_in_both_directions(rows, cols, kind, connectivity, seed):
     check_queries(make_map(rows, cols, kind, seed), connectivity, seed)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 300), (300, 1), (2, 257), (63, 64), (65, 62), (64, 127), (190, 190)])
-def test_ways_are_dijkstras_on_odd_sizes(shape):
+def test_path_costs_are_dijkstras_on_odd_sizes(shape):
     for seed in range(6):
         for kind in ("cells", "boxes", "rooms", "coarse"):
             check_queries(make_map(*shape, kind, seed), 8, seed, count=10)
 
 
-def test_ways_from_and_to_every_corner_and_border_cell():
+def test_path_costs_from_and_to_every_corner_and_border_cell():
     blocked = make_map(9, 70, "boxes", 3)
     border = [(r, c) for r in range(9) for c in range(70) if (r in (0, 8) or c in (0, 69)) and not blocked[r, c]]
     searches = [GridSearch(blocked, method=method) for method in METHODS[8]]
     for start in border[::5]:
-        costs = ways_from(blocked, start)
+        costs = path_costs_from(blocked, start)
         for search in searches:
             for goal in border:
                 expected = costs[goal]
@@ -117,7 +117,7 @@ def test_start_is_goal(connectivity):
         assert path.waypoints.tolist() == path.cells.tolist() == [[2, 1]]
 
 
-def test_a_way_dearer_than_32_bits_is_exact():
+def test_a_path_cost_above_32_bits_is_exact():
     blocked = np.zeros((1201, 1501), bool)
     blocked[1::4, :-1] = blocked[3::4, 1:] = True
     lengths = [GridSearch(blocked, method=method).shortest_path((0, 0), (1200, 0)).length for method in METHODS[8]]

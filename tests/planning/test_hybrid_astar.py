@@ -210,7 +210,7 @@ def test_cells_that_cost_are_kept_away_from():
     assert careless.length < careful.length
 
 
-def test_the_price_of_reversing_decides_which_way_round():
+def test_the_reverse_penalty_decides_which_way_round():
     costmap = costmap_of(room(12, 6))
     start, goal = Pose2D(6, 3, 0.0), Pose2D(3, 3, 0.0)
     assert HybridAStarPlanner(reverse_penalty=1.0).plan(costmap, start, goal).backward.all()
@@ -319,7 +319,7 @@ def test_the_guide_leads_round_the_end_of_a_thin_wall_wherever_its_cells_begin(c
     assert swept_area_blocked(costmap, path) < 1e-6
 
 
-def test_a_gap_that_only_the_inscribed_circle_fits_is_no_way():
+def test_a_gap_that_only_the_inscribed_circle_fits_is_closed():
     # 0.4 m wide: the circle needs 0.28, the footprint 0.5.
     costmap = costmap_of(room(4, 2, (2.0, 0, 2.3, 0.8), (2.0, 1.2, 2.3, 2)))
     with pytest.raises(NoPathError, match="footprint") as caught:
@@ -352,7 +352,7 @@ HARD = Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5, -2.0)
     ("options", "why"),
     [({"deadline_s": 1e-9}, "deadline of 1e-09 s"), ({"max_expansions": 3}, "none found within 3 expansions")],
 )
-def test_it_gives_up_when_told_to(options, why):
+def test_it_gives_up_at_its_limits(options, why):
     with pytest.raises(PlanningStoppedError, match=why):
         HybridAStarPlanner(**options).plan(costmap_of(WALLS), *HARD)
 

@@ -67,7 +67,7 @@ def test_a_robot_that_cannot_back_up_neither_arrives_nose_out_nor_leaves_nose_in
     assert not planner.plan(ALLEY, nose_out, outside).backward.any()
 
 
-def test_a_dead_end_is_approached_where_a_part_of_the_way_will_do():
+def test_a_dead_end_is_approached_where_a_partial_path_will_do():
     goal = Pose2D(10.2, 6.0, 0.0)
     path = HybridAStarPlanner(allow_partial=True).plan(niche(0.4), Pose2D(2, 2, 1.0), goal)
     assert path.status == "partial"
@@ -75,7 +75,7 @@ def test_a_dead_end_is_approached_where_a_part_of_the_way_will_do():
     assert path.remaining_m == path.goal.distance_to(goal) < 1.5
 
 
-def test_where_no_way_keeps_the_padding_one_that_keeps_a_quarter_is_given():
+def test_where_no_path_keeps_the_padding_one_that_keeps_a_quarter_is_given():
     # 0.52 m wide, for a robot of 0.5 m with a padding of 0.02 m: 0.01 m to each side.
     costmap = costmap_of(room(6, 1, (2, 0, 4, 0.24), (2, 0.76, 4, 1.0), resolution=0.02), resolution=0.02)
     start, goal = Pose2D(1, 0.5, 0.0), Pose2D(5, 0.5, 0.0)

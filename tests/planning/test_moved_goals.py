@@ -42,7 +42,7 @@ def test_a_goal_in_a_wall_is_moved_to_the_side_that_can_be_reached(name, yaw):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_goal_that_no_place_near_it_can_be_reached_from_stays_one_without_a_way(name):
+def test_a_goal_with_no_reachable_place_near_it_has_no_path(name):
     with pytest.raises(NoPathError):
         create_planner(name, goal_tolerance=0.3).plan(hall(wall=True), START, Pose2D(6.0, 4.14, 0.0))
 

@@ -24,11 +24,11 @@ def straight(x0=1.0, x1=9.0, y=5.0):
     return Path(np.array([[x0, y, 0.0], [x1, y, 0.0]]))
 
 
-def test_a_free_path_has_no_hit():
+def test_a_free_path_has_no_collision():
     assert PathCheck(straight()).first_hit(Costmap.from_grid(room(), CARTER)) is None
 
 
-def test_the_hit_is_where_the_front_first_touches():
+def test_the_collision_is_where_the_front_first_touches():
     costmap = Costmap.from_grid(room(), SQUARE).update(slice(96, 104), slice(120, 124), 100)
     check = PathCheck(straight())
     hit = check.first_hit(costmap)

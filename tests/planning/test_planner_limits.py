@@ -110,13 +110,13 @@ def test_one_deadline_holds_for_all_attempts_together(monkeypatch):
     monkeypatch.setattr("trundle.planning.cancellation.time.monotonic", lambda: float(next(seconds)))
     attempts = []
 
-    def hit_each_time(costmap, motions):
+    def collide_each_time(costmap, motions):
         attempts.append(motions)
         poses, owners, _ = sample(motions, 0.025, 0.1)
         index = int(np.argmin(np.abs(poses[:, 0] - 2.5)))
         return motions, poses[index : index + 1], [int(owners[index])]
 
-    monkeypatch.setattr("trundle.planning.footprint_planner.fit_motions", hit_each_time)
+    monkeypatch.setattr("trundle.planning.footprint_planner.fit_motions", collide_each_time)
     with pytest.raises(PlanningStoppedError, match="the deadline of 50 s passed"):
         create_planner("astar", max_replans=1000).plan(costmap_of(rooms(30)), START, GOAL, deadline_s=50.0)
     assert 2 <= len(attempts) <= 25
@@ -152,7 +152,7 @@ def test_a_partial_path_leads_near_to_a_goal_that_cannot_be_reached(name, goal):
 
 
 @pytest.mark.parametrize("name", GRID_NAMES)
-def test_asked_for_part_of_the_way_a_planner_still_goes_all_of_it_where_it_can(name):
+def test_with_allow_partial_a_planner_still_reaches_the_goal_where_it_can(name):
     costmap = costmap_of(rooms(40))
     whole = create_planner(name, allow_partial=True).plan(costmap, START, GOAL)
     assert whole.status == "found"

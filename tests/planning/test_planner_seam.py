@@ -127,7 +127,7 @@ def test_an_older_planner_is_not_begun_when_it_is_cancelled_already():
         create_planner(Plain()).plan(costmap(), START, GOAL, deadline_s=-1.0)
 
 
-def test_a_planner_whose_signature_cannot_be_told_is_asked_as_the_seam_says():
+def test_a_planner_without_a_readable_signature_is_called_by_the_protocol():
     class Compiled:
         plan = type("Opaque", (), {"__call__": lambda self, *_, **given: given, "__signature__": "none"})()
 

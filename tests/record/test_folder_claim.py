@@ -127,7 +127,7 @@ def test_a_replacement_that_fails_puts_the_old_run_back(tmp_path: Path) -> None:
     assert read(tmp_path) == OLD
 
 
-def test_the_second_of_two_runs_is_told_of_the_first(tmp_path: Path) -> None:
+def test_the_second_of_two_runs_is_refused_because_of_the_first(tmp_path: Path) -> None:
     folder = tmp_path / "r"
     for overwrite in (False, True):
         with (

@@ -46,6 +46,6 @@ def test_what_is_too_small_depends_on_the_robot():
         assert len(lines) == 1 + {2: 3, 3: 1, 0: 4}[small]
 
 
-def test_specks_that_a_robot_would_hit_are_never_too_small():
+def test_specks_that_a_robot_would_touch_are_never_too_small():
     report = MapReport((finding("speckle", area=0.0025),))
     assert len(tell_report("map", report, 10.0, most=MOST_LINES)) == 3

@@ -112,7 +112,7 @@ def test_letters_that_the_font_lacks_are_replaced():
     assert plain("night·shift 창고\n") == "night·shift ???"
 
 
-def test_zones_of_masks_are_seen_and_told_in_the_legend(hall, robot):
+def test_zones_of_masks_are_drawn_and_listed_in_the_legend(hall, robot):
     rows, cols = hall.shape
     painted = np.zeros((rows, cols), dtype=np.int8)
     painted[:, : cols // 4] = 100
@@ -138,7 +138,7 @@ def test_zones_of_masks_are_seen_and_told_in_the_legend(hall, robot):
         assert has(picture, colors.KEPT_OUT, 100)
 
 
-def test_many_limits_are_told_as_a_range(robot):
+def test_many_limits_are_shown_as_a_range(robot):
     mask = SpeedMask(OccupancyGrid(np.array([[0, 10, 50, 100]], dtype=np.int8), 0.1))
     assert [mark.text for mark in SpeedZones(mask, 1.0).marks()] == ["up to 0.1 to 1 m/s"]
     nothing = SpeedMask(OccupancyGrid(np.zeros((1, 1), dtype=np.int8), 0.1))

@@ -71,7 +71,7 @@ def test_a_run_is_drawn_and_reported(told, tmp_path):
     assert reports[-1] == ("video", count, count)
 
 
-def test_drawn_frames_move_the_robot_and_keep_its_way(told):
+def test_drawn_frames_move_the_robot_and_keep_its_trail(told):
     poses = [told.steps[0].state.pose, told.steps[-1].state.pose]
     with DrawnFrames(told.info, told.episode) as source:
         first, last = (source.render(pose).astype(int) for pose in poses)

@@ -35,7 +35,7 @@ def test_straight_and_spin():
 
 
 @given(v=st.floats(-10, 10), w=st.floats(-10, 10), radius=st.floats(0.01, 1.0), track=st.floats(0.05, 2.0))
-def test_kinematics_both_ways_are_inverse(v, w, radius, track):
+def test_forward_and_inverse_kinematics_are_inverse(v, w, radius, track):
     drive = make_drive(wheel_radius=radius, track_width=track)
     back = drive.twist(drive.wheel_speeds(Twist2D(v, w)))
     assert math.isclose(back.v, v, abs_tol=1e-9)

@@ -134,7 +134,7 @@ def test_mistakes_in_such_a_yaml_are_named(mini, text, message):
     assert message in str(caught.value)
 
 
-def test_a_urdf_robot_drives_as_it_is_told_in_both_simulators(mini):
+def test_a_urdf_robot_follows_commands_in_both_simulators(mini):
     robot = read(mini)
     for backend in ("mujoco", "kinematic"):
         with simulate(World("floor", ()), robot, backend=backend) as sim:

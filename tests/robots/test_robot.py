@@ -126,7 +126,7 @@ def test_a_bad_value_is_refused_with_its_place(old, new, message, tmp_path):
     assert "mine.yaml:" in str(caught.value)
 
 
-def test_every_mistake_of_a_file_is_told(tmp_path):
+def test_every_mistake_of_a_file_is_reported(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text(text_of("nova_carter").replace("0.14\n", "-1\n").replace("mass: 54.6", "mass: heavy"))
     with pytest.raises(RobotError) as caught:

@@ -117,7 +117,7 @@ def test_three_axles_are_one_drive(tmp_path):
 
 @pytest.mark.parametrize("backend", ["mujoco", "kinematic"])
 @pytest.mark.parametrize(("v", "w"), [(0.5, 0.0), (0.0, 0.8), (0.3, -0.5)])
-def test_it_drives_as_it_is_told(tmp_path, backend, v, w):
+def test_it_follows_its_commands(tmp_path, backend, v, w):
     robot = read(write(tmp_path))
     with (
         simulate(World("empty", ()), robot, backend="kinematic") as exact,

@@ -60,7 +60,7 @@ def test_a_missing_venv_is_named_with_its_package(module: str, tmp_path: Path) -
     assert "install python3-venv (Debian, Ubuntu)" in done.stderr
 
 
-def test_an_old_python_is_told_what_to_do() -> None:
+def test_an_old_python_gets_advice() -> None:
     done = check(before="import sys\nsys.version_info = (3, 9, 2, 'final', 0)")
     assert done.returncode == 1
     assert "Python 3.9.2 at " in done.stderr

@@ -157,7 +157,7 @@ def test_a_folder_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("version", ["3.8", "3.10"])
-def test_the_python_of_an_older_isaac_sim_is_told_so(version: str) -> None:
+def test_the_python_of_an_older_isaac_sim_is_refused_with_a_reason(version: str) -> None:
     python = find_python(version)
     if python is None:
         pytest.skip(f"no Python {version} on this machine")
@@ -194,7 +194,7 @@ def test_a_source_that_is_not_there_is_named(isaac: StandIn, source: str) -> Non
     assert source in done.stderr
 
 
-def test_a_python_without_pip_is_told_how_to_get_it(isaac: StandIn) -> None:
+def test_a_python_without_pip_gets_advice_on_installing_it(isaac: StandIn) -> None:
     shutil.rmtree(next((isaac.python.parents[1] / "lib").glob("python*/site-packages/pip")))
     done = isaac.install("x.whl")
     assert done.returncode == 2

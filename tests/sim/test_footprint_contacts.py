@@ -64,7 +64,7 @@ def test_only_what_stands_in_the_robots_height_counts():
     assert names(World("w", solids), (0.0, 0.0, 0.0)) == ["ball"]
 
 
-def test_touching_on_the_way_counts_though_both_ends_are_free():
+def test_touching_between_two_free_ends_counts():
     world = World("w", (Solid("post", Cylinder(0.02, 1.0), Pose3D((0.3, 0.0, 0.5))),))
     ends = [(-0.5, 0.0, 0.0), (1.2, 0.0, 0.0)]
     assert names(world, *ends) == []

@@ -38,7 +38,7 @@ def grid_graph(
     return csr_matrix((weights, (np.concatenate(starts), np.concatenate(ends))), shape=(index.size, index.size))
 
 
-def cheapest_ways(
+def cheapest_costs(
     costs: npt.NDArray[np.float64],
     wall: npt.NDArray[np.bool_],
     sources: Sequence[tuple[int, int]],

@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from support.grid_graph import cheapest_ways
+from support.grid_graph import cheapest_costs
 
 STRAIGHT, DIAGONAL = 5741, 8119
 """What a step costs in the integers of the kernels."""
 
 
-def ways_from(blocked: npt.NDArray[np.bool_], start: tuple[int, int], connectivity: int = 8) -> npt.NDArray[np.float64]:
+def path_costs_from(
+    blocked: npt.NDArray[np.bool_], start: tuple[int, int], connectivity: int = 8
+) -> npt.NDArray[np.float64]:
     """What SciPy's Dijkstra says that the way to each cell costs, in those numbers, infinity where there is none."""
-    return cheapest_ways(np.ones(blocked.shape), blocked, [start], connectivity, (STRAIGHT, DIAGONAL))
+    return cheapest_costs(np.ones(blocked.shape), blocked, [start], connectivity, (STRAIGHT, DIAGONAL))
 
 
 def count_steps(

@@ -75,7 +75,7 @@ def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
 def updated() -> Any:
     grid = _core.BinaryGrid(OPEN, 8, "auto")
     grid.update(0, 0, BLOCKED)
-    return grid.find_way(START, GOAL, None, None)
+    return grid.find_path(START, GOAL, None, None)
 
 
 def planes() -> Any:
@@ -85,10 +85,10 @@ def planes() -> Any:
 # What each of them calls is in its name.
 CALLS_OF: dict[str, Callable[[], Any]] = {
     "BinaryGrid": lambda: _core.BinaryGrid(BLOCKED, 8, "jps").bytes,
-    "BinaryGrid.find_way": lambda: GRID.find_way(START, GOAL, 10.0, None),
-    "BinaryGrid.find_point_way": lambda: GRID.find_point_way(START, GOAL, 10.0, None),
-    "BinaryGrid.find_ways": lambda: GRID.find_ways(*ENDS, 2, 10.0, None),
-    "BinaryGrid.find_point_ways": lambda: GRID.find_point_ways(*ENDS, 2, 10.0, None),
+    "BinaryGrid.find_path": lambda: GRID.find_path(START, GOAL, 10.0, None),
+    "BinaryGrid.find_point_path": lambda: GRID.find_point_path(START, GOAL, 10.0, None),
+    "BinaryGrid.find_paths": lambda: GRID.find_paths(*ENDS, 2, 10.0, None),
+    "BinaryGrid.find_point_paths": lambda: GRID.find_point_paths(*ENDS, 2, 10.0, None),
     "BinaryGrid.settle_ends": lambda: GRID.settle_ends(*ENDS, 1.0, 1.0, True),
     "BinaryGrid.update": updated,
     "BinaryGrid.method": lambda: GRID.method,

@@ -92,6 +92,6 @@ class Stopped(WithoutLimit):
         (Stopped, "it stood"),
     ],
 )
-def test_a_controller_that_breaks_a_promise_is_told_which(broken, promise):
+def test_a_controller_that_breaks_a_promise_learns_which(broken, promise):
     with pytest.raises(ConformanceError, match=promise):
         check_controller(broken)

@@ -121,6 +121,6 @@ class WrongStatusPlanner(LeastCostPlanner):
         (WrongStatusPlanner, "status 'cancelled'"),
     ],
 )
-def test_a_planner_that_breaks_a_promise_is_told_which(planner, message):
+def test_a_planner_that_breaks_a_promise_learns_which(planner, message):
     with pytest.raises(ConformanceError, match=message):
         check_planner(planner)

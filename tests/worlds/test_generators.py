@@ -70,7 +70,7 @@ def test_the_walls_shut_the_world_in(name):
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
-def test_a_perfect_maze_has_one_way_between_any_two_cells(seed):
+def test_a_perfect_maze_has_one_path_between_any_two_cells(seed):
     rows, columns, cell = 5, 7, 1.0
     world = World.generate("maze", seed=seed, rows=rows, columns=columns, cell=cell)
     grid = OccupancyGrid.from_world(world, resolution=0.05, z_range=BAND)
@@ -130,7 +130,7 @@ def test_a_disc_passes_the_lane_of_cylinders(seed, density, radius):
     assert west == east > 0
 
 
-def test_without_a_promised_way_no_post_is_left_out_and_denser_lanes_have_more():
+def test_without_a_promised_path_no_post_is_left_out_and_denser_lanes_have_more():
     counts = []
     for density in (0.0, 0.1, 0.2, 0.3):
         free, opened = (World.generate("cylinders", seed=1, density=density, passable_radius=r) for r in (0.0, 0.5))

@@ -7,13 +7,13 @@ import numpy.typing as npt
 
 class BinaryGrid:
     def __init__(self, blocked: npt.NDArray[np.uint8], connectivity: int, method: str) -> None: ...
-    def find_way(
+    def find_path(
         self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, int, int, bytes]: ...
-    def find_point_way(
+    def find_point_path(
         self, start: object, goal: object, seconds: float | None, cancel: npt.NDArray[np.uint8] | None
     ) -> tuple[int, float, bytes]: ...
-    def find_ways(
+    def find_paths(
         self,
         starts: npt.NDArray[np.int64],
         goals: npt.NDArray[np.int64],
@@ -21,7 +21,7 @@ class BinaryGrid:
         seconds: float | None,
         cancel: npt.NDArray[np.uint8] | None,
     ) -> tuple[Any, ...]: ...
-    def find_point_ways(
+    def find_point_paths(
         self,
         starts: npt.NDArray[np.int64],
         goals: npt.NDArray[np.int64],

@@ -139,7 +139,7 @@ class GridSearch:
         """
         flag = check_limits(deadline_s, cancel)
         start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
-        code, straight, diagonal, corners = self._grid.find_way(start, goal, deadline_s, flag)
+        code, straight, diagonal, corners = self._grid.find_path(start, goal, deadline_s, flag)
         if code < 0:
             raise self._ends.refusal(code, start, goal)
         return GridPath(*_outcome(code, straight + _ROOT_2 * diagonal, moved), corners, *moved)
@@ -175,7 +175,7 @@ class GridSearch:
         self._check_sides()
         flag = check_limits(deadline_s, cancel)
         start, goal, moved = self._ends.settle(start, goal, start_tolerance, goal_tolerance, partial)
-        code, length, corners = self._grid.find_point_way(start, goal, deadline_s, flag)
+        code, length, corners = self._grid.find_point_path(start, goal, deadline_s, flag)
         if code < 0:
             raise self._ends.refusal(code, start, goal)
         return PointPath(*_outcome(code, length, moved), corners, *moved)
@@ -211,7 +211,7 @@ class GridSearch:
         """
         flag, count = check_limits(deadline_s, cancel), check_threads(threads)
         first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
-        wrong, code, *found = self._grid.find_ways(first, last, count, deadline_s, flag)
+        wrong, code, *found = self._grid.find_paths(first, last, count, deadline_s, flag)
         if wrong >= 0:
             raise self._ends.refusal(code, first[wrong].tolist(), last[wrong].tolist(), wrong)
         codes, steps, ends, corners = found
@@ -237,7 +237,7 @@ class GridSearch:
         self._check_sides()
         flag, count = check_limits(deadline_s, cancel), check_threads(threads)
         first, last, moved = self._ends.settle_many(starts, goals, start_tolerance, goal_tolerance, partial)
-        wrong, code, *found = self._grid.find_point_ways(first, last, count, deadline_s, flag)
+        wrong, code, *found = self._grid.find_point_paths(first, last, count, deadline_s, flag)
         if wrong >= 0:
             raise self._ends.refusal(code, first[wrong].tolist(), last[wrong].tolist(), wrong)
         codes, length, ends, corners = found

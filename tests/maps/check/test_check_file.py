@@ -53,7 +53,7 @@ def test_what_keeps_a_map_from_loading_is_a_finding(good, old, new, kind, words)
     assert report.unverified
 
 
-def test_all_mistakes_are_told_at_once(good):
+def test_all_mistakes_are_reported_at_once(good):
     rewrite(rewrite(good, "negate: 0", "negate: x"), "origin: [", "origin: [1, ")
     assert len([finding for finding in check_map(good).findings if finding.kind == "yaml"]) == 2
 

@@ -186,7 +186,7 @@ def test_a_world_or_a_map_with_nothing_in_it_is_unverified():
 # Turned by any angle ------------------------------------------------------------------------------------------------
 
 
-def told_turn(report):
+def reported_turn(report):
     """The angle [°], counter-clockwise, that a report says to turn the map by, and about what."""
     (finding,) = (finding for finding in report.findings if finding.kind == "rotated")
     assert finding.severity == "error"
@@ -202,7 +202,7 @@ def placement(report):
 def test_a_map_turned_by_any_angle_is_found_and_put_right(degrees):
     report = check_grid(turned(map_of(room()), degrees), world=room())
     assert placement(report) == {"rotated"}
-    angle, about = told_turn(report)
+    angle, about = reported_turn(report)
     assert abs(angle + degrees) <= 0.1
     assert about in ("its middle", "the map frame's origin")
     assert report.corrected.origin.yaw == 0.0
@@ -224,7 +224,7 @@ def test_a_wrong_yaw_in_the_file_is_taken_out_again():
     grid = map_of(room())
     report = check_grid(OccupancyGrid(grid.data, EDGE, Pose2D(grid.origin.x, grid.origin.y, 0.3)), world=room())
     assert report.kinds() == {"rotated", "yaw_ignored"}
-    angle, about = told_turn(report)
+    angle, about = reported_turn(report)
     assert abs(angle + math.degrees(0.3)) <= 0.05
     assert about == "its lower-left corner"
     assert report.corrected.origin.yaw == 0.0
@@ -243,7 +243,7 @@ def test_a_turned_map_can_be_flipped_and_shifted_as_well():
 def test_a_noisy_map_of_a_part_with_moved_things_is_found_at_its_angle(make):
     report = check_grid(turned(surveyed(map_of(make()), 1), -12.0, right=1.0, up=0.6), world=make())
     assert placement(report) == {"rotated", "shifted"}
-    assert abs(told_turn(report)[0] - 12.0) <= 0.15
+    assert abs(reported_turn(report)[0] - 12.0) <= 0.15
     assert placement(check_grid(report.corrected, world=make())) == set()
 
 

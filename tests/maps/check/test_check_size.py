@@ -34,14 +34,14 @@ def test_a_map_that_is_stretched_along_one_axis_is_not_said_to_be_shifted(name):
     assert "moving the origin does not help" in finding.fix
 
 
-def test_a_stretch_along_the_other_axis_is_told_by_it():
+def test_a_stretch_along_the_other_axis_names_that_axis():
     report = check_grid(scaled(map_of(warehouse()), 1.0, 0.96), world=warehouse())
     (finding,) = (finding for finding in report.findings if finding.kind == "resolution")
     assert "too short along its height" in finding.message
 
 
 @pytest.mark.parametrize("factor", [1.05, 2.0])
-def test_cells_of_another_size_are_told_with_the_one_that_fits(factor):
+def test_cells_of_the_wrong_size_are_reported_with_the_size_that_fits(factor):
     report = check_grid(scaled(map_of(warehouse()), factor, factor), world=warehouse())
     assert not set(PLACEMENT_KINDS) & report.kinds()
     (finding,) = (finding for finding in report.findings if finding.kind == "resolution")

@@ -185,7 +185,7 @@ def test_a_door_that_is_just_wide_enough_is_none():
     assert check_grid(changed(map_of(room()), (0.9, 2.2, 1.1, 3.0, 100))).findings == ()
 
 
-def test_a_narrow_aisle_has_a_way_round():
+def test_a_narrow_aisle_has_a_detour():
     grid = map_of(warehouse())
     # An aisle between two rows of racks, nearly closed.
     finding = only(check_grid(changed(grid, (-4.2, 2.5, -4.0, 4.2, 100)), robot=NOVA), "narrow_door")
@@ -205,7 +205,7 @@ def test_a_slanted_door_is_measured():
     assert near(finding, 4.0, 4.0)
 
 
-def test_start_and_goal_in_different_rooms_are_told():
+def test_start_and_goal_in_different_rooms_are_reported():
     grid = changed(map_of(room()), (0.9, 2.2, 1.1, 3.0, 100))
     finding = check_grid(grid, robot=NOVA, start=(-1.0, 3.0), goals=[(2.5, 2.5)]).findings[0]
     assert finding.kind == "disconnected"
@@ -224,14 +224,14 @@ def test_start_and_goal_in_different_rooms_are_told():
         ((-3.97, 3.0), "too near to a wall"),
     ],
 )
-def test_a_start_that_is_no_place_is_told(start, words):
+def test_a_start_that_is_no_place_is_reported(start, words):
     grid = changed(map_of(room()), (-2.4, 3.1, -1.6, 3.9, -1))
     finding = check_grid(grid, robot=NOVA, start=start).findings[0]
     assert finding.kind == "disconnected"
     assert words in finding.message
 
 
-def test_a_start_on_an_island_is_told():
+def test_a_start_on_an_island_is_reported():
     grid = changed(map_of(room()), (-2.6, 2.9, -1.4, 4.1, 100), (-2.5, 3.0, -1.5, 4.0, 0))
     kinds = [finding.kind for finding in check_grid(grid, start=(-2.0, 3.5)).findings]
     assert kinds == ["disconnected", "island"]

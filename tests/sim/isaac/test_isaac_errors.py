@@ -81,7 +81,7 @@ def test_an_api_that_nobody_knows(make_fake):
     assert fake.app_closes == 1
 
 
-def test_an_api_that_has_changed_is_told_by_what_is_missing(make_fake):
+def test_a_changed_api_is_reported_by_what_is_missing(make_fake):
     fake = make_fake(6)
     del fake.modules["isaacsim.core.simulation_manager"]["SimulationManager"].setup_simulation
     with pytest.raises(SimulationError, match=r"SimulationManager.setup_simulation is missing"):
@@ -248,7 +248,7 @@ def test_a_wheel_whose_drive_does_not_follow_a_speed_is_warned_of(fake, assets, 
         make(robot_usd=str(tmp_path / "carter.usda")).close()
 
 
-def test_nobody_is_told_to_install_usd_core_beside_isaac_sims_own(fake, monkeypatch, tmp_path):
+def test_nobody_is_advised_to_install_usd_core_beside_isaac_sims_own(fake, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pxr.Usd", None)
     (tmp_path / "hall.usd").touch()
     with pytest.raises(MissingExtraError, match=r"in another Python than Isaac Sim's"):

@@ -90,7 +90,7 @@ def test_the_start_pose_is_written_on_the_robots_prim_above_the_ground(fake):
 
 
 @pytest.mark.parametrize("generation", [5, 6])
-def test_an_articulation_whose_root_is_not_base_link_is_told_of_at_base_link(make_fake, generation):
+def test_an_articulation_whose_root_is_not_base_link_is_placed_and_read_at_base_link(make_fake, generation):
     make_fake(generation, root=Pose2D(-0.2, 0.05, 0.3))
     with Application(headless=True):
         check_simulator(lambda world, robot: IsaacSimulator(world, robot))

@@ -42,10 +42,10 @@ struct TileSweeper {
   template <bool kInterpolate, bool kWalls>
   void settle(unsigned pending) {
     do {
-      pending = sweep_both_ways<kInterpolate, kWalls>(by_rows, pending, kUp, kDown);
+      pending = sweep_both_directions<kInterpolate, kWalls>(by_rows, pending, kUp, kDown);
       transpose(by_rows.cost, by_cols.cost);
       if (pending == 0) return;
-      pending = sweep_both_ways<kInterpolate, kWalls>(by_cols, pending, kRight, kLeft);
+      pending = sweep_both_directions<kInterpolate, kWalls>(by_cols, pending, kRight, kLeft);
       transpose(by_cols.cost, by_rows.cost);
     } while (pending != 0);
   }
@@ -190,7 +190,7 @@ struct TileSweeper {
 
   // Sweeps forward and backward along a plane while either is pending; returns the directions that are pending then.
   template <bool kInterpolate, bool kWalls>
-  TRUNDLE_INLINE unsigned sweep_both_ways(Plane &plane, unsigned pending, unsigned forward, unsigned backward) {
+  TRUNDLE_INLINE unsigned sweep_both_directions(Plane &plane, unsigned pending, unsigned forward, unsigned backward) {
     while (pending & (forward | backward)) {
       if (pending & forward) {
         pending &= ~forward;

@@ -66,8 +66,8 @@ static std::unique_ptr<BinaryGrid> make_grid(Bytes blocked, int connectivity, co
 }
 
 // Status, straight and diagonal steps, and the corners as bytes of int32: (row, col), (row, col), …
-static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle goal, std::optional<double> seconds,
-                          const Flag &cancel) {
+static nb::tuple find_path(const BinaryGrid &grid, nb::handle start, nb::handle goal, std::optional<double> seconds,
+                           const Flag &cancel) {
   std::int64_t ends[4];
   int status = 0;
   for (int end = 0; end < 2 && status == 0; ++end) {
@@ -88,8 +88,8 @@ static nb::tuple find_way(const BinaryGrid &grid, nb::handle start, nb::handle g
 }
 
 // Status, length in cells, and the points as bytes of int32: (column, row), …, in half cells from the map's corner.
-static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::handle goal,
-                                std::optional<double> seconds, const Flag &cancel) {
+static nb::tuple find_point_path(const BinaryGrid &grid, nb::handle start, nb::handle goal,
+                                 std::optional<double> seconds, const Flag &cancel) {
   check_point_sides(grid);
   std::int64_t ends[4];
   int status = 0;
@@ -115,7 +115,7 @@ static nb::tuple find_point_way(const BinaryGrid &grid, nb::handle start, nb::ha
 }
 
 // Where each of many queries really begins and ends, by the rules of `settle`. First the index of the first query that
-// cannot be asked, or -1, and its status as of `find_way`; then starts, goals, and whether the goal is only the nearest
+// cannot be asked, or -1, and its status as of `find_path`; then starts, goals, and whether the goal is only the nearest
 // cell that can be reached.
 static nb::tuple settle_ends(const BinaryGrid &grid, CellArray starts, CellArray goals, double start_reach,
                              double goal_reach, bool partial) {
@@ -139,10 +139,10 @@ static nb::tuple settle_ends(const BinaryGrid &grid, CellArray starts, CellArray
                         to_numpy(std::move(nearly), {count}));
 }
 
-// Many paths at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_way`;
+// Many paths at once. First the index of the first query that cannot be asked, or -1, and its status as of `find_path`;
 // then status, straight and diagonal steps and the end of its corners for each query, and the corners of all.
-static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
-                           std::optional<double> seconds, const Flag &cancel) {
+static nb::tuple find_paths(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
+                            std::optional<double> seconds, const Flag &cancel) {
   const std::size_t count = same_count(starts, goals);
   const auto [wrong, refused] = first_refusal(grid, starts, goals);
   if (wrong >= 0) return nb::make_tuple(wrong, refused);
@@ -173,8 +173,8 @@ static nb::tuple find_ways(const BinaryGrid &grid, CellArray starts, CellArray g
 }
 
 // The same for any-angle paths: status, length in cells and the end of its points for each query, and all points.
-static nb::tuple find_point_ways(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
-                                 std::optional<double> seconds, const Flag &cancel) {
+static nb::tuple find_point_paths(const BinaryGrid &grid, CellArray starts, CellArray goals, int threads,
+                                  std::optional<double> seconds, const Flag &cancel) {
   const std::size_t count = same_count(starts, goals);
   check_point_sides(grid);
   const auto [wrong, refused] = first_refusal(grid, starts, goals);
@@ -244,13 +244,13 @@ void bind_grid(nanobind::module_ &m) {
   using Unlocked = nb::call_guard<nb::gil_scoped_release>;
   nb::class_<trundle::BinaryGrid>(m, "BinaryGrid")
       .def(nb::new_(&trundle::make_grid), nb::arg("blocked").noconvert(), nb::arg("connectivity"), nb::arg("method"))
-      .def("find_way", &trundle::find_way, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
+      .def("find_path", &trundle::find_path, nb::arg("start").none(), nb::arg("goal").none(), nb::arg("seconds").none(),
            nb::arg("cancel").none())
-      .def("find_point_way", &trundle::find_point_way, nb::arg("start").none(), nb::arg("goal").none(),
+      .def("find_point_path", &trundle::find_point_path, nb::arg("start").none(), nb::arg("goal").none(),
            nb::arg("seconds").none(), nb::arg("cancel").none())
-      .def("find_ways", &trundle::find_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
+      .def("find_paths", &trundle::find_paths, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
-      .def("find_point_ways", &trundle::find_point_ways, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
+      .def("find_point_paths", &trundle::find_point_paths, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("threads"), nb::arg("seconds").none(), nb::arg("cancel").none())
       .def("settle_ends", &trundle::settle_ends, nb::arg("starts").noconvert(), nb::arg("goals").noconvert(),
            nb::arg("start_reach"), nb::arg("goal_reach"), nb::arg("partial"))

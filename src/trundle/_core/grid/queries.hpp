@@ -21,7 +21,7 @@ inline GridCell cell_of(std::int64_t row, std::int64_t col) {
   return {static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)};
 }
 
-// Statuses of `find_way` besides those of `SearchStatus`: why the start is refused; one more for the goal.
+// Statuses of `find_path` besides those of `SearchStatus`: why the start is refused; one more for the goal.
 constexpr int kBlocked = -2, kOutside = -4, kNoCell = -6;
 
 inline int refusal(const BinaryGrid &grid, const std::int64_t (&ends)[4]) {

@@ -70,7 +70,7 @@ def drive_at_wall(backend, robot, angle, *, goal_y=4.0, **when):
     ("robot", "angle"),
     [("nova_carter", 0.0), ("turtlebot3_waffle", 0.15), ("turtlebot3_waffle", -0.4), ("jackal", 0.5)],
 )
-def test_a_wall_across_the_whole_way_is_a_block_and_at_last_no_path(backend, robot, angle):
+def test_a_wall_across_the_whole_corridor_is_a_block_and_at_last_no_path(backend, robot, angle):
     navigator, closing, episode = drive_at_wall(backend, robot, angle)
     assert episode.outcome is Outcome.NO_PATH
     assert "separated" in episode.message
@@ -87,7 +87,7 @@ def test_a_wall_across_the_whole_way_is_a_block_and_at_last_no_path(backend, rob
 
 
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
-def test_a_way_that_is_freed_again_is_driven_to_its_end(backend):
+def test_a_path_that_is_freed_again_is_driven_to_its_end(backend):
     # It has then stood before the wall for longer than a robot may that gets nowhere on a free way.
     navigator, closing, episode = drive_at_wall(backend, "turtlebot3_waffle", 0.15, freed_at=45.0)
     assert episode.outcome is Outcome.ARRIVED
@@ -117,7 +117,7 @@ def test_noise_of_the_pose_hides_no_block(seed):
     assert NavigationStatus.STUCK not in statuses
 
 
-def test_where_the_planner_sees_a_way_that_cannot_be_driven_the_robot_is_stuck():
+def test_where_the_planner_finds_a_path_that_cannot_be_driven_the_robot_is_stuck():
     class NeverOn:
         def set_path(self, path):
             pass
@@ -164,7 +164,7 @@ def test_creeping_is_a_block_as_standing_is(creeping):
 
 
 @pytest.mark.parametrize("command", [(0.5, 0.0), (0.0, 0.5), (-0.5, 0.1)])
-def test_a_robot_that_does_not_do_what_it_is_told_has_two_seconds(command):
+def test_a_robot_that_does_not_follow_its_commands_has_two_seconds(command):
     assert blocked_after([command] * 80, Twist2D()) == [39, 79]
     assert blocked_after([command] * 80, Twist2D(1e-4, 1e-3)) == [39, 79]
 
