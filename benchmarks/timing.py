@@ -1,4 +1,4 @@
-"""Timing for benchmarks: contestants take turns, so that a busy moment of the machine hits all of them."""
+"""Timing for benchmarks: contestants take turns, so that a busy moment of the machine affects all of them."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 Runs with the system's Python and its standard library alone, before anything is installed.
 """
 
-# So that a Python that is too old gets as far as to be told so.
+# So that a Python that is too old reaches the check of its version.
 from __future__ import annotations
 
 import importlib.util

@@ -7,7 +7,7 @@ missing, each as an addition: pip's own report says before anything is written w
 not a pure addition is refused. The simulator, the viewers and the readers of other formats stay out.
 """
 
-# So that the Python of an Isaac Sim that is too old gets as far as to be told so.
+# So that the Python of an Isaac Sim that is too old reaches the check of its version.
 from __future__ import annotations
 
 import argparse
@@ -79,14 +79,14 @@ def find_wheel(source: Path, folder: Path) -> Path:
             "and give it: ./isaac.sh install WHEEL"
         )
     print("building trundle's kernels for this Python (about a minute)", flush=True)
-    # In a folder of its own, so that nothing of this build stays among the sources.
+    # In a separate folder, so that nothing of this build stays among the sources.
     settings = f"--config-settings=build-dir={folder / 'build'}"
     run_pip("wheel", "--quiet", "--no-deps", settings, "--wheel-dir", str(folder), str(source), what="build trundle")
     return next(folder.glob("trundle-*.whl"))
 
 
 def light_requirements(wheel: Path, folder: Path) -> list[str]:
-    """What the wheel requires by itself, as pip reads it, without what it does not need in Isaac Sim."""
+    """The wheel's requirements, as pip reads them, without those that it does not need in Isaac Sim."""
     report = folder / "wheel.json"
     run_pip(
         *_INSTALL, "--dry-run", "--force-reinstall", "--report", str(report), str(wheel.resolve()),
@@ -163,7 +163,7 @@ def is_current(source: Path) -> bool:
 
 
 def remark_on_newer_sources(source: Path) -> None:
-    """Say so where the sources changed since they were installed; installing anew takes a minute, so it is not done."""
+    """Report if the sources changed since they were installed; they are not reinstalled, as that takes a minute."""
     there = Path(str(metadata.distribution("trundle").locate_file("trundle/__init__.py")))
     try:
         since = there.stat().st_mtime

@@ -9,7 +9,7 @@ def requirements(purpose: str) -> list[str]:
     """Requirements of a purpose, without blanks."""
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
     lists = {
-        # What a build environment of its own would bring; with them in ours, a rebuild compiles only what changed.
+        # What an isolated build environment would install; with them in ours, a rebuild compiles only what changed.
         "build": [*project["build-system"]["requires"], "cmake>=3.18", "ninja>=1.10"],
         "demo": [*project["project"]["dependencies"], *project["project"]["optional-dependencies"]["video"]],
         **project["dependency-groups"],

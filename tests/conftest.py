@@ -1,4 +1,4 @@
-"""How property tests draw their examples: the same ones on every run, or random ones where `--explore` asks for them.
+"""How property tests draw their examples: the same ones on every run, or random ones with `--explore`.
 
 python -m pytest --explore --explore-seconds 60                        every property test for a minute
 python -m pytest --explore --explore-examples 20000 tests/costmap      until so many examples were tried

@@ -34,7 +34,7 @@ MADE = {
 
 
 class PluginError(InputError):
-    """As another package may write one: made from other arguments than its message, with attributes of its own."""
+    """As another package may write one: made from other arguments than its message, with extra attributes."""
 
     def __init__(self, first: int, *, second: str) -> None:
         super().__init__(f"{first} and {second}")

@@ -3,7 +3,7 @@
     python benchmarks/mapping/map_check.py [--faults 30] [--resolutions 0.05,0.1,0.03]
 
 Half of the faults are obstacles erased from a map, half are obstacles drawn into it: pieces of at least 0.1 m² that
-reach beyond two cells from what stands there, at random places of four worlds, each in a map of its own. A fault is
+reach beyond two cells from what stands there, at random places of four worlds, each in a separate map. A fault is
 named if the check has one finding about obstacles, of its kind, and with its place inside it. The second table is of
 the maps of all six generators as they are made.
 """
@@ -50,8 +50,8 @@ def count_named(faults: int, resolution: float) -> bool:
             if fault.is_named(findings):
                 named += 1
             else:
-                told = "; ".join(f"{finding.kind}: {finding.message}" for finding in findings) or "nothing found"
-                print(f"- missed in {name}: {fault.kind} of {fault.area:.2f} m²: {told}", file=sys.stderr)
+                found = "; ".join(f"{finding.kind}: {finding.message}" for finding in findings) or "nothing found"
+                print(f"- missed in {name}: {fault.kind} of {fault.area:.2f} m²: {found}", file=sys.stderr)
         missed += len(areas) - named
         span = f"{min(areas):.2f} to {max(areas):.2f} m²"
         print(f"| {name} | {len(areas)} | {named} | {span} | {seconds / len(areas):.2f} s |")

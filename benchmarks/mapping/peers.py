@@ -1,4 +1,4 @@
-"""Other ways to map a world, with MuJoCo's queries: the distance of a box, and rays."""
+"""Other methods to map a world, with MuJoCo's queries: the distance of a box, and rays."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _DEPTH = 1e-6  # As deep [m] a solid must reach into a cell; what trundle asks f
 
 
 class Peers:
-    """A world in MuJoCo, and a grid of cells in a band of heights to ask about.
+    """A world in MuJoCo, and a grid of cells in a band of heights to query.
 
-    Each way takes indices of what it asks about, so that a sample can be timed where all would take minutes, and gives
+    Each method takes the indices of its queries, so that a sample can be timed where all would take minutes, and gives
     the cells that it found occupied, as indices into the flat grid.
     """
 
@@ -43,12 +43,12 @@ class Peers:
 
     @property
     def cells(self) -> npt.NDArray[np.int64]:
-        """All cells, as what the two ways with rays ask about."""
+        """All cells: the queries of the two methods with rays."""
         return np.arange(len(self._centres))
 
     @property
     def pairs(self) -> npt.NDArray[np.int64]:
-        """All pairs of a solid and a cell inside its bounding box, as what the way with distances asks about."""
+        """All pairs of a solid and a cell inside its bounding box: the queries of the method with distances."""
         return np.arange(len(self._pair_geom))
 
     def _find_pairs(self, world: World, grid: OccupancyGrid) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
@@ -104,8 +104,10 @@ class Peers:
                     found.append(cell)
         return np.array(found, dtype=np.int64)
 
-    def ways(self) -> dict[str, tuple[Callable[[npt.NDArray[np.int64]], npt.NDArray[np.int64]], npt.NDArray[np.int64]]]:
-        """Each way by name, with all that it has to be asked."""
+    def methods(
+        self,
+    ) -> dict[str, tuple[Callable[[npt.NDArray[np.int64]], npt.NDArray[np.int64]], npt.NDArray[np.int64]]]:
+        """Each method by name, with all its queries."""
         return {
             "distance of a box, mj_geomDistance": (self.distances, self.pairs),
             "a ray down each cell, mj_ray": (self.rays_down, self.cells),

@@ -56,7 +56,7 @@ def describe(grid: OccupancyGrid) -> str:
     return f"{grid.shape[1]} × {grid.shape[0]}, {100 * float((grid.data == OCCUPIED).mean()):.0f} %"
 
 
-# Memory: each case in a process of its own.
+# Memory: each case in a separate process.
 
 
 def memory_case(case: str) -> dict[str, float]:
@@ -92,7 +92,7 @@ def measure_memory() -> None:
         command = [sys.executable, "-m", "benchmarks.mapping.speed", "--memory-case", case]
         got = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
         rows.append((case, f"{got['before']:.0f}", f"{got['after'] - got['before']:.0f}"))
-    print("\nPeak memory of a process of its own, MB; it holds the geometry before the map is made\n")
+    print("\nPeak memory of a separate process, MB; it holds the geometry before the map is made\n")
     print_table(("case", "before", "more while the map is made (target of the field: 300 in all)"), rows)
 
 
@@ -135,23 +135,23 @@ def measure_solids(rounds: int) -> None:
         ours = Mapping(world)
         contestants: dict[str, Callable[[], Any]] = {"trundle": ours}
         shares = {"trundle": 1.0}
-        for way, (ask, everything) in Peers(world, grid, BAND).ways().items():
+        for method, (ask, everything) in Peers(world, grid, BAND).methods().items():
             asked = everything if name == "hall" else rng.choice(everything, SAMPLE, replace=False)
-            contestants[way] = lambda ask=ask, asked=asked: ask(asked)
-            shares[way] = len(everything) / len(asked)
+            contestants[method] = lambda ask=ask, asked=asked: ask(asked)
+            shares[method] = len(everything) / len(asked)
         times = interleaved_times(contestants, rounds, time.process_time)
         rows.append(ours.row(f"{count:,} solids, {size[0]:g} × {size[1]:g} m", times["trundle"], target))
-        for way, share in shares.items():
-            if way == "trundle":
+        for method, share in shares.items():
+            if method == "trundle":
                 continue
-            ratios = [share * theirs / own for theirs, own in zip(times[way], times["trundle"], strict=True)]
-            seconds = share * statistics.median(times[way])
+            ratios = [share * theirs / own for theirs, own in zip(times[method], times["trundle"], strict=True)]
+            seconds = share * statistics.median(times[method])
             ratio = f"{statistics.median(ratios):,.0f} ({min(ratios):,.0f})"
-            others.append((name, way, f"{seconds:,.2f}", "all" if share == 1.0 else f"1 in {share:,.0f}", ratio))
+            others.append((name, method, f"{seconds:,.2f}", "all" if share == 1.0 else f"1 in {share:,.0f}", ratio))
     print("\nSolids of all kinds\n")
     print_table(HEADER, rows)
     print("\nMuJoCo's queries for the same maps\n")
-    print_table(("world", "way", "processor's s", "asked", "of trundle's time: median (least)"), others)
+    print_table(("world", "method", "processor's s", "asked", "of trundle's time: median (least)"), others)
     print("\nWhat they miss in the hall, kind by kind, and what they add\n")
     print_table(*compare_kinds())
 
@@ -169,7 +169,7 @@ def compare_kinds() -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
             grid = OccupancyGrid.from_world(world, resolution=RESOLUTION, z_range=BAND, bounds=bounds)
         ours = grid.data.ravel() == OCCUPIED
         row = [kind, f"{ours.sum()}"]
-        for ask, everything in Peers(world, grid, BAND).ways().values():
+        for ask, everything in Peers(world, grid, BAND).methods().values():
             theirs = np.zeros(ours.size, dtype=bool)
             theirs[ask(everything)] = True
             row.append(f"{(ours & ~theirs).sum()} / {(theirs & ~ours).sum()}")
@@ -187,24 +187,24 @@ def measure_triangles(rounds: int) -> None:
     name = "at random, open, 30 cm"
     world = worlds[name]
     grid = make_map(world, FIELD)
-    ways = Peers(world, grid, BAND).ways()
+    methods = Peers(world, grid, BAND).methods()
     asked = np.random.default_rng(0).choice(grid.data.size, SAMPLE // 4, replace=False)
     # The distance query sees the mesh's convex hull, which is all of the map: there is nothing to time.
     contestants: dict[str, Callable[[], Any]] = {
-        way: lambda ask=ask: ask(asked) for way, (ask, _) in ways.items() if "ray" in way
+        method: lambda ask=ask: ask(asked) for method, (ask, _) in methods.items() if "ray" in method
     }
     theirs = interleaved_times({"trundle": lambda: make_map(world, FIELD), **contestants}, rounds, time.process_time)
     share = grid.data.size / len(asked)
     print(f"\nMuJoCo's rays for {name}\n")
     print_table(
-        ("way", "processor's s", "of trundle's time"),
+        ("method", "processor's s", "of trundle's time"),
         [
             (
-                way,
-                f"{share * statistics.median(theirs[way]):,.0f}",
-                f"{share * statistics.median(theirs[way]) / statistics.median(theirs['trundle']):,.0f}",
+                method,
+                f"{share * statistics.median(theirs[method]):,.0f}",
+                f"{share * statistics.median(theirs[method]) / statistics.median(theirs['trundle']):,.0f}",
             )
-            for way in contestants
+            for method in contestants
         ],
     )
 

@@ -58,14 +58,16 @@ def race(folder: Path, name: str, count: int, contestants: list[str]) -> list[tu
             clock[contestant].append(min(turn[1] for turn in turns))
             lengths[contestant].append(turns[0][2].length)
     found = np.isfinite(lengths["exact"])
-    ways = {contestant: np.array(lengths[contestant])[found] for contestant in contestants}
+    found_lengths = {contestant: np.array(lengths[contestant])[found] for contestant in contestants}
     apart = [float(np.hypot(*np.subtract(q.start, q.goal))) for q in queries]
-    least = np.min(list(ways.values()), axis=0)
-    if (ways["exact"] > (1.0 + 1e-12) * least).any() or (ways["exact"] < (1.0 - 1e-12) * np.array(apart)[found]).any():
-        raise SystemExit(f"{name}: a way is longer than another one, or shorter than the straight line")
+    least = np.min(list(found_lengths.values()), axis=0)
+    if (found_lengths["exact"] > (1.0 + 1e-12) * least).any() or (
+        found_lengths["exact"] < (1.0 - 1e-12) * np.array(apart)[found]
+    ).any():
+        raise SystemExit(f"{name}: a path is longer than another one, or shorter than the straight line")
     rows = []
     for contestant in contestants:
-        longer = ways[contestant].sum() / ways["exact"].sum() - 1.0
+        longer = found_lengths[contestant].sum() / found_lengths["exact"].sum() - 1.0
         some = processor[contestant]
         rows.append(
             (

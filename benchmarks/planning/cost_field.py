@@ -5,7 +5,7 @@
 MAPS is a folder of MovingAI maps; each cell becomes `--times` squared cells. Four kinds of uint8 costs: 1 everywhere;
 `inflated`, Nav2's costs of the map at 0.05 m a cell weighed as NavFn does (50 + 0.8 c), taken as uint16 and as
 float32 too; `noise`, 1 to 200 by chance in every cell; and `wide`, from 1 to 254 with every power of 2 as likely as the
-next, where the cheapest ways wind the most. The goal is the free cell in the middle of all.
+next, where the cheapest paths wind the most. The goal is the free cell in the middle of all.
 
 Beside two threads on one field stand two fields at once, of one thread each, that share nothing: what they take less
 than one after the other is what the processors have to give, and bounds what two threads on one field can gain.
@@ -149,8 +149,8 @@ def measure_peers(
     name: str, costs: np.ndarray, goal: tuple[int, int], reached: int, table: list[tuple[str, ...]]
 ) -> None:
     seconds, expected = once(by_scipy(costs, goal), time.process_time)
-    field, way = cost_field(costs, goal, threads=1), np.isfinite(expected) & (expected > 0)
-    off = np.abs(field[way] / expected[way] - 1.0).max()
+    field, reachable = cost_field(costs, goal, threads=1), np.isfinite(expected) & (expected > 0)
+    off = np.abs(field[reachable] / expected[reachable] - 1.0).max()
     same = bool((np.isfinite(expected) == np.isfinite(field)).all())
     print(f"    against SciPy: the same cells {same}, costs to {off:.1e} of theirs")
     table.append((name, "SciPy Dijkstra, once", *rates(reached, seconds, seconds, seconds)))

@@ -27,7 +27,7 @@ FOOTPRINT = np.array([(0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)])
 
 
 def pick_queries(costmap: Costmap, weights: np.ndarray, count: int) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Cells where the robot can turn round, at least half a map apart, with a way between them."""
+    """Cells where the robot can turn round, at least half a map apart and connected by a path."""
     rng = np.random.default_rng(1)
     size = costmap.shape[0]
     open_cells = np.argwhere(costmap.data < 180)

@@ -1,4 +1,4 @@
-"""Shortest ways on binary grids: right on every query of a `.scen` file, and how fast beside pyastar2d and tcod.
+"""Shortest paths on binary grids: correct on every query of a `.scen` file, and the speed beside pyastar2d and tcod.
 
     python -m benchmarks.planning.grid_search MAPS [--queries 60] [--city Berlin_0_1024] [--only peers,...]
 

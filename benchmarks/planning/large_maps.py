@@ -1,4 +1,4 @@
-"""What maps of 20,000 × 20,000 cells take: time and the most memory, each part in a process of its own.
+"""Time and peak memory of maps of 20,000 × 20,000 cells, each part in a separate process.
 
     python -m benchmarks.planning.large_maps [--side 20000] [--parts jps cost_field_uint8]
 
@@ -171,7 +171,7 @@ def memory_mb(what: str) -> float:
 def measure(part: str, side: int) -> None:
     """Print a line for each step: what it is, its times, memory and answer."""
     for name, run in PARTS[part](side):
-        Path("/proc/self/clear_refs").write_text("5")  # VmHWM starts anew
+        Path("/proc/self/clear_refs").write_text("5")  # resets VmHWM
         before, wall, processor = memory_mb("VmRSS"), time.perf_counter(), time.process_time()
         try:
             answer = run()

@@ -3,11 +3,11 @@
     python -m benchmarks.planning.path_cost [MAP.yaml …] [MAP.map …] [--generated 2] [--size 2000] [--queries 1000]
 
 J = ∫ w ds with w = 50 + 0.8 · cost, constant in a cell, clipped at its borders; along a border the dearer cell counts,
-and 253 and more is infinite. Queries are seeded pairs of cell centres at least 20 cells apart with a way between them.
-(a) navfn: written anew after Nav2's NavFn (interpolated potential up to the goal, steps of half a cell down its
+and 253 and more is infinite. Queries are seeded pairs of cell centres at least 20 cells apart and connected by a path.
+(a) navfn: reimplemented after Nav2's NavFn (interpolated potential up to the goal, steps of half a cell down its
 gradient, whole weights). (b) eikonal: first-order fast marching over the whole map, steps of a quarter cell down its
 gradient. Both are in potential_peers.cpp, compiled with the C++ compiler at hand. Beside them are two full fields, with
-no way down: this package's `cost_field` on one thread, and NavFn's potential over the whole map. Paths of the peers
+without descent: this package's `cost_field` on one thread, and NavFn's potential over the whole map. Paths of the peers
 that enter 253 and more, or end nowhere, are counted apart.
 
 Times are processor time of one query, tracing counted: all of `least_cost` but the check of the footprint, which the
@@ -88,7 +88,7 @@ def least_cost(costs: Costs, start: Cell, goal: Cell) -> npt.NDArray[np.float64]
 
 
 class FullField:
-    """The exact 8-connected field over the whole map, from weights made once a map; no way down it is taken."""
+    """The exact 8-connected field over the whole map, from weights made once per map; no path is traced."""
 
     def __init__(self) -> None:
         self._costs: Costs | None = None
@@ -111,7 +111,7 @@ def path_cost(costs: Costs, points: npt.NDArray[np.float64]) -> float:
 
 
 def pick_queries(costs: Costs, count: int, seed: int) -> list[tuple[Cell, Cell]]:
-    """Free cells at least 20 cells apart with a way between them."""
+    """Free cells at least 20 cells apart and connected by a path."""
     rng = np.random.default_rng(seed)
     free = np.argwhere(costs < 253)
     queries: list[tuple[Cell, Cell]] = []

@@ -47,7 +47,7 @@ def prepare(what: str, options: argparse.Namespace) -> tuple[Callable[[slice, in
 
 
 def work(what: str, options: argparse.Namespace, half: int, end: Connection) -> None:
-    """A process that asks every second query whenever it is told to."""
+    """A process that plans every second query on request."""
     ask, count = prepare(what, options)
     ask(slice(half, count, 2), 1)
     end.send(True)

@@ -1,6 +1,6 @@
 // The two planners that `least_cost` is measured against, on potentials: built and called by path_cost.py.
 //
-// navfn: what Nav2's NavFn does by default, written anew from its description. A potential that spreads from the one end
+// navfn: what Nav2's NavFn does by default, reimplemented from its description. A potential that spreads from the one end
 // in three priority buffers until the other is reached, interpolated with NavFn's quadratic, whole weights 50 + 0.8 c,
 // the map's border blocked; then steps of half a cell down the interpolated gradient.
 // eikonal: the first-order upwind solution of |grad u| = w over the whole map by fast marching (Sethian, 1996), exact
@@ -97,7 +97,7 @@ std::int64_t descend(const Field &field, std::int64_t from, std::int64_t source,
   return 0;
 }
 
-// With `whole` the potential is spread over the whole map, and no way is taken.
+// With `whole` the potential is spread over the whole map, and no path is traced.
 std::int64_t run_navfn(const std::uint8_t *costs, std::int64_t rows, std::int64_t cols, std::int64_t start,
                        std::int64_t goal, bool whole, double *path, std::int64_t room) {
   const std::int64_t cells = rows * cols;

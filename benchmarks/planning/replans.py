@@ -1,4 +1,4 @@
-"""Large maps where the footprint hits something again and again: are all queries planned, and with how many replans?
+"""Large maps where the footprint collides again and again: are all queries planned, and with how many replans?
 
     python -m benchmarks.planning.replans [--size 4096] [--queries 20] [--planners astar any_angle least_cost]
 

@@ -41,7 +41,7 @@ HEADER = ("paths of", "made by", "ms: median", "p99", "per m", "length m", "turn
 
 
 def gradient(path: Path, costmap: Costmap) -> Path:
-    """The peer: 1,000 steps at most, yaws along the way, as planned where a place would be blocked."""
+    """The peer: 1,000 steps at most, yaws along the path; the planned path where a pose would be blocked."""
     steps = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
     places = path.poses[np.concatenate([[True], steps > 1e-9]), :2]
     if len(places) < 3:

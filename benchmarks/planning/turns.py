@@ -37,7 +37,7 @@ TOUCH_M = 1e-6
 
 @dataclass(slots=True)
 class Count:
-    """Of one family: what was planted and accepted, and how many cells were touched all the same."""
+    """One family: what was planted and accepted, and how many cells were touched nevertheless."""
 
     planted: int = 0
     accepted: int = 0

@@ -2,7 +2,7 @@
 
     python benchmarks/simulation/speed.py [--map MAP.yaml] [--out speed.md]
 
-Every case runs in a process of its own, so that start time and peak memory are its own. Times are the processor's: on
+Every case runs in a separate process, so that start time and peak memory are its own. Times are the processor's: on
 a quiet core they are the wall's, and on a busy machine they are nearer to that than the wall's.
 """
 

@@ -49,7 +49,7 @@ def oracle(costs, weights, start, goal, connectivity):
 
 
 def path_cost(costs, weights, cells):
-    """Price of a way, and that each of its steps is allowed."""
+    """Cost of a path, with a check that each of its steps is allowed."""
     total = 0
     w = weights[costs].astype(np.int64)
     for (r0, c0), (r1, c1) in zip(cells[:-1].tolist(), cells[1:].tolist(), strict=True):

@@ -41,8 +41,8 @@ def smooth_costs(rows, cols, seed, blocks=4):
 def cheapest_by_brute_force(costs, start, goal, parts=6):
     """Cost of the cheapest chain of straight lines within cells between points of their borders, `parts` to an edge.
 
-    Lines along a border take the dearer cell, blocked cells are left out, and so are the corners: this is a little
-    dearer than the optimum, and never cheaper.
+    Lines along a border take the higher cost of both cells; blocked cells and the corners are left out. So the result
+    is slightly above the optimum, and never below.
     """
     rows, cols = costs.shape
     ts = (np.arange(parts) + 0.5) / parts
@@ -69,7 +69,7 @@ def cheapest_by_brute_force(costs, start, goal, parts=6):
         a, b = a[keep], b[keep]
         edges.append((a, b, WEIGHTS[costs[cell]] * np.hypot(*(points[a] - points[b]).T)))
     a, b, lengths = (np.concatenate(column) for column in zip(*edges, strict=True))
-    # Two points of one border are joined through both cells: the dearer counts.
+    # Two points of one border are joined through both cells: the higher cost counts.
     order = np.lexsort((lengths, b, a))
     last = np.append((np.diff(a[order]) != 0) | (np.diff(b[order]) != 0), True)
     graph = coo_matrix((lengths[order][last], (a[order][last], b[order][last])), shape=(len(points),) * 2).tocsr()
@@ -77,7 +77,7 @@ def cheapest_by_brute_force(costs, start, goal, parts=6):
 
 
 def find(costs, start, goal, weights=WEIGHTS, ends=None, **limits):
-    """Status, points and cost of the way between the centres of two cells, or between points in them."""
+    """Status, points and cost of the path between the centres of two cells, or between points in them."""
     if ends is None:
         ends = np.array([(start[1] + 0.5, start[0] + 0.5), (goal[1] + 0.5, goal[0] + 0.5)])
     return _core.LeastCost(weights).find(costs, start, goal, ends, *limits.values())
@@ -128,12 +128,12 @@ def test_a_small_map_is_crossed_nearly_as_cheaply_as_brute_force_finds(seed):
     costs[start] = costs[goal] = 0
     _, _, cost = find(costs, start, goal)
     best = cheapest_by_brute_force(costs, (start[1] + 0.5, start[0] + 0.5), (goal[1] + 0.5, goal[0] + 0.5))
-    # Costs fall by a fifth from cell to cell here, and ways are short: the front is at its worst.
+    # Costs fall by a fifth from cell to cell here, and paths are short: the wavefront is at its worst.
     assert cost <= best * 1.012
 
 
 def test_of_two_detours_the_shorter_is_taken_where_octile_lengths_take_the_longer():
-    # By the left it is 300 cells up and 124 across, at 22.5°; the gap on the right is dearer than that by 2 %.
+    # On the left it is 300 cells up and 124 across, at 22.5°; the gap on the right costs 2 % more than that.
     costs = np.zeros((320, 420), np.uint8)
     costs[150, 100:384] = 254
     start, goal = (20, 250), (280, 242)

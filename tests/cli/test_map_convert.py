@@ -20,7 +20,7 @@ free_thresh: {free}
 
 @pytest.fixture
 def source(tmp_path: Path) -> Path:
-    """The YAML of a map of noise, in a folder of its own."""
+    """The YAML of a map of noise, in a separate folder."""
     folder = tmp_path / "maps"
     folder.mkdir()
     OccupancyGrid(VALUES, 0.05, Pose2D(-1.0, -2.0)).save(folder / "noise.yaml")

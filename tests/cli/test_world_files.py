@@ -92,7 +92,7 @@ def test_what_is_excluded_is_gone_in_every_verb(trundle, field):
         "view", "jackal", "--world", field, "--exclude", "post0", "--size", "160x90", "-o", "v.png", "--json"
     )
     assert done.code == 0
-    # The straight way from (-1, 0) to (3, 0) is blocked by two posts.
+    # The straight path from (-1, 0) to (3, 0) is blocked by two posts.
     ends = ("--start", "-1,0,0", "--goal", "3,0", "--robot", "jackal", "--backend", "kinematic", "--no-video")
     out = ("--exclude", "post0", "--exclude", "post1", "-o", "out", "--json")
     done = trundle("run", field, *ends, *out)

@@ -1,4 +1,4 @@
-"""The way that a robot takes to stop, against the kinematic simulator."""
+"""The stopping distance of a robot, against the kinematic simulator."""
 
 import math
 
@@ -35,7 +35,7 @@ def test_the_stopping_distance_is_the_one_driven(robot, share):
             driven.append(state.pose.as_tuple())
     assert len(driven) == len(expected)
     apart = np.array(driven) - np.array(expected)
-    # Where speeds level off within a step, their mean is taken for all of it; the simulator has steps of 5 ms.
+    # Where speeds level off within a step, their mean is used for all of it; the simulator has steps of 5 ms.
     slack = 0.5 * limits.linear_acceleration * DT**2
     assert np.hypot(apart[:, 0], apart[:, 1]).max() < slack + 4e-3
     assert abs(apart[:, 2]).max() < 0.5 * limits.angular_acceleration * DT**2 + 2e-3

@@ -77,7 +77,7 @@ def test_where_the_robot_changes_direction_there_is_a_vertex_and_a_section_ends(
 
 
 def test_turns_of_a_path_driven_backwards_are_the_robots():
-    # Backwards to the left behind it, then a turn in place to look back along the way it came.
+    # Backwards to the left behind it, then a turn in place to face back along its path.
     path = Path(
         np.array([[0, 0, 0], [-1, 0, 0], [-2, 1, -LEFT / 2], [-2, 1, LEFT]]), backward=np.array([True, True, False])
     )

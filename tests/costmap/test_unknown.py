@@ -1,4 +1,4 @@
-"""What unknown cells are taken for, from the costmap to the drive."""
+"""How unknown cells are treated, from the costmap to the drive."""
 
 import math
 
@@ -31,7 +31,7 @@ BURGER = Robot.load("turtlebot3_burger")
 
 
 def hall(gap=30):
-    """10 × 6 m, split by unknown space of 2 m; along one edge a way round it that has been seen."""
+    """10 × 6 m, split by unknown space of 2 m; along one edge a detour that has been seen."""
     data = np.zeros((120, 200), np.int8)
     data[[0, -1]] = data[:, [0, -1]] = 100
     data[gap:-1, 80:120] = -1

@@ -44,8 +44,8 @@ class Rewired:
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         drive = self.robot.drive
-        told = self._wire(drive.wheel_speeds(command), self._gain)
-        return self._seen(self._simulator.step(drive.twist(told), dt))
+        speeds = self._wire(drive.wheel_speeds(command), self._gain)
+        return self._seen(self._simulator.step(drive.twist(speeds), dt))
 
     def close(self) -> None:
         self._simulator.close()

@@ -76,8 +76,8 @@ def main():
         for index, name in enumerate(builder.shape_label)
         if name.endswith(("collider", "GroundPlane"))
     }
-    told = {"straight": straight, "turn": turn, "mass": float(model.body_mass.numpy().sum()), "mu": friction}
-    sys.stdout.write(f"{json.dumps(told)}\n")
+    result = {"straight": straight, "turn": turn, "mass": float(model.body_mass.numpy().sum()), "mu": friction}
+    sys.stdout.write(f"{json.dumps(result)}\n")
 
 
 if __name__ == "__main__":

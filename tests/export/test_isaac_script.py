@@ -90,7 +90,7 @@ def test_it_keeps_the_limits_of_a_speed_mask(unit, multiplier, limits, make_fake
     world = World.load(fake.assets / "Isaac/Environments/Simple_Warehouse/warehouse.usd")
     robot = Robot.load("nova_carter")
     top = robot.limits.linear_speed
-    # Turned against the map, with cells of their own size; the slower part lies across a corner of the way.
+    # Rotated against the map, with cells of another size; the slower part lies across a corner of the path.
     grid = OccupancyGrid([[25, 50], [0, 50]], 1.3, Pose2D(-0.3, -2.6, 0.4))
     mask = SpeedMask(grid, unit, multiplier=multiplier)
     scene = plan(robot, world, (-2.5, -1.0, 0.0), (2.0, -1.0), (-2.0, 1.5), speed_mask=mask)

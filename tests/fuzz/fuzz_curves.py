@@ -37,5 +37,5 @@ def one_round(generator: random.Random) -> None:
     scale = 1e-9 * (size + radius)
     assert (straight <= lengths[0] + scale).all()
     assert (lengths[0] <= lengths[1] + scale).all()
-    # Turn towards the goal, go there, turn round: Reeds and Shepp need no more than that and two three-point turns.
+    # Turn towards the goal, go there, turn round: Reeds and Shepp need at most that and two three-point turns.
     assert (lengths[0] <= straight + 4.0 * math.pi * radius + scale).all()

@@ -78,7 +78,7 @@ def check_path(generator: random.Random) -> None:
 
 
 def check_sweeps(generator: random.Random) -> None:
-    """Motions that are free touch nothing on the way, and those that are not do so, but for 0.02 mm."""
+    """Free motions touch nothing all along, and blocked ones touch something, to within 0.02 mm."""
     costmap, rng = make_costmap(generator), rng_of(generator)
     rows, cols = costmap.shape
     x, y = costmap.cell_to_world(rng.uniform(-1, rows + 1, 4), rng.uniform(-1, cols + 1, 4))

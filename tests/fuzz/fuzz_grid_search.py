@@ -101,7 +101,7 @@ def ask_many(generator: random.Random, searches: list[GridSearch]) -> None:
 
 
 def ask_moved(generator: random.Random, search: GridSearch, current: np.ndarray) -> None:
-    """Ends moved by at most their tolerance, to where a search between the moved ends finds the same way."""
+    """Ends moved by at most their tolerance, to where a search between the moved ends finds the same path."""
     start, goal = (tuple(generator.randrange(count) for count in search.shape) for _ in range(2))
     reach, partial = generator.choice((0.0, 1.0, 2.5, 100.0)), generator.random() < 0.5
     try:

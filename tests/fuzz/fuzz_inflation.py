@@ -1,4 +1,4 @@
-"""Inflation: costs by SciPy's exact distances, and local updates that equal a costmap made anew."""
+"""Inflation: costs by SciPy's exact distances, and local updates that equal a new costmap."""
 
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ def check_updates(generator: random.Random, cells: np.ndarray) -> None:
             continue
         costmap = costmap.update(spans[0], spans[1], values)
         cells[spans[0], spans[1]] = values
-        anew = Costmap.from_grid(OccupancyGrid(cells, 0.05), OUTLINE, **options)
-        assert np.array_equal(costmap.data, anew.data)
+        fresh = Costmap.from_grid(OccupancyGrid(cells, 0.05), OUTLINE, **options)
+        assert np.array_equal(costmap.data, fresh.data)
 
 
 def one_round(generator: random.Random) -> None:

@@ -1,4 +1,4 @@
-"""Ways of the least cost: free, as dear as told, the same both ways, and no dearer than the best by cells' centres.
+"""Minimum-cost paths: free, with the right cost, symmetric, and never above the optimum through cells' centres.
 
 What they cost is held against `line_costs`, and the best by centres is SciPy's.
 """
@@ -16,7 +16,7 @@ from support.grid_graph import cheapest_costs
 from trundle import _core
 
 LEAST = 1.002
-"""How much dearer than the best by centres a way may be: rounding, and what blocks of cells do not show."""
+"""How far a path's cost may exceed the optimum through centres: rounding, and what blocks of cells hide."""
 
 
 def make_map(generator: random.Random) -> np.ndarray:

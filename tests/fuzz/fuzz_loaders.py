@@ -100,7 +100,7 @@ class Reader:
                 warnings.simplefilter("ignore")
                 LOADERS[self._form](self._child, file)
         except TrundleError as error:
-            return ("refused" if str(error) else "refused without a word"), file
+            return ("refused" if str(error) else "refused without a message"), file
         except Exception:  # noqa: BLE001 - what is looked for
             return traceback.format_exc(), file
         return "read", file
@@ -225,7 +225,7 @@ def play(
 def play_apart(
     form: str, numbers: range, seed: int, until: float, keep: str | None, *, read: Callable[..., Any] = play
 ) -> tuple[collections.Counter[str], list[Finding]]:
-    """As `play`, in a process of its own; where that ends early, the file is a finding and the next one goes on."""
+    """As `play`, in a separate process; where that ends early, the file is a finding and the next file follows."""
     ends: collections.Counter[str] = collections.Counter()
     findings: list[Finding] = []
     with tempfile.TemporaryDirectory() as folder:

@@ -88,7 +88,7 @@ KINDS = ("yaml", "image", "map", "scen")
 
 
 class Target:
-    """Reads one input in a folder of its own."""
+    """Reads one input in a separate folder."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

@@ -1,4 +1,4 @@
-"""Ways and lines over cells of weights: SciPy's Dijkstra for the ways, shapely's lengths in each cell for the lines."""
+"""Paths and lines over weighted cells: SciPy's Dijkstra for the paths, shapely's lengths per cell for the lines."""
 
 from __future__ import annotations
 

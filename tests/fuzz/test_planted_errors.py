@@ -129,7 +129,7 @@ def fragile(decode: Function) -> Function:
 
 
 PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
-    "one method's way": ("grid_search", GridSearch, "shortest_path", far_off),
+    "one method's path": ("grid_search", GridSearch, "shortest_path", far_off),
     "exact length": ("any_angle", GridSearch, "any_angle_path", longer),
     "weighted cost": ("weighted_grid", _core, "grid_search", part(1, lambda cost: cost + 1e-6)),
     "line cost": ("weighted_grid", _core, "line_costs", scaled(1e-6)),

@@ -111,7 +111,7 @@ def test_a_scenario_cannot_say_that_a_file_is_trusted(tmp_path):
         Scenario.load(write(tmp_path, "s.yaml", text))
 
 
-# Before a library sees them: told apart at once, and so read here -----------------------------------------------------
+# Read here before a library sees them: they are recognized at once ----------------------------------------------------
 
 
 @pytest.fixture

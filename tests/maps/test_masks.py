@@ -21,7 +21,7 @@ def corners(grid, row, col):
 
 
 def save_mask(folder, values, extra="", mode="raw", name="mask.yaml"):
-    """Write a mask with a 0.5 m cell per value, and lines of its own in the YAML."""
+    """Write a mask with a 0.5 m cell per value, and extra lines in the YAML."""
     path = folder / name
     OccupancyGrid(np.array(values, dtype=np.int8), 0.5).save(path, mode=mode)
     path.write_text(path.read_text() + extra)

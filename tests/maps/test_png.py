@@ -203,7 +203,7 @@ def test_an_image_packed_as_tightly_as_deflate_can_is_read():
 
 @pytest.mark.parametrize("packed_bytes", [2, 100, 5000])
 def test_a_header_that_claims_more_than_the_data_can_hold_is_refused_before_anything_is_unpacked(packed_bytes):
-    # Deflate packs 1032 to 1 at most. What is unpacked here is no deflate stream, which would be told first.
+    # Deflate packs 1032 to 1 at most. The size is checked first: these bytes are not a deflate stream.
     data = samples_of.chunk(b"IDAT", b"\xff" * packed_bytes) + samples_of.chunk(b"IEND", b"")
     fullest = 1032 * packed_bytes - 1  # a row has a byte more than pixels
     with pytest.raises(MapError, match="damaged"):

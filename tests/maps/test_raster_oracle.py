@@ -1,6 +1,6 @@
 """The raster against shapely on random scenes: 0 missed, 0 extra.
 
-The oracle cuts each solid in its own way (all pairs of corners, fine prisms for cylinders) and asks shapely which
+The oracle cuts each solid by another method (all pairs of corners, fine prisms for cylinders) and asks shapely which
 cells, made smaller by 1 µm, it meets. Cells within 1 nm of that decision are left out and counted (for tilted
 cylinders: those between a prism inside and one outside of the cylinder).
 """

@@ -1,4 +1,4 @@
-"""A small map, a robot and a simulator that moves exactly as it is told."""
+"""A small map, a robot and a simulator that follows commands exactly."""
 
 import math
 
@@ -24,7 +24,7 @@ def make_room(width_m=8.0, height_m=6.0, resolution=0.05):
 
 
 class ExactSimulator:
-    """Drives what it is told, at once. Touches `wall` where x exceeds `wall_x` [m]; breaks down at `breaks_at` [s]."""
+    """Drives each command at once. Touches `wall` where x exceeds `wall_x` [m]; breaks down at `breaks_at` [s]."""
 
     def __init__(self, robot, *, wall_x=math.inf, breaks_at=math.inf, drag=0.0):
         self.robot = robot

@@ -14,7 +14,7 @@ from trundle.sim import Contact
 
 
 class Log:
-    """An observer that keeps what it is told, and may fail or press Ctrl-C at one step."""
+    """An observer that records its calls, and may fail or press Ctrl-C at one step."""
 
     def __init__(self, *, raises_at=None, error=None, fails_at_end=False):
         self.raises_at = raises_at

@@ -1,4 +1,4 @@
-"""What a robot does before something that closes its whole way, in simulators."""
+"""What a robot does in front of an obstacle that closes all paths, in simulators."""
 
 import numpy as np
 import pytest
@@ -88,7 +88,7 @@ def test_a_wall_across_the_whole_corridor_is_a_block_and_at_last_no_path(backend
 
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
 def test_a_path_that_is_freed_again_is_driven_to_its_end(backend):
-    # It has then stood before the wall for longer than a robot may that gets nowhere on a free way.
+    # It has then stood in front of the wall for longer than the time allowance for progress on a free path.
     navigator, closing, episode = drive_at_wall(backend, "turtlebot3_waffle", 0.15, freed_at=45.0)
     assert episode.outcome is Outcome.ARRIVED
     assert navigator.error is None
@@ -135,10 +135,10 @@ def test_where_the_planner_finds_a_path_that_cannot_be_driven_the_robot_is_stuck
 
 
 def blocked_after(commands, twist=None):
-    """Which of the commands a watch at 20 Hz finds blocked, by index; without a twist the robot does as it is told."""
+    """Indices of the commands that a watch at 20 Hz finds blocked; without a twist the robot follows its commands."""
     watch = BlockWatch(0.05)
-    told = [Twist2D(v, w) for v, w in commands]
-    return [i for i, command in enumerate(told) if watch.is_blocked(command, twist or command)]
+    twists = [Twist2D(v, w) for v, w in commands]
+    return [i for i, command in enumerate(twists) if watch.is_blocked(command, twist or command)]
 
 
 def test_standing_and_swaying_are_blocks_after_half_a_second():

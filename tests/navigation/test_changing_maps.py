@@ -103,11 +103,11 @@ def test_where_no_other_path_is_left_it_stops_in_front_and_goes_on_when_it_is_fr
 
 
 def flips(margin):
-    """How often the robot changes its mind about two ways round a block that are as good but for noise."""
+    """How often the robot switches between two paths round a block whose costs differ only by noise."""
     grid = room()
     navigator = Navigator(grid, CARTER, settings=NavigatorSettings(replan_interval_s=0.5, replan_margin=margin))
     base = box(navigator.costmap, 5.0, 2.6, 7.0, 5.4)
-    # A speck near one of the ways, then near the other, that costs a little.
+    # A speck near one of the paths, then near the other, that costs a little.
     noisy = [box(base, 5.95, y, 6.05, y + 0.1) for y in (0.9, 7.0)]
     navigator.costmap = base
     navigator.set_goal(10.5, 4.0, 0.0)
@@ -132,7 +132,7 @@ def flips(margin):
 
 def test_replanning_does_not_oscillate_between_equal_cost_paths():
     assert flips(0.1) == 0
-    assert flips(0.0) > 0  # The noise does decide where no margin is asked for.
+    assert flips(0.0) > 0  # Without a margin the noise decides.
 
 
 def test_a_path_that_becomes_much_cheaper_is_taken():
@@ -219,7 +219,7 @@ def test_a_robot_that_brakes_badly_begins_early():
 
 
 def test_a_limit_round_a_corner_holds_as_soon_as_the_robot_is_there():
-    # The way turns into the zone; straight on there is none.
+    # The path turns into the zone; there is no zone straight ahead.
     grid = room()
     data = grid.data.copy()
     data[60:, 60:] = 100
@@ -234,29 +234,29 @@ def test_a_limit_round_a_corner_holds_as_soon_as_the_robot_is_there():
 
 
 def test_the_limit_is_handed_to_the_controller():
-    told = []
+    limits = []
 
-    class Told:
+    class Recorder:
         def set_path(self, path):
             pass
 
         def set_speed_limit(self, limit):
-            told.append(limit)
+            limits.append(limit)
 
         def compute_velocity(self, pose, twist, costmap, dt):
             return Twist2D(1.0, 0.5)
 
     mask = SpeedMask(zone(20, 5.0, 0.0, 8.0, 8.0), "absolute", multiplier=0.01)
-    navigator = Navigator(room(), CARTER, speed_mask=mask, controller=Told())
+    navigator = Navigator(room(), CARTER, speed_mask=mask, controller=Recorder())
     navigator.set_goal(11.0, 4.0)
     command = navigator.update((6.0, 4.0, 0.0), Twist2D())
-    assert told == [pytest.approx(0.2)]
-    assert navigator.speed_limit == told[0]
+    assert limits == [pytest.approx(0.2)]
+    assert navigator.speed_limit == limits[0]
     # A command that is too fast is slowed on its arc.
     assert (command.v, command.w) == pytest.approx((0.2, 0.1))
     navigator.set_goal(11.0, 4.0)
     navigator.update((9.0, 4.0, 0.0), Twist2D())
-    assert told[-1] == math.inf
+    assert limits[-1] == math.inf
 
 
 def test_regulated_pure_pursuit_keeps_a_limit_until_it_is_lifted():

@@ -37,7 +37,7 @@ def blocked_ahead():
 
 
 class Clock:
-    """Stands for the computer's clock: only planning takes time, as long as is told."""
+    """Replaces the computer's clock: only planning takes time, a given one."""
 
     now = 0.0
 

@@ -1,4 +1,4 @@
-"""How often a blocked robot tries again: until it gives up, and anew once it has got on."""
+"""How often a blocked robot tries again before it gives up, and how progress resets the count."""
 
 import math
 
@@ -40,7 +40,7 @@ def test_half_a_metre_of_progress_resets_the_count():
 
 
 def test_coming_back_to_where_it_was_does_not():
-    # A longer way round after the third block, driven to where the robot was before.
+    # A longer detour after the third block, driven to where the robot was before.
     assert tries([5.0, 5.0, 5.0, 30.0, 20.0, 10.0, 5.0]) == [True] * 6 + [False]
     assert sum(tries([9.0, 3.0] * 20)) == 7
 

@@ -1,4 +1,4 @@
-"""A robot in MuJoCo between two ways that are as good, on a map that is never still."""
+"""A robot in MuJoCo between two paths of equal cost, on a map that keeps changing."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from trundle.worlds import World
 
 
 class Flicker:
-    """Puts specks near both ways, other ones every quarter of a second, and notes on which side each path passes."""
+    """Puts new specks near both paths every quarter of a second, and records on which side each path passes."""
 
     def __init__(self, navigator):
         self.navigator, self.base = navigator, navigator.costmap

@@ -1,4 +1,4 @@
-"""What a speed mask makes of a whole path before anything moves, and what it allows on the way to a limit."""
+"""The limits of a speed mask along a whole path before anything moves, and ahead of the robot."""
 
 import itertools
 import math

@@ -47,7 +47,7 @@ def check_map(blocked, rng, goals=4):
             check_path(blocked, path, start, goal)
 
 
-# What the right way is, by hand.
+# Expected paths, by hand.
 
 
 def test_an_empty_map_is_crossed_in_a_straight_line():

@@ -127,10 +127,9 @@ def test_there_is_no_path_only_after_a_search_that_was_complete():
 
 
 def test_least_cost_never_says_that_there_is_none_because_its_footprint_collides():
-    with pytest.raises(PlanningStoppedError) as caught:
+    with pytest.raises(PlanningStoppedError, match="none found within") as caught:
         create_planner("least_cost", max_replans=3).plan(alley(), NOSE_IN, Pose2D(8, 8))
     assert caught.value.status == "exhausted"
-    assert "every way" not in str(caught.value)
     assert alley().footprint_collides([caught.value.pose])[0]
 
 

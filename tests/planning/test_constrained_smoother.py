@@ -181,7 +181,7 @@ def test_on_the_border_of_two_cells_the_higher_cost_counts(wall, y):
 
 
 def test_corners_of_costly_cells_that_a_curve_cuts_count():
-    # Cells of 0.7 m, up to a hundred times dearer than others: a corner of a few centimetres costs more than metres.
+    # Cells of 0.7 m, some with a hundred times the cost of others: a corner of centimetres costs more than metres.
     smoother = ConstrainedSmoother(w_cost=100.0, w_smooth=10.0, padding=0.0)
     changed = 0
     for seed in range(40):

@@ -1,4 +1,4 @@
-"""Planning again where the footprint hits something: what is led past it, what is closed, and that nothing is lost."""
+"""Replanning after a collision: what is rerouted, what is closed, and that no path is lost."""
 
 import numpy as np
 import pytest

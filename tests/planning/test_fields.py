@@ -133,7 +133,7 @@ def test_costs_beyond_32_bits_are_still_exact() -> None:
 
 
 def test_the_highest_and_the_lowest_accepted_costs_are_exact() -> None:
-    # The longest way through a map goes through all of it; numbers below 1.2e-38 are kept with fewer digits.
+    # The longest path through a map visits all of it; numbers below 1.2e-38 are kept with fewer digits.
     for cost, exact in ((2e36, 1e-6), (1e-37, 1e-6), (1e-44, 0.1)):
         costs = np.full((5, 7), cost, dtype=np.float32)
         costs[1, :-1] = costs[3, 1:] = np.inf

@@ -47,7 +47,7 @@ def block(data, x0, y0, x1, y1, resolution=0.05, value=100):
 
 
 def dense(path, step=0.01):
-    """Poses along a path, turning the short way between two poses at one place."""
+    """Poses along a path, with the shorter turn between two poses at one place."""
     pieces = []
     for a, b in zip(path.poses[:-1], path.poses[1:], strict=True):
         turn = math.remainder(b[2] - a[2], 2 * math.pi)
@@ -96,12 +96,12 @@ def test_cost_keeps_the_path_off_the_walls_and_astar_goes_straight():
     block(data, 4.0, 0.0, 6.0, 3.0)
     costmap = costmap_of(data)
     start, goal = Pose2D(1.5, 1.5), Pose2D(8.5, 1.5)
-    dear = LeastCostPlanner().plan(costmap, start, goal)
+    cheap = LeastCostPlanner().plan(costmap, start, goal)
     short = AStarPlanner().plan(costmap, start, goal)
-    assert short.length < dear.length
+    assert short.length < cheap.length
     assert short.cost == pytest.approx(short.length)
-    assert costmap.clearance(dear.poses).min() > costmap.clearance(short.poses).min()
-    assert_drivable(costmap, dear, start, goal)
+    assert costmap.clearance(cheap.poses).min() > costmap.clearance(short.poses).min()
+    assert_drivable(costmap, cheap, start, goal)
     assert_drivable(costmap, short, start, goal)
 
 
@@ -179,7 +179,7 @@ def test_a_long_turn_is_given_in_pieces():
 
 def test_a_tight_corner_is_planned_again_with_the_footprint():
     data = room(8, 8)
-    # A gap that the inscribed circle (0.28 m across) fits and the robot (0.5 m across) does not, and a wide way round.
+    # A gap that the inscribed circle (0.28 m across) fits and the robot (0.5 m across) does not, and a wide detour.
     block(data, 0.0, 3.9, 3.0, 4.1)
     block(data, 3.4, 3.9, 6.0, 4.1)
     costmap = costmap_of(data, cost_scaling_factor=20.0)

@@ -1,4 +1,4 @@
-"""Ends that may be moved, goals that are only come near to, and many ways in any direction."""
+"""Ends that may be moved, partial paths to near a goal, and batches of any-angle paths."""
 
 import math
 

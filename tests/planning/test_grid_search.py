@@ -36,7 +36,7 @@ def make_map(rows, cols, kind, seed):
 
 
 def check_queries(blocked, connectivity, seed, count=25):
-    """Ways from one cell to many, of every method, against Dijkstra's."""
+    """Check paths from one cell to many, of every method, against Dijkstra's."""
     free = np.argwhere(~blocked)
     if len(free) == 0:
         return
@@ -301,7 +301,7 @@ def test_searches_and_updates_from_several_threads():
     blocked = make_map(128, 200, "boxes", 2)
     free = np.argwhere(~blocked)
     starts, goals = free[np.random.default_rng(1).integers(len(free), size=(2, 200))]
-    # The updates open and shut a cell that was blocked all along, walled in: no way leads there.
+    # The updates open and close a blocked cell that is walled in: no path leads there.
     blocked[10:13, 10:13] = True
     keep = ~(blocked[tuple(starts.T)] | blocked[tuple(goals.T)])
     starts, goals = starts[keep], goals[keep]

@@ -35,7 +35,7 @@ def soon(handler):
 
 
 def clutter():
-    """Random cells in which no way is straight, and two free corners that are joined."""
+    """Random cells in which no path is straight, and two free corners that are connected."""
     blocked = np.random.default_rng(0).random((SIZE, SIZE)) < 0.3
     blocked[:2], blocked[-2:], blocked[:, :2] = False, False, False
     return blocked, (0, SIZE - 1), (SIZE - 1, SIZE - 1)

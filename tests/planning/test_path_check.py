@@ -104,8 +104,8 @@ def test_the_cost_is_the_length_where_nothing_costs_and_more_near_obstacles():
     check, free = PathCheck(straight()), Costmap.from_grid(room(), SQUARE)
     assert check.cost_from(free) == pytest.approx(8.0)
     assert check.cost_from(free, int(np.searchsorted(check.along, 6.0))) == pytest.approx(2.0, abs=0.03)
-    dear = Costmap(np.full((200, 200), 100, np.uint8), 0.05, Pose2D(0, 0), free.footprint, 0.5)
-    assert check.cost_from(dear) == pytest.approx(8.0 * 2.6)
+    costly = Costmap(np.full((200, 200), 100, np.uint8), 0.05, Pose2D(0, 0), free.footprint, 0.5)
+    assert check.cost_from(costly) == pytest.approx(8.0 * 2.6)
     assert check.cost_from(free.update(slice(98, 102), slice(100, 102), 100)) == math.inf
 
 

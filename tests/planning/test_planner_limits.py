@@ -71,7 +71,7 @@ def test_a_plan_stops_at_its_deadline_and_when_it_is_cancelled(name):
 
 
 def comb(size):
-    """Rooms in a row with doors at alternate ends: a long way, and much to search."""
+    """Rooms in a row with doors at alternate ends: a long path, and much to search."""
     data = np.zeros((size, size), np.int8)
     for k, col in enumerate(range(40, size - 40, 40)):
         data[:, col] = 100

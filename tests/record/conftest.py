@@ -1,4 +1,4 @@
-"""A short kinematic run, with what observers were told of it."""
+"""A short kinematic run, with the calls that an observer received."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from trundle.sim import simulate
 from trundle.worlds import World
 
 
-class Told:
+class Recorder:
     def __init__(self):
         self.info = self.episode = None
         self.steps = []
@@ -37,9 +37,16 @@ def hall():
 
 
 @pytest.fixture(scope="session")
-def told(hall):
-    told = Told()
+def recorded(hall):
+    recorded = Recorder()
     robot = Robot.load("nova_carter")
     with simulate(World.from_map(hall), robot, backend="kinematic") as sim:
-        run(sim, Navigator(hall, robot), (1.5, 1.5, 0.0), [(1.5, 3.0), (5.0, 2.0, 0.0)], observers=[told], name="hall")
-    return told
+        run(
+            sim,
+            Navigator(hall, robot),
+            (1.5, 1.5, 0.0),
+            [(1.5, 3.0), (5.0, 2.0, 0.0)],
+            observers=[recorded],
+            name="hall",
+        )
+    return recorded

@@ -56,8 +56,8 @@ def test_only_the_time_that_both_have_counts() -> None:
 
 
 def test_other_commands_are_said() -> None:
-    told = replace(circle(), commanded_v=circle().commanded_v + np.where(TIME > 2.0, 0.3, 0.0))
-    assert compare_motions(circle(), told).max_command_difference == pytest.approx(0.3)
+    commanded = replace(circle(), commanded_v=circle().commanded_v + np.where(TIME > 2.0, 0.3, 0.0))
+    assert compare_motions(circle(), commanded).max_command_difference == pytest.approx(0.3)
 
 
 def test_different_starts_are_refused_unless_aligned() -> None:

@@ -17,11 +17,11 @@ def test_any_number_of_groups_fits(count, verified):
     lines = tell_report("map", report, None, most=MOST_LINES)
     assert len(lines) <= MOST_LINES
     assert lines[0] == f"map: {3 * count} warnings"
-    told = {
+    shown = {
         kind for kind in KINDS[:count] if any(line.startswith(f"warning: {kind} at (1.00, 2.00)") for line in lines)
     }
     hidden = [line for line in lines if line.startswith("and more: ")]
-    assert all(kind in told or kind in hidden[0] for kind in KINDS[:count])
+    assert all(kind in shown or kind in hidden[0] for kind in KINDS[:count])
     if 2 * count + 1 + (not verified) <= MOST_LINES:
         assert sum(line == "    fix: mend it" for line in lines) == count
         assert not hidden

@@ -33,8 +33,8 @@ def costmap(hall, robot):
     return Costmap.from_grid(hall, robot)
 
 
-def test_a_run_shows_map_path_speeds_and_both_ends(told, costmap, robot):
-    image = draw_run(costmap, robot, told.episode)
+def test_a_run_shows_map_path_speeds_and_both_ends(recorded, costmap, robot):
+    image = draw_run(costmap, robot, recorded.episode)
     assert image.mode == "RGB"
     assert max(image.size) >= 1000
     for color in (colors.FREE, colors.OCCUPIED, colors.UNKNOWN, colors.PLANNED, colors.START, colors.GOAL, colors.GOOD):
@@ -43,17 +43,17 @@ def test_a_run_shows_map_path_speeds_and_both_ends(told, costmap, robot):
 
 
 @pytest.mark.parametrize(("outcome", "color"), [(Outcome.COLLIDED, colors.BAD), (Outcome.TIMED_OUT, colors.WARNING)])
-def test_a_run_that_failed_is_marked_and_says_why(told, costmap, robot, outcome, color):
-    episode = dataclasses.replace(told.episode, outcome=outcome, message="touched a rack")
+def test_a_run_that_failed_is_marked_and_says_why(recorded, costmap, robot, outcome, color):
+    episode = dataclasses.replace(recorded.episode, outcome=outcome, message="touched a rack")
     assert has(draw_run(costmap, robot, episode), color, 200)
     assert describe(episode)[0] == "touched a rack"
-    assert not has(draw_run(costmap, robot, told.episode), color, 200)
+    assert not has(draw_run(costmap, robot, recorded.episode), color, 200)
 
 
-def test_a_run_that_never_moved_can_be_drawn(told, costmap, robot):
-    trajectory = told.episode.trajectory
+def test_a_run_that_never_moved_can_be_drawn(recorded, costmap, robot):
+    trajectory = recorded.episode.trajectory
     first = Trajectory(**{name: getattr(trajectory, name)[:1] for name in Trajectory.columns()})
-    episode = dataclasses.replace(told.episode, trajectory=first, paths=(), outcome=Outcome.NO_PATH)
+    episode = dataclasses.replace(recorded.episode, trajectory=first, paths=(), outcome=Outcome.NO_PATH)
     assert draw_run(costmap, robot, episode).size[0] > 0
 
 

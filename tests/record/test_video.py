@@ -63,23 +63,25 @@ def test_short_runs_are_shown_whole_and_long_ones_as_a_time_lapse():
     assert np.diff(rows).max() <= 18
 
 
-def test_a_run_is_drawn_and_reported(told, tmp_path):
+def test_a_run_is_drawn_and_reported(recorded, tmp_path):
     reports = []
-    name = write_video(tmp_path / "v.mp4", told.info, told.episode, report=lambda *report: reports.append(report))
-    count = min(MAX_FRAMES, len(told.episode.trajectory))
+    name = write_video(
+        tmp_path / "v.mp4", recorded.info, recorded.episode, report=lambda *report: reports.append(report)
+    )
+    count = min(MAX_FRAMES, len(recorded.episode.trajectory))
     assert len(frames(tmp_path / name)) == count
     assert reports[-1] == ("video", count, count)
 
 
-def test_drawn_frames_move_the_robot_and_keep_its_trail(told):
-    poses = [told.steps[0].state.pose, told.steps[-1].state.pose]
-    with DrawnFrames(told.info, told.episode) as source:
+def test_drawn_frames_move_the_robot_and_keep_its_trail(recorded):
+    poses = [recorded.steps[0].state.pose, recorded.steps[-1].state.pose]
+    with DrawnFrames(recorded.info, recorded.episode) as source:
         first, last = (source.render(pose).astype(int) for pose in poses)
     assert first.shape == last.shape
     assert (abs(first - last).sum(axis=2) > 30).sum() > 500
 
 
-def test_pictures_may_come_from_elsewhere_and_the_source_is_closed(told, tmp_path):
+def test_pictures_may_come_from_elsewhere_and_the_source_is_closed(recorded, tmp_path):
     class Grey:
         closed = False
 
@@ -92,7 +94,7 @@ def test_pictures_may_come_from_elsewhere_and_the_source_is_closed(told, tmp_pat
         def render(self, pose):
             return np.full((360, 640, 3), 128, dtype=np.uint8)
 
-    write_video(tmp_path / "v.mp4", told.info, told.episode, lambda run, episode: Grey())
+    write_video(tmp_path / "v.mp4", recorded.info, recorded.episode, lambda run, episode: Grey())
     assert Grey.closed
     first, *_, last = frames(tmp_path / "v.mp4")
     assert first[60:].mean() == pytest.approx(128, abs=3)

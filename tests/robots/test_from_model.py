@@ -278,7 +278,7 @@ def test_a_chassis_without_a_shape_or_an_inertia_is_refused(tmp_path, inertial, 
 
 @pytest.mark.parametrize("place", ["0 0 1e300", "nan 0 0", "0 1e20 0"])
 def test_geometry_that_is_nowhere_is_refused(tmp_path, place):
-    """Found by mutated files: the lowest points of a part could not be told from its others."""
+    """Found by mutated files: the lowest points of a part could not be distinguished from its others."""
     wheels = "".join(
         f"<body pos='0 {y} -.05'><joint name='{side}_wheel' type='hinge' axis='0 1 0'/>"
         "<geom type='cylinder' size='.05 .02' euler='90 0 0'/></body>"

@@ -1,4 +1,4 @@
-"""Shortest ways over the cells of a grid by SciPy's Dijkstra, on the graph of all steps: the oracle of the searches."""
+"""Shortest paths over the cells of a grid by SciPy's Dijkstra, on the graph of all steps: an oracle of searches."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 NO_COST = 1e-12
-"""What a step costs that costs nothing: SciPy takes 0 as no edge."""
+"""Weight of a step of cost 0: SciPy reads 0 as no edge."""
 
 
 def grid_graph(
@@ -45,7 +45,7 @@ def cheapest_costs(
     connectivity: int = 8,
     steps: tuple[float, float] = (1.0, math.sqrt(2.0)),
 ) -> npt.NDArray[np.float64]:
-    """What it costs from each cell to the nearest source, infinity where there is no way; sources lie in free cells."""
+    """Cost from each cell to the nearest source, infinity where there is no path; sources lie in free cells."""
     graph = grid_graph(np.where(wall, 0.0, costs), wall, connectivity, steps)
     indices = [row * costs.shape[1] + col for row, col in sources]
     return dijkstra(graph, directed=False, indices=indices, min_only=True).reshape(costs.shape)

@@ -1,4 +1,4 @@
-"""The ways of searches over binary grids, step by step."""
+"""Paths over binary grids, step by step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STRAIGHT, DIAGONAL = 5741, 8119
 def path_costs_from(
     blocked: npt.NDArray[np.bool_], start: tuple[int, int], connectivity: int = 8
 ) -> npt.NDArray[np.float64]:
-    """What SciPy's Dijkstra says that the way to each cell costs, in those numbers, infinity where there is none."""
+    """Cost of the path to each cell by SciPy's Dijkstra, in those integers; infinity where there is none."""
     return cheapest_costs(np.ones(blocked.shape), blocked, [start], connectivity, (STRAIGHT, DIAGONAL))
 
 

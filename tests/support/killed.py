@@ -1,6 +1,6 @@
 """A process that is killed before each of its steps in the file system, one after the other.
 
-`python -m support.killed` is not needed: a test runs `kill_at_every_step` in a process of its own, as it forks.
+`python -m support.killed` is not needed: a test runs `kill_at_every_step` in a separate process, as it forks.
 """
 
 import os
@@ -13,7 +13,7 @@ STEPS = ("open", "os.rename", "os.remove", "os.link", "os.chmod", "os.mkdir", "o
 
 
 def kill_at_every_step(prepare: Callable[[], None], write: Callable[[], None], check: Callable[[int], None]) -> int:
-    """Run `write` in forks that are killed before their first, second, … step, until one ends by itself.
+    """Run `write` in forks that are killed before their first, second, … step, until one finishes.
 
     Args:
         prepare: Makes things as they were, before each.
@@ -35,7 +35,7 @@ def kill_at_every_step(prepare: Callable[[], None], write: Callable[[], None], c
         check(steps)
         if not os.WIFSIGNALED(status):
             if status != 0:
-                raise SystemExit(f"what is to be killed failed by itself: {status}")
+                raise SystemExit(f"the process to be killed failed first: {status}")
             return steps
         steps += 1
 

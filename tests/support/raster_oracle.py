@@ -1,4 +1,4 @@
-"""What the raster of single solids is held against: each solid cut in a way of its own, cells by shapely.
+"""The oracle for the raster of single solids: each solid cut by an independent method, cells by shapely.
 
 shapely tells which cells, made smaller by 1 µm, a solid's part in the band meets from above. Cells within 1 nm of that
 decision are left out and counted (for tilted cylinders: those between a prism inside and one outside of the cylinder).

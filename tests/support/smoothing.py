@@ -41,7 +41,7 @@ def point_curvatures(points: FloatArray) -> FloatArray:
 
 
 def price(costmap: Costmap, path: Path, w_cost: float) -> float:
-    """Integral of 1 + w_cost · cost / 252 along a path, clipped at borders of cells; on one the dearer cell counts."""
+    """Integral of 1 + w_cost · cost / 252 along a path, clipped at cells' borders; on those the higher cost counts."""
     points = costmap.origin.inverse().transform_points(path.poses[:, :2]) / costmap.resolution
     drives = np.hypot(*np.diff(points, axis=0).T) > 0
     weights = 1 + w_cost * np.minimum(np.arange(256), 252) / 252
@@ -100,7 +100,7 @@ def assert_contract(
     dense = along_legs(path.poses[:-1][new], path.poses[1:][new], 0.01)
     outline = costmap.footprint * (1 - min(0.5, depth / costmap.inscribed_radius))
     assert not costmap.footprint_collides(dense, outline=outline).any()
-    # Not dearer, in no dearer place.
+    # Its cost is no higher, and neither are the costs of its cells.
     was, now = (price(costmap, each, settings.w_cost) for each in (before, path))
     assert [done.cost_before, done.cost_after] == pytest.approx([was, now], rel=1e-6, abs=1e-6)
     assert done.cost_after <= (1 + settings.cost_tolerance) * done.cost_before * (1 + 1e-9)

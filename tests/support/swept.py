@@ -34,7 +34,7 @@ def costmap_of(data, footprint: npt.ArrayLike = CARTER, resolution=0.05, origin=
 
 
 def densely(path: Path, step: float = 0.01) -> FloatArray:
-    """Poses along the straight lines and turns that a path stands for."""
+    """Poses along the straight lines and turns of a path."""
     return np.concatenate([path.poses[:1], along_legs(path.poses[:-1], path.poses[1:], step)])
 
 
@@ -49,7 +49,7 @@ def along_legs(first: FloatArray, last: FloatArray, step: float, turn: float = 0
 
 
 def penalised_length(path: Path, *, reverse: float, change: float, turn: float) -> float:
-    """Length [m] of a path along its arcs, dearer backwards, with a price for each change and each radian in place."""
+    """Length [m] of a path along its arcs, weighted backwards, with a price for each change and radian in place."""
     steps = np.diff(path.poses, axis=0)
     turns = np.abs(np.remainder(steps[:, 2] + np.pi, 2 * np.pi) - np.pi)
     chords = np.hypot(steps[:, 0], steps[:, 1])

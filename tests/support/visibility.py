@@ -1,4 +1,4 @@
-"""An oracle for ways in any direction: which lines are free, by fractions, and Dijkstra over all corners of cells."""
+"""An oracle for any-angle paths: which lines are free, by fractions, and Dijkstra over all corners of cells."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _joined(before: set[tuple[int, int]], now: set[tuple[int, int]], around: set
 
 
 def visibility_lengths(blocked: np.ndarray, start: tuple[int, int], goals: Sequence[tuple[int, int]]) -> list[float]:
-    """Lengths in cells of the shortest ways between centres of cells, infinite where there is none."""
+    """Lengths in cells of the shortest paths between centres of cells, infinite where there is none."""
     half = Fraction(1, 2)
     padded = np.pad(blocked, 1, constant_values=True).astype(int)
     around = padded[:-1, :-1] + padded[1:, :-1] + padded[:-1, 1:] + padded[1:, 1:]

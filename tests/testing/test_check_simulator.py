@@ -52,7 +52,7 @@ class Boundless(KinematicSimulator):
 
 
 class Undead(KinematicSimulator):
-    """Goes on after it was closed."""
+    """Still runs after it was closed."""
 
     def close(self):
         pass

@@ -190,8 +190,8 @@ def reported_turn(report):
     """The angle [°], counter-clockwise, that a report says to turn the map by, and about what."""
     (finding,) = (finding for finding in report.findings if finding.kind == "rotated")
     assert finding.severity == "error"
-    number, way, about = re.search(r"turned ([0-9.]+)° (\S+) about (.*) \(agreement", finding.message).groups()
-    return float(number) * {"clockwise": -1.0, "counter-clockwise": 1.0}[way], about
+    number, direction, about = re.search(r"turned ([0-9.]+)° (\S+) about (.*) \(agreement", finding.message).groups()
+    return float(number) * {"clockwise": -1.0, "counter-clockwise": 1.0}[direction], about
 
 
 def placement(report):

@@ -167,7 +167,7 @@ def test_findings_beyond_the_most_of_a_kind_are_counted_in_one(monkeypatch):
     assert findings[-1].message.startswith("40 more specks")
 
 
-# Doors and ways -----------------------------------------------------------------------------------------------------
+# Doors and detours ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gap", [0.2, 0.45])

@@ -17,7 +17,7 @@ Cell = tuple[int, int]
 
 
 class GridWalkPlanner:
-    """The way with the fewest steps to the four neighbours of a cell."""
+    """The path with the fewest steps between the four neighbours of a cell."""
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
         # The cost at the circumscribed radius: below it, the footprint is clear at every yaw.
@@ -59,7 +59,7 @@ class GridWalkPlanner:
                     came_from[step] = (row, col)
                     queue.append(step)
         if first not in came_from:
-            raise NoPathError("no way from the start to the goal with room to turn")
+            raise NoPathError("no path from the start to the goal with room to turn")
         cells: list[Cell] = []
         cell: Cell | None = first
         while cell is not None:

@@ -1,4 +1,4 @@
-"""A simulator: the kinematic one, with tyres so worn that the wheels tell a longer way than was driven."""
+"""A simulator: the kinematic one, with tyres so worn that odometry overestimates the distance."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trundle.worlds import World
 
 
 class WornTyresSimulator(KinematicSimulator):
-    """Odometry that is too long by a share of the way."""
+    """Odometry that is too long by a share of the distance."""
 
     def __init__(self, world: World, robot: Robot, *, wear: float = 0.02) -> None:
         self._wear = wear

@@ -69,7 +69,7 @@ class Behaviour:
             raise ValueError("Only USD files can be loaded with this method")
         done = Path(usd_path).is_file()
         if done:
-            # Opened anew, as Kit does: what was added to an earlier stage of the same file is gone.
+            # Reopened, as Kit does: what was added to an earlier stage of the same file is gone.
             root = self.pxr.Sdf.Layer.CreateAnonymous(".usda")
             root.TransferContent(self.pxr.Sdf.Layer.OpenAsAnonymous(usd_path))
             self.stage, self.stage_path, self.loading = self.pxr.Usd.Stage.Open(root), usd_path, 3

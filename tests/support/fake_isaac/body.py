@@ -10,7 +10,7 @@ from trundle.robots import WheelSpeeds
 
 
 class Body:
-    """The robot: its pose, and its wheels, which turn as they are told at once."""
+    """The robot: its pose, and its wheels, which follow commands at once."""
 
     def __init__(self, fake, path, wheel_names):
         pxr = fake.pxr
