@@ -78,7 +78,7 @@ class ProgressChecker:
         self._pose = None
 
     def is_moving_on(self, pose: Pose2D, time: float) -> bool:
-        """Whether the robot, at `pose` at `time` [s], has moved on within the allowance."""
+        """Whether the robot, at `pose` at `time` [s], has made progress within the allowance."""
         moved = (
             self._pose is None
             or pose.distance_to(self._pose) >= self.required_movement_radius

@@ -11,18 +11,18 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
 from trundle.robots import Limits
 
 FOOTPRINT_PADDING_M = 0.01
-"""Distance [m] that the footprint is to keep while it drives, where it has it."""
+"""Clearance [m] that the footprint keeps while driving, where there is room."""
 
 _SUBSTEP_S = 0.05
 _MOST_STEPS = 1000
 _MOST_PARTS = 180
 _FAR_M = 1e12
 _FASTEST = 1e6  # [m/s] or [rad/s]: numbers stay finite
-_NEAREST_M = 0.1  # clearances beyond this are as good
+_NEAREST_M = 0.1  # larger clearances count the same
 _AS_CLEAR_M = 1e-6
 
 _TURN_STEP_RAD = math.radians(2.0)
-"""Most that the robot turns between two poses that are tested."""
+"""Largest turn between two tested poses."""
 
 
 def stopping_poses(
@@ -75,9 +75,9 @@ def can_stop(
 ) -> bool:
     """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free throughout.
 
-    All that the outline sweeps over is tested, between poses at most 0.05 s and 2° apart. Where the padded outline
-    touches something at `pose` already, a command does that touches nothing with the footprint itself and never brings
-    it nearer to anything than it is: otherwise the robot could not get away from there.
+    Poses at most 0.05 s and 2° apart are tested, with all that the outline sweeps between them. Where the padded
+    outline touches something at `pose` already, a command passes if the footprint itself touches nothing and never
+    comes nearer to anything than it is: otherwise the robot could not leave that place.
 
     Args:
         costmap: Where it drives.
@@ -86,7 +86,7 @@ def can_stop(
         twist: How it moves, base_link.
         command: The command to test.
         dt: For how long [s].
-        padded: The footprint's outline [m], base_link, with the distance that it is to keep, shape (N, 2).
+        padded: The footprint's outline [m], base_link, widened by the clearance to keep, shape (N, 2).
     """
     poses = np.array([pose.as_tuple(), *stopping_poses(pose, twist, command, limits, dt, turn_step=_TURN_STEP_RAD)])
     blocked = costmap.footprint_sweeps(poses[:-1], poses[1:], outline=padded) < math.inf

@@ -1,4 +1,4 @@
-"""The seam that every controller stands behind, and the controllers by name."""
+"""The protocol of controllers, and the controllers by name."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Controller(Protocol):
         Args:
             pose: Where the robot is, map frame.
             twist: How it moves now, base_link.
-            costmap: What to stay clear of.
+            costmap: The obstacles.
             dt: Length of the control period [s].
 
         Returns:
@@ -75,10 +75,10 @@ def create_controller(controller: str | Controller, robot: Robot, **options: Any
 
 
 class OlderController(Controller):
-    """A controller without `set_speed_limit` behind the whole seam, with the default for that.
+    """Gives a controller without `set_speed_limit` the whole protocol, with the default for that method.
 
     Args:
-        controller: What drives.
+        controller: The controller to wrap.
 
     Attributes:
         controller: The same.

@@ -1,9 +1,9 @@
-"""Regulated pure pursuit that stops and turns where it has to, and never drives where it could not stop.
+"""Regulated pure pursuit that stops and turns in place at sharp bends, and always keeps room to stop.
 
 After Macenski et al., "Regulated Pure Pursuit for Robot Path Tracking" (2023), with the defaults of Nav2's controller
-of that name. What is added: the path is cut at sharp bends, where its direction changes, and at bends that the
-footprint cannot take in a curve, into sections with turns in place between them; and every command is checked with the
-footprint over its stopping distance. A section that is driven backwards is followed as by a robot that looks the other
+of that name. Two things are added. The path is cut at sharp bends, where its direction changes, and at bends that the
+footprint cannot take in a curve, into sections with turns in place between them. And every command is checked with the
+footprint over its stopping distance. A section that is driven backwards is followed as if the robot faced the other
 way, with the speed negated.
 """
 
@@ -35,7 +35,7 @@ _SLOWER = (1.0, 0.5, 0.25)
 
 @dataclass(frozen=True, slots=True)
 class PursuitSettings:
-    """Settings of `RegulatedPurePursuit`, under Nav2's names where it has one.
+    """Settings of `RegulatedPurePursuit`, under Nav2's names where Nav2 has them.
 
     Attributes:
         desired_linear_vel: Speed on a free straight [m/s]; none means the robot's limit.
@@ -80,7 +80,7 @@ class PursuitSettings:
 
 @dataclass(slots=True)
 class _Turn:
-    """A turn in place that is under way: what is left of it [rad] and the yaw it was last measured at."""
+    """A turn in place in progress: the angle that is left [rad] and the yaw at the last measurement."""
 
     remaining: float
     yaw: float
@@ -170,9 +170,9 @@ class RegulatedPurePursuit:
             self._begin_turn(vertices[0].turn, pose)
 
     def _pad(self, costmap: Costmap, motions: list[Motion]) -> FloatArray:
-        """The padded outline; where motions of the path come closer to something, padded by half of what they keep.
+        """The padded outline; where the path passes closer to something, padded by half of its clearance there.
 
-        Where they touch something the path is blocked, and the robot keeps its distance.
+        Where the path touches something it is blocked, and the padding stays as it is.
         """
         first, last = (np.array(ends) for ends in zip(*motions, strict=True))
         hit = np.isfinite(costmap.footprint_sweeps(first, last, outline=self._outline))
@@ -185,16 +185,16 @@ class RegulatedPurePursuit:
 
     @property
     def _padded(self) -> FloatArray:
-        """The padded outline for the section, or the turn at its end, that is under way."""
+        """The padded outline for the current section, or for the turn at its end."""
         turned = self._index - 1 if self._turn is not None else self._index
         return self._outlines[max(turned, 0)]
 
     def _choose_lookaheads(
         self, sections: list[Section], stops: list[bool], pose: Pose2D, costmap: Costmap
     ) -> tuple[list[float], int | None]:
-        """The lookahead [m] that follows each section to its end and touches nothing: the usual or the short one.
+        """The lookahead [m], the usual or the short one, that follows each section to its end without a collision.
 
-        Where the short one touches something, also the index of the bend, not yet a stop, that is nearest to there.
+        Where the short one collides too, also the index of the nearest bend that is not a stop yet.
         """
         lookaheads: list[float] = []
         first = 0
@@ -216,7 +216,7 @@ class RegulatedPurePursuit:
     def _pursue_ideally(
         self, section: Section, yaw: float, lookahead: float, costmap: Costmap
     ) -> tuple[float | None, float]:
-        """How far along [m] an ideal pursuit first touches something, or none; and by how much it misses the end."""
+        """Arc length [m] at which an ideal pursuit first collides, or None; and by how much it misses the end."""
         driven, along = self._drive_geometrically(section, yaw, lookahead)
         if len(driven) == 0:
             return None, 0.0
@@ -247,7 +247,7 @@ class RegulatedPurePursuit:
     # Following ------------------------------------------------------------------------------------------------------
 
     def _finish_what_is_done(self, pose: Pose2D) -> None:
-        """Update the progress along the section or turn that is under way, and begin the next where it is done."""
+        """Update the progress along the current section or turn, and begin the next one when it is done."""
         sections = self._sections or []
         if self._turn is not None:
             self._turn.remaining -= wrap_angle(pose.yaw - self._turn.yaw)
@@ -293,7 +293,7 @@ class RegulatedPurePursuit:
         slow = min(speed, settings.regulated_linear_scaling_min_speed, self._fastest_in_curve(tight))
         sign = -1.0 if section.backward else 1.0
         arcs = [Twist2D(sign * speed, speed * curvature), Twist2D(sign * slow, slow * tight)]
-        # A robot that looks along its path is not let through by turning: it would only sway before what blocks it.
+        # Turning does not help a robot that faces along its path: it would only sway in front of the obstacle.
         return [*arcs, back_to_path] if abs(bearing) > _TURN_DONE_RAD else arcs
 
     @staticmethod
@@ -357,12 +357,12 @@ class RegulatedPurePursuit:
 
 
 def _least_room(costmap: Costmap, first: FloatArray, last: FloatArray) -> float:
-    """The least distance [m] that the footprint keeps from everything on a straight line or a turn in place."""
+    """Clearance [m] of the footprint along a straight line or a turn in place."""
     length, turn = math.dist(first[:2], last[:2]), abs(float(last[2] - first[2]))
     pieces = max(1, math.ceil(max(length / _ROOM_STEP_M, turn / _ROOM_STEP_RAD)))
     return float(costmap.clearance(np.linspace(first, last, pieces + 1)).min())
 
 
 def _travel_yaw(section: Section, yaw: float) -> float:
-    """Where a robot with this yaw [rad] drives on a section; and the yaw of a robot that drives there."""
+    """Direction of travel [rad] on a section for a yaw, and the yaw for a direction of travel."""
     return yaw + math.pi if section.backward else yaw

@@ -1,4 +1,4 @@
-"""A path cut into what a differential robot drives in one go: stretches between places where it stops and turns."""
+"""A path cut into sections: stretches between the places where a differential robot stops and turns in place."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Vertex:
 
     Attributes:
         x, y: [m], map frame.
-        turn: Angle to turn by there [rad], counter-clockwise; the way round that the planner chose, so it may be
+        turn: Angle to turn by there [rad], counter-clockwise, in the direction that the planner chose, so it may be
             beyond ±π.
         backward: Whether the robot drives on from there backwards.
     """
@@ -138,7 +138,7 @@ def _robot_yaw(here: Sequence[float], there: Sequence[float], *, backward: bool)
 
 
 def changes_direction(vertices: Sequence[Vertex], i: int) -> bool:
-    """Whether the robot comes to a vertex inside the path forward and leaves it backwards, or the other way round."""
+    """Whether the robot changes between driving forward and backward at an inner vertex of the path."""
     return 0 < i < len(vertices) - 1 and vertices[i].backward != vertices[i - 1].backward
 
 

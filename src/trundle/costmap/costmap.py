@@ -61,10 +61,10 @@ class Costmap(GridFrame):
         footprint: Corners of the robot's convex outline in base_link [m], counter-clockwise, shape (N, 2), read-only.
         inflation_radius: Distance from an occupied or unknown cell up to which costs rise [m].
         cost_scaling_factor: Decay of the cost with distance [1/m].
-        keepout: What a keep-out mask makes each cell cost at least, uint8, shape (rows, cols), read-only; or None.
-        unknown: What unknown cells are taken for: "blocked", "free" or "costly".
-        unknown_cost: What they cost at least where they are costly, 0 to 252.
-        unseen: Which cells are unknown where they are free or costly, bool, shape (rows, cols), read-only; else None.
+        keepout: Lowest cost of each cell by the keep-out mask, uint8, shape (rows, cols), read-only; or None.
+        unknown: How unknown cells are treated: "blocked", "free" or "costly".
+        unknown_cost: Lowest cost of an unknown cell where they are costly, 0 to 252.
+        unseen: The unknown cells, where they are free or costly: bool, shape (rows, cols), read-only; else None.
         inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
         circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
         version: Another object for every costmap, to ask its successors what changed since (`changes_since`).
@@ -98,7 +98,7 @@ class Costmap(GridFrame):
         if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
         if not (is_finite_number(self.resolution) and self.resolution > 0.0):
-            raise MapError(f"resolution must be a positive number of metres a cell, got {self.resolution!r}")
+            raise MapError(f"resolution must be a positive number of metres per cell, got {self.resolution!r}")
         resolution = float(self.resolution)
         keepout = self.keepout
         if keepout is not None:
@@ -164,11 +164,11 @@ class Costmap(GridFrame):
             footprint: A robot, its `Footprint`, or the corners of its convex outline in base_link [m], shape (N, 2).
             inflation_radius: [m]; none means the circumscribed radius + 0.3 m, so that costs keep the tail clear.
             cost_scaling_factor: k above [1/m].
-            keepout: What it keeps out is lethal and inflates as what is occupied does, so that no part of the robot
-                gets in; in cells where it has 1 to 99 costs are raised. Cells that are unknown otherwise stay unknown.
-            unknown: What unknown cells are taken for, as Nav2's `allow_unknown` and `track_unknown_space` ask.
-                "blocked": they cost 255 and inflate; no part of the robot gets there. "free": as if they were free.
-                "costly": as if they were free, at `unknown_cost` or what an obstacle nearby makes them cost.
+            keepout: Cells that it keeps out are lethal and inflate like occupied ones, so that no part of the robot
+                gets in. Cells where it has 1 to 99 cost more. Other unknown cells stay unknown.
+            unknown: How unknown cells are treated, as with Nav2's `allow_unknown` and `track_unknown_space`.
+                "blocked": they cost 255 and inflate; no part of the robot gets there. "free": like free cells.
+                "costly": like free cells, with a cost of at least `unknown_cost`.
             unknown_cost: For "costly", from 0 to 252; `least_cost` and `hybrid_astar` weigh it as they do all costs.
 
         Raises:
@@ -203,10 +203,10 @@ class Costmap(GridFrame):
         )
 
     def update(self, rows: slice, cols: slice, occupancy: npt.ArrayLike) -> Costmap:
-        """Make a costmap in which a rectangle of the map has other occupancy; this one stays as it is.
+        """Make a costmap in which a rectangle of the map has new occupancy; this one does not change.
 
         It equals a new costmap of the changed map, and takes a copy of the bytes and an inflation around the
-        rectangle. What the keep-out mask asks for still holds there.
+        rectangle. The keep-out mask still holds there.
 
         Args:
             rows: Which rows, without a step.
@@ -257,9 +257,9 @@ class Costmap(GridFrame):
         return successor
 
     def changes_since(self, version: object) -> list[tuple[slice, slice]] | None:
-        """Rectangles (rows, cols) that hold every cell whose cost differs from an earlier costmap's of this `version`.
+        """Rectangles (rows, cols) that hold every cell whose cost has changed since the costmap of this `version`.
 
-        They are known for the last 16 calls of `update` that led here; none means that they are not.
+        They are known for the last 16 calls of `update`; None before that.
         """
         for index, (before, _) in enumerate(self._changes):
             if before is version:
@@ -274,7 +274,7 @@ class Costmap(GridFrame):
 
     @property
     def unknown_cells(self) -> npt.NDArray[np.bool_]:
-        """Which cells are unknown, whatever they are taken for, shape (rows, cols)."""
+        """Which cells are unknown, however they are treated, shape (rows, cols)."""
         return self.data == NO_INFORMATION if self.unseen is None else self.unseen
 
     def cost_at(self, x: npt.ArrayLike, y: npt.ArrayLike) -> npt.NDArray[np.uint8]:
@@ -293,7 +293,7 @@ class Costmap(GridFrame):
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,). A pose that is not finite collides.
-            outline: Another convex outline than the robot's, e.g. one with a margin, shape (M, 2), counter-clockwise.
+            outline: A convex outline instead of the robot's, e.g. with a margin, shape (M, 2), counter-clockwise.
 
         Returns:
             Shape (N,).
@@ -309,18 +309,18 @@ class Costmap(GridFrame):
     ) -> FloatArray:
         """How far each of many motions goes before the footprint touches a cell of 254 or 255 or leaves the map.
 
-        On a motion the position and the yaw change evenly from the one pose to the other. All that the outline sweeps
-        over is tested, not only poses of it: a motion that is called free is free all along, but for contact shallower
-        than 1e-9 m. Straight lines are tested exactly. A turn may be called blocked where it passes something by less
-        than 0.01 mm.
+        During a motion position and yaw change evenly from the first pose to the last. All that the outline sweeps
+        over is tested, not only sampled poses: a motion reported as free is free all along, except for contact
+        shallower than 1e-9 m. Straight lines are tested exactly. A turn may be reported as blocked where it passes
+        something by less than 0.01 mm.
 
         Args:
             first: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
             last: The same. The yaw is not wrapped: from 0 to −3 is a turn clockwise, from 0 to 2π one all round.
-            outline: Another convex outline than the robot's, shape (M, 2), counter-clockwise.
+            outline: A convex outline instead of the robot's, shape (M, 2), counter-clockwise.
 
         Returns:
-            The share of each motion that is free, 0 to 1, and infinity where all of it is; shape (N,).
+            The share of each motion before the first contact, 0 to 1; infinity where all of it is free; shape (N,).
 
         Raises:
             InputError: If the poses or the outline have another shape, or the outline is not convex.
@@ -339,7 +339,7 @@ class Costmap(GridFrame):
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
-            cap: Larger distances are given as this one [m].
+            cap: Larger distances are reported as this [m].
 
         Returns:
             Shape (N,); 0 where the footprint touches something.
@@ -362,7 +362,7 @@ def _costs_of(keepout: KeepoutMask, grid: OccupancyGrid) -> npt.NDArray[np.uint8
 
 
 def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:
-    """The array itself where it can neither be written to nor is scattered, else a copy."""
+    """The array itself if it is read-only and contiguous, else a copy."""
     if data.flags.writeable or not data.flags.c_contiguous:
         data = np.array(data, order="C", copy=True)
         data.flags.writeable = False

@@ -27,7 +27,7 @@ class CostmapSettings(Config):
         inflation_radius: Distance from an obstacle up to which costs are raised [m]; none means the robot's
             circumscribed radius + 0.3 m.
         cost_scaling_factor: Exponential decay of the cost with the distance from an obstacle [1/m].
-        unknown: What the robot takes unknown cells of the map for: blocked, free, or costly.
+        unknown: How unknown cells of the map are treated: blocked, free, or costly.
         unknown_cost: Lowest cost of an unknown cell where they are costly, 0 to 252; none means 200.
 
     Raises:

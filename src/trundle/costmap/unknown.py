@@ -1,4 +1,4 @@
-"""What unknown cells are taken for: blocked, free, or free at a price."""
+"""How unknown cells are treated: as blocked, free, or free at a price."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from trundle.errors import InputError, MapError
 from trundle.maps.cells import FREE, UNKNOWN
 
 UnknownPolicy = Literal["blocked", "free", "costly"]
-"""What unknown cells count as."""
+"""How unknown cells are treated."""
 UNKNOWN_POLICIES: tuple[UnknownPolicy, ...] = get_args(UnknownPolicy)
 """Every `UnknownPolicy`."""
 

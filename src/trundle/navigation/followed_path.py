@@ -9,7 +9,7 @@ from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning import PathCheck
 
-_AHEAD_M = 1.0  # of the path in which the robot's place on it is looked for
+_AHEAD_M = 1.0  # length of path in which the robot's position on it is searched
 
 
 class FollowedPath:

@@ -1,4 +1,4 @@
-"""`Navigator`: the whole autonomy behind one call, for anybody's loop."""
+"""`Navigator`: planning, control and recovery behind one call per control period."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ class Navigator:
 
     @property
     def goal(self) -> Pose2D | None:
-        """Where it is going; the yaw is 0 where any yaw will do."""
+        """The goal pose; its yaw is 0 where any yaw will do."""
         return None if self._goal is None else self._goal.pose
 
     @property
@@ -152,12 +152,12 @@ class Navigator:
 
     @property
     def planned(self) -> Path | None:
-        """The same before it was smoothed, as the planner gave it."""
+        """The path before smoothing, as the planner returned it."""
         return None if self._followed is None else self._followed.planned
 
     @property
     def waits_to_plan(self) -> bool:
-        """Whether there is a plan to be made before the robot drives on: one that was not done by its deadline."""
+        """Whether the robot waits for a plan: the last one missed its deadline."""
         return self._tries.pending
 
     def _forget_progress(self) -> None:
@@ -295,7 +295,7 @@ class Navigator:
             self._look_for_better(pose, twist)
 
     def _plan_first(self, pose: Pose2D, twist: Twist2D) -> bool:
-        """Make the plan that the robot waits for; whether it may drive on."""
+        """Make the plan that the robot waits for; return whether it may drive on."""
         if not self._attempt(pose, twist) and self._followed is None:
             self.status = NavigationStatus.NO_PATH
             return False
@@ -372,7 +372,7 @@ class Navigator:
 
 
 def _split(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:
-    """The name for reports, the name or the object to make it from, and the options."""
+    """The name for reports, the name or object that it is made from, and the options."""
     if isinstance(given, Choice):
         return given.name, given.name, dict(given.options)
     return given if isinstance(given, str) else type(given).__name__, given, {}

@@ -1,4 +1,4 @@
-"""`PlanningTries`: how long a navigator may plan, when the robot stops for that, and when it gives up."""
+"""`PlanningTries`: the deadline of plans, when the robot stops to plan, and when the navigator gives up."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _STOP_WITHIN_S = 3.0  # then it plans all the same: some odometry never says 0
 
 
 class PlanningTries:
-    """The deadline of plans, as a safety net: a robot that is driven while its navigator plans is driven blindly.
+    """The deadline of plans, a safety net: while its navigator plans, a moving robot drives blindly.
 
     A plan may take `deadline_s` while the robot stands, and a quarter of that while it moves. After a plan that took
     longer than that quarter, the robot is stopped before the next one.
@@ -46,7 +46,7 @@ class PlanningTries:
         self.settle()
 
     def settle(self) -> None:
-        """There is no plan to be made any more."""
+        """No plan is pending any more."""
         self.pending = False
         self._count = 0
         self._resume_at = -math.inf

@@ -10,7 +10,7 @@ from trundle.navigation.block_watch import BlockWatch
 _RETRIES = 6
 _BACK_UP_M = 0.3
 _BACK_UP_MPS = 0.15
-_GOT_ON_M = 0.5  # Nav2's required_movement_radius; more than the robot backs up
+_PROGRESS_M = 0.5  # Nav2's required_movement_radius; more than the robot backs up
 
 
 class Recovery:
@@ -38,7 +38,7 @@ class Recovery:
 
     def is_blocked(self, command: Twist2D, twist: Twist2D, left_m: float) -> bool:
         """Whether the robot makes no progress, given its command, its twist and the remaining path length [m]."""
-        if left_m < self._least_left - _GOT_ON_M:
+        if left_m < self._least_left - _PROGRESS_M:
             self._count = 0
         return self._watch.is_blocked(command, twist)
 
@@ -52,22 +52,22 @@ class Recovery:
 
     @property
     def backs_up_first(self) -> bool:
-        """Whether this time it backs up before it plans."""
+        """Whether this try backs up before it plans."""
         return self._count % 2 == 0
 
     # Backing up -----------------------------------------------------------------------------------------------------
 
     @property
     def is_backing_up(self) -> bool:
-        """Whether the robot is to drive back."""
+        """Whether the robot is backing up."""
         return self._back_up_left > 0.0
 
     def start_backing_up(self) -> None:
-        """Have it drive back by 0.3 m from now on."""
+        """Start driving back by 0.3 m."""
         self._back_up_left = _BACK_UP_M
 
     def stop_backing_up(self) -> None:
-        """Have it drive back no longer."""
+        """Stop driving back."""
         self._back_up_left = 0.0
 
     def back_up(self) -> Twist2D:

@@ -16,10 +16,10 @@ from trundle.planning import PathCheck
 from trundle.robots import Robot
 
 BRAKING_SHARE = 0.5
-"""Of the robot's deceleration, what is used to come down to a limit ahead."""
+"""Share of the robot's deceleration that is used to slow down to a limit ahead."""
 
 BESIDE_M = 0.1
-"""A limit so far beside the path [m] holds as well: controllers cut corners."""
+"""A limit this far beside the path [m] counts too: controllers cut corners."""
 
 _STEP_M = 0.025
 _FARTHEST_M = 1000.0
@@ -33,7 +33,7 @@ class SpeedLimiter:
 
     Args:
         mask: The limits.
-        robot: Whose top speed they are a share of, and whose deceleration counts.
+        robot: Its top speed, of which the limits are a share, and its deceleration count.
     """
 
     def __init__(self, mask: SpeedMask, robot: Robot) -> None:
@@ -53,9 +53,9 @@ class SpeedLimiter:
         Args:
             pose: Where the robot is, map frame.
             twist: How it moves, base_link.
-            index: How far it is on the path: the index of the pose of the `PathCheck`.
+            index: Position on the path: the index of the `PathCheck`'s pose.
             dt: Control period [s].
-            backwards: Whether it is about to drive backwards.
+            backwards: Whether the next command drives backwards.
         """
         braking_m = self._top_speed * (dt + self._top_speed / (2.0 * self._braking))
         reach = min(braking_m, _FARTHEST_M) + BESIDE_M + _STEP_M
@@ -106,7 +106,7 @@ def limits_along(poses: FloatArray, mask: SpeedMask, top_speed: float) -> FloatA
 
 
 def fastest_s(path: Path, robot: Robot, mask: SpeedMask | None) -> float:
-    """What a path takes [s] at the robot's top speed, or at what the mask allows; turns in place not counted."""
+    """Driving time [s] of a path at the robot's top speed, or at the mask's limits; turns in place not counted."""
     top = robot.limits.linear_speed
     if mask is None:
         return path.length / top

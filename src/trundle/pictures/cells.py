@@ -58,7 +58,7 @@ def draw_cells(
         tints: Drawn over the cells, in this order.
 
     Returns:
-        The picture, at most `MAX_DRAWING` pixels each way, and its pixels per metre.
+        The picture, at most `MAX_DRAWING` pixels wide and high, and its pixels per metre.
     """
     corners = _corners(cells.shape, origin.yaw)
     low, high = corners.min(axis=0), corners.max(axis=0)

@@ -11,7 +11,7 @@ from trundle.pictures.colors import FAINT, HAIRLINE, INK, PAGE
 from trundle.pictures.text import draw_scale, font, plain, shorten
 
 MAX_DRAWING = 900
-"""Largest side of the drawing in a figure [px]; with its margins and captions a figure has at most 1000 each way."""
+"""Largest side of the drawing in a figure [px]; with its margins and captions a figure has at most 1000."""
 
 _EDGE = 16
 _LEAST_WIDTH = 480
@@ -23,7 +23,7 @@ def make_figure(drawing: Image.Image, pixels_per_metre: float, title: str, lines
     """Set a drawing on a page.
 
     Args:
-        drawing: At most `MAX_DRAWING` pixels each way.
+        drawing: At most `MAX_DRAWING` pixels wide and high.
         pixels_per_metre: For the scale bar.
         title: Above the drawing.
         lines: Below it, beside the scale bar; what does not fit is cut.

@@ -20,7 +20,7 @@ class AnyAnglePlanner(BinaryPlanner):
     """Finds the shortest path of a point around cells of 253 and more, in any direction (`any_angle_path`).
 
     Between the centres of the cells that hold the start and the goal it is the Euclidean optimum. It is joined to their
-    poses directly where the straight line is free, and through the centre of their cell otherwise. The robot's centre
+    poses directly where the straight line is free, and through the centres of these cells otherwise. The robot's centre
     touches the corners of cells of 253, where it may be up to 0.71 of a cell nearer to an obstacle than the inscribed
     radius, and never enters one. Whether the robot fits is decided by its footprint alone: every pose is checked with
     it, and after a collision the path is planned again around those cells, as with every grid planner. The result is

@@ -17,15 +17,15 @@ from trundle.planning.footprint_planner import FootprintOptions, to_grid, to_map
 from trundle.planning.grid_search import check_method
 
 _SHORTCUT_STEP_CELLS = 8
-"""The shortcut may turn where the grid path turns, and at every so many cells of it."""
+"""The shortcut may turn where the grid path turns, and at every this many cells of it."""
 
 
 class AStarPlanner(BinaryPlanner):
     """Finds the shortest 8-connected path with A* or jump point search, and shortens it by lines of sight.
 
     Cells of 253 and more are blocked; the costs of others do not count. The path is checked with the footprint like
-    that of any `FootprintPlanner`. Where that hits something, which is mostly at the corners that a shortest path
-    touches, it is led past with more room. `Path.cost` is its length [m].
+    that of any `FootprintPlanner`. Where that collides, mostly at the corners that a shortest path
+    touches, it is rerouted with more room. `Path.cost` is its length [m].
 
     Args:
         method: "astar", "jps", or "auto" for whichever is faster on the map, as `GridSearch` has them. All find paths

@@ -75,7 +75,7 @@ class AutoPlanner(PosePlanner):
         try:
             path = self._least_cost._plan_to(query, goal, patience)
         except NoPathError as error:
-            failure = error  # not even the inscribed circle gets there
+            failure = error  # the inscribed circle cannot get there either
         except PlanningStoppedError as error:
             if error.status != "exhausted":
                 raise
@@ -84,7 +84,7 @@ class AutoPlanner(PosePlanner):
             return self._improve(query, goal, path, patience)
         if self._nearing is None:
             return self._search(searches, query, goal, patience, failure)
-        # Before the searches of poses, which may use up the time.
+        # Done before the searches of poses, which may use up the time.
         near = self._least_cost._plan_near(query.costmap, query.start, goal, patience)
         try:
             return self._search(searches, query, goal, patience, failure)

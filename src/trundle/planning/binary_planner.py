@@ -1,4 +1,4 @@
-"""What the planners share for which a cell is blocked or free: a `GridSearch` for each costmap."""
+"""What planners on blocked and free cells share: a `GridSearch` for each costmap."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.planning.tight_places import TightPlaces
 
 
 class BinaryPlanner(FootprintPlanner):
-    """Base of the planners for the shortest path past cells of 253 and more, whatever the others cost.
+    """Base of the planners for the shortest path around cells of 253 and more; other costs do not count.
 
     The search of the last costmap is kept, so that the next plan on it only has to search; where `Costmap.update` made
     another one of it, the search is updated as well.

@@ -10,10 +10,10 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.planning.places import cells_near, footprint_fits
 
 REACH_CELLS = 256
-"""How far the nearest place where the robot fits is looked for."""
+"""How far to search for the nearest place where the robot fits."""
 
 MOST_POSES = 24_576
-"""How many poses are tried for that, about 8 ms."""
+"""How many poses to try for that, about 8 ms."""
 
 _CHUNK_POSES = 4096
 
@@ -23,7 +23,7 @@ def blocked_end(
 ) -> BlockedPoseError:
     """The error for an end where the footprint does not fit, with the nearest place where it does.
 
-    That is looked for in so many cells and poses at most, whatever the size of the map.
+    The number of cells and poses that are tried is limited, whatever the size of the map.
 
     Args:
         costmap: Where it does not fit.

@@ -32,12 +32,12 @@ class Cancellation:
 
 
 class Patience:
-    """What is left of the time of one plan, whatever the number of its stages, and the flag that may end it.
+    """The time left for one plan, over all its stages, and the flag that may end it.
 
     Args:
         deadline_s: Give up after this time [s] from now on; none means as long as it takes.
         cancel: Give up once this is cancelled.
-        what: What is given up then, for the message: "no path … found yet".
+        what: For the message, what is given up: "no path … found yet".
         pose: For the error.
         cell: For the error.
 
@@ -62,7 +62,7 @@ class Patience:
 
     @property
     def seconds(self) -> float | None:
-        """What is left [s], a nanosecond at least; none where there is no deadline."""
+        """The time left [s], at least a nanosecond; none where there is no deadline."""
         return None if self._deadline_s is None else max(1e-9, self._end - time.monotonic())
 
     def check(self) -> None:

@@ -20,7 +20,7 @@ Span = slice | tuple[int, int] | int
 
 
 def as_array(values: npt.ArrayLike, what: str) -> npt.NDArray[Any]:
-    """An array as NumPy has it, without a copy where it is one.
+    """Convert to an array, without a copy if it is one.
 
     Raises:
         InputError: If its rows differ in length, or it is a masked array, whose mask a search would not see.

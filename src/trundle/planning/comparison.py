@@ -19,7 +19,7 @@ _ROUNDS = 5
 
 
 class PlannerRow(TypedDict):
-    """How one planner did.
+    """The result of one planner.
 
     `clearance_m` is the smallest distance from the footprint at the path's poses to something, 0 where it touches.
     """
@@ -34,12 +34,12 @@ class PlannerRow(TypedDict):
 
 @dataclass(frozen=True, slots=True)
 class PlannerComparison:
-    """What several planners answered to one query.
+    """The results of several planners for one query.
 
     Attributes:
-        rows: How each planner did, in the order in which they were given.
+        rows: The result of each planner, in the given order.
         paths: The paths of those that found one, by name.
-        errors: What the others said, in their order.
+        errors: The errors of the others, in the given order.
     """
 
     rows: list[PlannerRow]

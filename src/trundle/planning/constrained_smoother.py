@@ -25,15 +25,15 @@ LEAST_STEP_M = 0.005
 """Checked poses are no closer than this, however small the padding."""
 
 LEAST_PADDING_M = LEAST_STEP_M / (2.0 * PADDING_SHARE)
-"""With less, something might pass between two checked poses."""
+"""With less, something might fit between two checked poses."""
 
 _ASKEW_RAD = 0.1
-"""A leg whose poses look farther than this past where it leads is a straight line between two turns in place."""
+"""A leg whose yaws differ more than this from its direction is a straight line between two turns in place."""
 
 
 @dataclass(frozen=True, slots=True)
 class SmoothingSettings:
-    """Settings of `ConstrainedSmoother`, under the names of Nav2's constrained smoother where it has one.
+    """Settings of `ConstrainedSmoother`, under the names of Nav2's constrained smoother where it has them.
 
     Attributes:
         minimum_turning_radius: Of the tightest new curve [m].
@@ -73,11 +73,11 @@ class SmoothingSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Smoothing:
-    """What a smoother made of a path.
+    """The result of smoothing a path.
 
     Attributes:
         path: The new path.
-        kept: For each of its legs whether the old path drives there, shape (N − 1,).
+        kept: For each of its legs, whether it is part of the old path, shape (N − 1,).
         cost_before: Integral of the cells' price along the old path [m], clipped at the cells' borders; on a border the
             higher cost counts.
         cost_after: The same along the new one; at most `cost_tolerance` above.
@@ -99,8 +99,8 @@ class ConstrainedSmoother:
     Where the path has room the new course consists of curves of at least `minimum_turning_radius`, each joining the
     next without a kink; where no curve is free within `cost_tolerance`, a piece of the old path
     stays as it was. So the result is free wherever the path was, and has a kink, a turn in place or a tighter bend only
-    where it had one that had to stay. Its ends are those of the path, exactly. Changes of direction are moved or taken
-    out, never added.
+    where the path had one that had to stay. Its ends are exactly those of the path. Changes of direction are moved or
+    removed, never added.
 
     It alternates between an elastic band (Quinlan and Khatib 1993), which finds where costs are low and the path is
     straight, and dynamic programming over Dubins and Reeds-Shepp curves between poses of the path and of the band. Its
@@ -137,7 +137,7 @@ class ConstrainedSmoother:
         return self.smooth_free(driven, costmap)
 
     def smooth_free(self, path: Path, costmap: Costmap) -> Smoothing:
-        """The same for a path that is known to be free, and whose yaws lead along its legs, as planners make it."""
+        """The same for a planner's path: it is known to be free, and its yaws point along its legs."""
         settings = self.settings
         padding = float(settings.padding)
         checked = CheckedOutline.of(costmap.footprint, padding)
@@ -228,7 +228,7 @@ def as_driven(path: Path) -> Path:
         arrives = float(heading[k - 1]) if k > 0 and askew[k - 1] else yaw
         leaves = float(heading[k]) if k < len(askew) and askew[k] else yaw
         inside = 0 < k < len(askew)
-        # Between two such legs the pose's own yaw says nothing.
+        # Between two such legs the yaw of the pose is not used.
         yaws = [arrives, leaves] if inside and askew[k - 1] and askew[k] else [arrives, yaw, leaves]
         for number, value in enumerate(yaws):
             if number > 0 and abs(math.remainder(value - poses[-1][2], 2.0 * math.pi)) <= 1e-9:
@@ -254,7 +254,7 @@ def _check(path: Path, costmap: Costmap) -> None:
     check = PathCheck(path)
     if check.first_hit(costmap) is None:
         return
-    # A path from elsewhere, of which only the poses were looked at, may touch something between two by half a step.
+    # A path of another planner may have been checked at its poses only: between two it may touch something.
     reach = costmap.inscribed_radius
     shallow = costmap.footprint * (1.0 - min(0.5, 0.5 * CHECK_STEP_M / reach))
     hits = np.flatnonzero(costmap.footprint_collides(check.poses, outline=shallow))

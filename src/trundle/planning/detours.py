@@ -18,7 +18,7 @@ _STEP_OFF_M = 0.3
 """Where a turn at the start or the goal is blocked, the path is closed this far from it: another exit stays open."""
 
 _WIDE_ROUNDS = 6
-"""How many rounds may close more than the cells around the hits; from the third on there is room for any turn."""
+"""Rounds that may close more than the cells around collisions; from the third on there is room for any turn."""
 
 Costs = npt.NDArray[np.uint8]
 
@@ -79,7 +79,7 @@ class Detours:
 
     @property
     def _reach(self) -> int:
-        """How far room is asked for around a hit [cells]."""
+        """How far around a collision cells are closed [cells]."""
         return math.ceil(2.0 * self._costmap.circumscribed_radius / self._costmap.resolution)
 
     def _widen(self, costs: Costs, row: int, col: int) -> None:

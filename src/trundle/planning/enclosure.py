@@ -16,10 +16,10 @@ from trundle.planning.ends import End
 from trundle.planning.query import Query
 
 _MOST_BOXES = (500_000, 100_000, 100_000, 100_000)
-"""What one flood fills at most, for each size of boxes: a small room of the largest, a tight place of the others."""
+"""Boxes that one flood fills at most, by size of box: a small room of the largest, a tight place of the others."""
 
 _MOST_CELLS, _MOST_HEADINGS = 1e12, 100_000
-"""What boxes may be numbered by: cells of the map, and headings."""
+"""Limits on the numbers of boxes: cells of the map, and headings."""
 
 _CLOSED_OFF, _TIMEOUT, _CANCELLED = 0, 3, 4
 
@@ -33,7 +33,7 @@ class Enclosure:
     Attributes:
         end: The start or the goal.
         is_start: Which of them.
-        cell_m: Width of the boxes in which this was seen [m].
+        cell_m: Width of the boxes that proved it [m].
         yaw_rad: How much yaw each of them holds [rad].
     """
 

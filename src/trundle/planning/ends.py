@@ -39,7 +39,7 @@ class End:
 def begin_plan(
     costmap: Costmap, start: Pose2D, goal: Pose2D, deadline_s: float | None, cancel: Cancellation | None
 ) -> tuple[Pose2D, Pose2D, Patience]:
-    """The start, the goal and the patience of one plan, by what its caller gave.
+    """The start, the goal and the patience of one plan, from its caller's arguments.
 
     Raises:
         InputError: If that is no costmap, pose, positive number of seconds or `Cancellation`.
@@ -71,7 +71,7 @@ def find_end(
         what: "start" or "goal", for the message.
         tolerance_m: How far it may be moved [m].
         any_yaw: Leave the yaw open: the inscribed circle has to fit, or where the pose is moved the footprint with any.
-        beside: Where the robot comes from: places that its inscribed circle can reach from there are taken first.
+        beside: Where the robot comes from: places that its inscribed circle can reach from there are preferred.
         patience: When to give up looking for a place.
 
     Raises:

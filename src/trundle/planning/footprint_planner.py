@@ -13,7 +13,7 @@ An attempt searches, fits the footprint, and has three remedies for a collision,
 
 1. reroute: replace the stretches that collide by ones with more room nearby (`TightPlaces`), without a new search;
 2. close: close what is too narrow (`Detours.close`), and search again;
-3. reopen: where closing left no path, open it again and close only the cells that are hit (`Detours.reopen`).
+3. reopen: where closing left no path, open it again and close only the cells of collisions (`Detours.reopen`).
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class _Plan:
     """One plan in progress.
 
     Attributes:
-        query: What is asked.
+        query: The query.
         goal: The goal as it was given, before it was moved to where the footprint fits.
         patience: When to give up.
         roomier: The query of attempt 3, for attempt 4.
@@ -140,7 +140,7 @@ class FootprintPlanner(PosePlanner):
     """Reroutes stretches where the footprint collides, for planners whose cost is the length."""
 
     _line_weights: FloatArray = cell_weights(1.0, 0.0)
-    """What a length costs in a cell, by its cost, shape (256,)."""
+    """Weight per length of each cost, shape (256,)."""
 
     def __init__(
         self,
@@ -194,14 +194,14 @@ class FootprintPlanner(PosePlanner):
         if self._goal_tolerance == 0.0:
             return None
         if self._nearest_reachable(costmap, costmap.data, query.start.cell, query.goal.cell) != query.goal.cell:
-            return None  # not even the inscribed circle gets there: room at the goal is of no help
+            return None  # the inscribed circle cannot get there: room at the goal does not help
         place = place_with_room(costmap, plan.goal, self._goal_tolerance, query.start, plan.patience)
         if place is not None and place.cell != query.goal.cell:
             plan.roomier = replace(query, goal=place, enter=place)
         return plan.roomier
 
     def _roomier_goal_and_straight_ends(self, plan: _Plan) -> Query | None:
-        """Both of these."""
+        """With the goal of attempt 3 and the straight ends of attempt 2."""
         return None if plan.roomier is None else plan.roomier.with_straight_ends()
 
     def _search_and_fit(self, query: Query, replans: int, patience: Patience) -> Path | _Failure:

@@ -34,7 +34,7 @@ class GridEnds:
     def settle(
         self, start: CellLike, goal: CellLike, start_tolerance: float, goal_tolerance: float, partial: bool
     ) -> tuple[CellLike, CellLike, Moved[float]]:
-        """Where one query begins and ends; where nothing may be moved, as it was asked, without a look at it.
+        """Where one query begins and ends; without tolerances these are its own ends, unchecked.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end, as for:

@@ -1,4 +1,4 @@
-"""What searches over cells find: `GridPath` and `PointPath`, and many of them at once."""
+"""Results of grid searches: `GridPath`, `PointPath`, and batches of both."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CellArray = npt.NDArray[np.int32]
 
 @dataclass(frozen=True, slots=True)
 class CellPath:
-    """What a search over cells found.
+    """The result of a grid search.
 
     Attributes:
         status: "found"; "unreachable", when no path connects the cells; "timeout" or "cancelled", when it was stopped;
@@ -42,7 +42,7 @@ class CellPath:
 
     @property
     def cost(self) -> float:
-        """What was made least: the length."""
+        """The cost that was minimized: the length."""
         return self.length
 
 
@@ -83,7 +83,7 @@ _PathT = TypeVar("_PathT", GridPath, PointPath)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellPaths(Sequence[_PathT], Generic[_PathT]):
-    """What a search found for many queries: a sequence of paths, and their numbers as arrays.
+    """The results of many queries: a sequence of paths, and their numbers as arrays.
 
     Attributes:
         status: As of one path, shape (N,).
@@ -106,7 +106,7 @@ class CellPaths(Sequence[_PathT], Generic[_PathT]):
 
     @property
     def cost(self) -> FloatArray:
-        """What was made least: the lengths, shape (N,)."""
+        """The costs that were minimized: the lengths, shape (N,)."""
         return self.length
 
     def __len__(self) -> int:
@@ -143,14 +143,14 @@ _BY_NAME: dict[str, Status] = {status: status for status in STATUSES}
 
 
 class GridPaths(CellPaths[GridPath]):
-    """What `GridSearch.plan_many` found."""
+    """The paths of `GridSearch.plan_many`."""
 
     __slots__ = ()
     _kind = GridPath
 
 
 class PointPaths(CellPaths[PointPath]):
-    """What `GridSearch.any_angle_paths` found."""
+    """The paths of `GridSearch.any_angle_paths`."""
 
     __slots__ = ()
     _kind = PointPath

@@ -102,7 +102,7 @@ class GridSearch:
 
     @property
     def nbytes(self) -> int:
-        """Memory that is held, besides the map itself: bits, labels, tables and what searches left for the next."""
+        """Memory in use, besides the map itself: bits, labels, tables, and buffers kept between searches."""
         return self._grid.bytes
 
     def shortest_path(
@@ -119,8 +119,8 @@ class GridSearch:
         """Find the shortest path between two cells.
 
         A blocked end is an error, unless it may be moved: the start to the nearest free cell, the goal to the nearest
-        cell that can be reached, or else that is free. Distances are straight, between centres; of cells that are as
-        near, the one of the lowest row counts, then of the lowest column. The path says how far its ends were moved.
+        reachable cell, or else the nearest free one. Distances are straight, between centres; of equally near cells
+        the one of the lowest row, then of the lowest column, is taken. The path says how far its ends were moved.
 
         Args:
             start: (row, col).
@@ -246,7 +246,7 @@ class GridSearch:
     def nearest_reachable(self, start: CellLike, goal: CellLike) -> tuple[int, int]:
         """The (row, col) nearest to `goal`, blocked or free, of the cells that can be reached from `start`.
 
-        It is where `shortest_path(start, goal, partial=True)` ends. The labels know it, without a search.
+        It is where `shortest_path(start, goal, partial=True)` ends. It is found from the labels, without a search.
 
         Raises:
             OutsideMapError: If an end lies outside the map; `error.cell` is that end.
@@ -262,7 +262,7 @@ class GridSearch:
             raise InputError(f"a map of {rows} x {cols} cells: a side has more than 2^29 cells")
 
     def update(self, rows: Span, cols: Span, blocked: npt.ArrayLike) -> None:
-        """Change a rectangle of the map. Which cells can reach which is right as soon as this returns.
+        """Change a rectangle of the map. The labels of connected cells are updated when this returns.
 
         Args:
             rows: Which rows: a slice, a (first, end) pair, or one row.

@@ -40,7 +40,7 @@ _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
 
 _BOXES_AN_EXPANSION = 20
-"""A flood fills about as many boxes in the time in which a node is expanded."""
+"""Boxes that a flood fills in about the time of expanding one node."""
 
 _LESS_PADDING = 0.25
 """Share of the padding that is kept where there is no path with all of it."""
@@ -48,7 +48,7 @@ _LESS_PADDING = 0.25
 
 @dataclass(frozen=True, slots=True)
 class HybridAStarSettings:
-    """Settings of `HybridAStarPlanner`, under the names of Nav2's Smac planner where it has one.
+    """Settings of `HybridAStarPlanner`, under the names of Nav2's Smac planner where it has them.
 
     Attributes:
         motion_model: "dubins" drives forwards only, "reeds_shepp" forwards and backwards.
@@ -58,12 +58,12 @@ class HybridAStarSettings:
         change_penalty: Cost of a change between forward and backward [m].
         turn_penalty: Cost of turning in place [m/rad].
         cost_weight: A cell of cost c has 1 + cost_weight · c / 252 times the cost of a free one.
-        heuristic_weight: At least 1; with more the search ends sooner, and the path may cost more by as much.
+        heuristic_weight: At least 1; a larger one ends the search sooner, and the path may cost more by that factor.
         cell_size: Of the states, and of the field that guides the search [m]; a multiple of the map's resolution. Where
             no path is found, states of a half, a quarter and a sixteenth of it and shorter motions are tried, as far as
             100,000 expansions go, so that gaps hardly wider than the robot are not missed.
-        smooth: Whether a path that was searched for is then smoothed, by `ConstrainedSmoother` with these settings.
-        padding: The footprint keeps at least this distance from obstacles along the path, where it has it at both ends
+        smooth: Whether the path is then smoothed, by `ConstrainedSmoother` with these settings.
+        padding: The footprint keeps at least this distance from obstacles along the path, if there is room at both ends
             [m], and a quarter of it where no such path is found. Poses are checked so closely that nothing can
             pass between two of them.
         start_tolerance: How far a start where the robot does not fit may be moved [m].
@@ -124,7 +124,7 @@ class HybridAStarSettings:
 
 
 class _Answer(NamedTuple):
-    """What a search found.
+    """The result of a search.
 
     Attributes:
         status: The kernel's.
@@ -144,7 +144,7 @@ class HybridAStarPlanner(PosePlanner):
 
     Hybrid A* with 72 headings (Dolgov et al. 2008), Dubins or Reeds-Shepp curves to the goal, and the oriented
     footprint at every pose. `Path.cost` is the length [m] with the settings' penalties and weights in it;
-    `Path.backward` says which legs are driven backwards. What it needs besides the map it works out while it searches,
+    `Path.backward` says which legs are driven backwards. Lookup tables are filled while it searches,
     and its memory is kept for the next plan; several threads may use one planner.
 
     Args:
@@ -219,7 +219,7 @@ class HybridAStarPlanner(PosePlanner):
             answer = self._find_padded(query, patience, less)
         if answer.status not in _ALL_TRIED:
             return answer
-        # A closer look takes long, and finds nothing where an end is enclosed.
+        # A finer search takes long, and finds nothing where an end is enclosed.
         enclosure = find_enclosure(query, patience, _BOXES_AN_EXPANSION * self.settings.max_expansions)
         if enclosure is not None:
             return answer._replace(enclosure=enclosure)
@@ -259,7 +259,7 @@ class HybridAStarPlanner(PosePlanner):
             backward=backward.view(np.bool_),
             status="found" if status == _FOUND else "partial",
         )
-        # One curve from the start to the goal is as short as can be.
+        # A single curve from the start to the goal is already the shortest path.
         if status == _FOUND and self._smoother is not None and len(parts) > _LONGEST_CURVE:
             smoothing = self._smoother.smooth_free(path, costmap)
             path = replace(smoothing.path, cost=smoothing.price_after or path.cost)
@@ -280,7 +280,7 @@ class HybridAStarPlanner(PosePlanner):
         )
 
     def _padding_at_ends(self, query: Query) -> float:
-        """The padding, or what there is room for where the robot starts and ends."""
+        """The padding, or as much of it as there is room for at the start and the goal."""
         padding = float(self.settings.padding)
         if padding == 0.0:
             return 0.0

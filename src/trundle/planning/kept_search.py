@@ -1,4 +1,4 @@
-"""`KeptSearch`: the `GridSearch` of the last costmap, changed as that changes, and one for detours on it."""
+"""`KeptSearch`: the `GridSearch` of the last costmap, updated with it, and a second one for detours."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from trundle.costmap import Costmap
 from trundle.planning.grid_search import GridSearch
 
 _SMALL = 8
-"""A search is updated where at most this part of the map changes, and made again elsewhere."""
+"""A search is updated if at most this share of the map changes, and rebuilt otherwise."""
 
 
 @dataclass(slots=True)
 class _Kept:
-    """A search, the `version` of the costmap that it is of, and in how many plans it is in use."""
+    """A search, the `version` of its costmap, and the number of plans that use it now."""
 
     version: object
     search: GridSearch
@@ -28,7 +28,7 @@ class _Kept:
 
 @dataclass(slots=True)
 class _Detour:
-    """A search of a costmap of some `version` whose costs were changed to these."""
+    """A search over changed costs, and the `version` of the costmap that they come from."""
 
     version: object
     search: GridSearch
@@ -36,10 +36,10 @@ class _Detour:
 
 
 class KeptSearch:
-    """Keeps one search from plan to plan, and brings it up to date with what `Costmap.update` changed.
+    """Keeps one search between plans, and applies the changes of `Costmap.update` to it.
 
-    Beside it another one is kept for costs that differ from the costmap's in a few places, as where a plan goes round
-    what the footprint hit.
+    A second search is kept for costs that differ from the costmap's in a few places, such as those that are closed
+    after a collision.
 
     Any number of threads may plan, on one costmap or several.
 
@@ -67,7 +67,7 @@ class KeptSearch:
 
     @contextmanager
     def around(self, costmap: Costmap, costs: npt.NDArray[np.uint8]) -> Iterator[GridSearch]:
-        """A search of a costmap with other costs, for this `with` block alone. The costs must not change later."""
+        """A search over changed costs of a costmap, for this `with` block alone. The costs must not change later."""
         with self._lock:
             detour, self._detour = self._detour, None
         if detour is None or detour.version is not costmap.version or not self._turn(detour, costs):
@@ -78,7 +78,7 @@ class KeptSearch:
             self._detour = detour
 
     def _turn(self, detour: _Detour, costs: npt.NDArray[np.uint8]) -> bool:
-        """Whether a search could be made that of other costs: they differ in a small part of the map."""
+        """Whether a search can be updated to other costs: they differ in a small part of the map."""
         rows, cols = np.divmod(np.flatnonzero(detour.costs != costs), costs.shape[1])
         if len(rows) > 0:
             changed = slice(int(rows.min()), int(rows.max()) + 1), slice(int(cols.min()), int(cols.max()) + 1)
@@ -100,7 +100,7 @@ class KeptSearch:
             return kept
 
     def _bring_up_to_date(self, kept: _Kept, costmap: Costmap) -> bool:
-        """Whether the search is that of the costmap, or could be made so: one in use stays as it is."""
+        """Whether the search is of this costmap, or can be updated to it: a search in use is not changed."""
         if kept.version is costmap.version:
             return True
         changes = costmap.changes_since(kept.version)

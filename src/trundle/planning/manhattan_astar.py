@@ -26,7 +26,7 @@ _WEIGHTS[LETHAL:] = 0
 class ManhattanAstarPlanner:
     """4-connected A* with the Manhattan heuristic and unit cost, as many tutorials have it, for comparison.
 
-    Only occupied and unknown cells block: it knows neither inflation nor footprint, so its paths touch walls.
+    Only occupied and unknown cells block: inflation and footprint are ignored, so its paths touch walls.
 
     Args:
         allow_partial: Where the goal cannot be reached, or is blocked, plan to the reachable cell nearest to it.
@@ -53,7 +53,7 @@ class ManhattanAstarPlanner:
     ) -> Path:
         """Plan from `start` to `goal`, poses in the map frame.
 
-        It ends with the goal's yaw, also where `goal_yaw_free` says that any will do. For the arguments and errors see
+        The path ends with the goal's yaw, even with `goal_yaw_free`. For the arguments and errors see
         `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a `BlockedPoseError`.
         """
         check_limits(deadline_s, cancel)

@@ -29,9 +29,8 @@ def plan_many(
 ) -> list[Path | PlanningError]:
     """Plan many queries on one costmap, in several threads.
 
-    The kernels release the GIL, so that they run at the same time; what a planner does in Python does not. The planners
-    of trundle may be used by several threads; for one that may not give `threads=1`. What comes out is what one plan
-    after the other gives.
+    The kernels release the GIL and run in parallel; the Python parts of a planner do not. The planners of trundle may
+    be used by several threads; for one that may not be, give `threads=1`. The results equal those of single plans.
 
     Args:
         planner: A planner or the name of one.
@@ -43,8 +42,8 @@ def plan_many(
         cancel: Give up once this is cancelled.
 
     Returns:
-        For each query its path, or the error that says why there is none. What was not done when it gave up has a
-        `PlanningStoppedError`.
+        For each query its path, or the error that says why there is none; `PlanningStoppedError` for queries that were
+        not done in time.
 
     Raises:
         UnknownNameError: If there is no planner of that name.

@@ -1,4 +1,4 @@
-"""From the vertices of a path to the poses of the robot along it, and the check that its footprint fits there."""
+"""Motions and poses of the robot along the vertices of a path, and the collision check of its footprint."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHECK_STEP_RAD = math.radians(2.0)
 
 _NO_TURN_RAD = 1e-9
 _LONGEST_TURN_RAD = math.radians(120.0)
-"""A turn of a path is given in pieces of less than half a turn, so that its direction shows."""
+"""A turn in a path is split into pieces below half a turn, so that its direction is unambiguous."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Motion:
     yaw: float
     turn: float = 0.0
 
-    def other_way_round(self) -> Motion:
+    def opposite_turn(self) -> Motion:
         """The same turn in the other direction."""
         return Motion(self.start, self.end, self.yaw, self.turn - math.copysign(2.0 * math.pi, self.turn))
 
@@ -51,7 +51,7 @@ def motions_along(vertices: FloatArray, start_yaw: float, goal_yaw: float | None
     Args:
         vertices: (x, y) [m], map frame, shape (N, 2), N ≥ 1.
         start_yaw: [rad].
-        goal_yaw: [rad]; none means as the robot arrives.
+        goal_yaw: [rad]; none means the yaw of arrival.
     """
     motions: list[Motion] = []
     yaw = start_yaw
@@ -121,7 +121,7 @@ def fit_motions(costmap: Costmap, motions: list[Motion]) -> tuple[list[Motion], 
     chosen = list(motions)
     blocked: list[int] = []
     for index in np.flatnonzero(shares < math.inf).tolist():
-        other = motions[index].other_way_round() if motions[index].turn != 0.0 else None
+        other = motions[index].opposite_turn() if motions[index].turn != 0.0 else None
         if other is not None and _free_shares(costmap, [other])[0] == math.inf:
             chosen[index] = other
         else:
@@ -147,14 +147,14 @@ def _free_shares(costmap: Costmap, motions: Sequence[Motion]) -> FloatArray:
 
 
 def motions_before(costmap: Costmap, motions: list[Motion]) -> list[Motion]:
-    """What can be driven of motions before the footprint first hits something."""
+    """The part of the motions before the footprint first collides."""
     shares = _free_shares(costmap, motions)
     if not (shares < math.inf).any():
         return motions
     index = int(np.argmax(shares < math.inf))
     kept, line = motions[:index], motions[index]
     if line.turn == 0.0:
-        # Not so far that the robot touches what is there.
+        # Stop before the contact.
         share = float(shares[index]) - CHECK_STEP_M / math.dist(line.start, line.end)
         if share > 0.0:
             end = tuple(a + share * (b - a) for a, b in zip(line.start, line.end, strict=True))

@@ -1,4 +1,4 @@
-"""`OlderPlanner`: a planner that takes only some keywords of the `Planner` seam, behind the whole of it."""
+"""`OlderPlanner`: gives a planner that takes only some keywords of `Planner` the whole protocol."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _PlannerT = TypeVar("_PlannerT", bound=_SomePlanner)
 class OlderPlanner:
     """Hands a planner the keywords that its `plan` takes.
 
-    Without `goal_yaw_free` its paths end with the goal's own yaw. Without `deadline_s` or `cancel` it stops for neither
+    Without `goal_yaw_free` its paths end with the goal's own yaw. Without `deadline_s` or `cancel` it cannot be stopped
     once it has begun.
 
     Args:
@@ -61,6 +61,6 @@ class OlderPlanner:
 
 
 def adapt_planner(planner: _PlannerT) -> _PlannerT | OlderPlanner:
-    """The planner itself where its `plan` takes every keyword of the seam, else an `OlderPlanner` around it."""
+    """The planner itself if its `plan` takes every keyword of the protocol, else an `OlderPlanner` around it."""
     taken = keywords_taken(planner.plan, _KEYWORDS)
     return planner if len(taken) == len(_KEYWORDS) else OlderPlanner(planner, taken)

@@ -19,7 +19,7 @@ _HALF_STEP_M = 0.5 * CHECK_STEP_M
 
 
 _MOST_POSES = 20_000_000
-"""A path that takes more is a mistake: 500 km of it."""
+"""More poses than this are a mistake: 500 km of path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class PathCheck:
     Between two poses of the path position and yaw change evenly, and all that the footprint sweeps over is checked, as
     planners check their motions. Legs that are clear by their costs are left out: the poses of the check are 0.025 m
     and 2° apart at most, and where the cell of each costs less than one at the circumscribed radius (and half a step)
-    nothing is in reach, as costs fall with the distance. That takes the costs for an inflation's, as
+    nothing is in reach, as costs fall with the distance. This assumes costs of an inflation, as
     `Costmap.from_grid` and `update` make them.
 
     Args:
@@ -102,7 +102,7 @@ class PathCheck:
         return PathHit((x, y, yaw), float(self.along[index]), index)
 
     def _pose_after(self, costmap: Costmap, begin: int, leg: int, share: float) -> int:
-        """Index of the first pose that is not free, or comes after a hit, where so much of a leg from `begin` is."""
+        """Index of the first pose at or after a collision, from the free share of each leg from `begin` on."""
         last = int(self._leg_end[leg])
         first = max(begin, int(self._leg_end[leg - 1]) + 1 if leg > 0 else 0)
         # The share may be a little too small, by 0.01 mm: a hundredth of a step is more.

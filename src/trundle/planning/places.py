@@ -17,7 +17,7 @@ def cells_near(
 
     Args:
         costmap: Which cells.
-        pose: From where the distances to their centres count.
+        pose: Distances are from here to their centres.
         radius: How far they may be [m].
         below: What they cost less than.
         beyond: How far they must be at least, and a little farther [m].

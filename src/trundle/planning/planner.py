@@ -33,7 +33,7 @@ PLANNERS: Registry[Planner] = Registry(
 
 @runtime_checkable
 class Planner(Protocol):
-    """Finds a path. It keeps no state that changes an answer: the same query gives the same path.
+    """Finds a path. It keeps no state that changes a result: the same query gives the same path.
 
     A planner of another package whose `plan` takes fewer of the keywords works as well: `create_planner` wraps it, and
     leaves those out; one that takes `**kwargs` gets all of them.
@@ -75,7 +75,7 @@ def planner_names() -> list[str]:
 def create_planner(planner: str | Planner, **options: Any) -> Planner:
     """Make a planner from its name and options, or take one as it is.
 
-    One whose `plan` does not take all keywords of `Planner` is wrapped, so that it can be asked like any other.
+    One whose `plan` does not take all keywords of `Planner` is wrapped, so that it can be called like any other.
 
     Raises:
         UnknownNameError: If there is no planner of that name.

@@ -18,7 +18,7 @@ from trundle.planning.motions import Motion, motions_along
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """What is asked.
+    """The query of a plan.
 
     Attributes:
         costmap: What to stay clear of.
@@ -65,7 +65,7 @@ def cell_at(costmap: Costmap, x: float, y: float) -> tuple[int, int]:
 def none_found(query: Query, hit: FloatArray, replans: int) -> PlanningStoppedError:
     """The error for a footprint that collides on every path tried, on the last one at a pose (x, y, yaw).
 
-    There may be a path: others were not tried, nor any that is driven backwards.
+    There may be another path: only some were tried, and none that is driven backwards.
     """
     x, y, yaw = hit.tolist()
     return PlanningStoppedError(

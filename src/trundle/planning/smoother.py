@@ -1,4 +1,4 @@
-"""The seam that every smoother stands behind, and the smoothers by name."""
+"""The protocol of smoothers, and the smoothers by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SMOOTHERS: Registry[Smoother] = Registry(
 
 @runtime_checkable
 class Smoother(Protocol):
-    """Gives a path a smoother course. It keeps no state that changes an answer: the same path gives the same course."""
+    """Smooths a path. It keeps no state that changes a result: the same path gives the same smoothed path."""
 
     def smooth(self, path: Path, costmap: Costmap) -> Path:
         """A path with the same ends that is free on `costmap` wherever `path` is.

@@ -21,7 +21,7 @@ _FOUND = 0
 class TightPlaces:
     """Replaces sections of a path by minimum-cost ones over the costs nearby, which keep to the middle of a passage.
 
-    A shortest path touches the corners that it goes around, where the footprint of a robot that is longer than wide
+    A shortest path touches the corners that it goes around, so the footprint of a robot that is longer than wide
     collides at most bends. That does not mean that the passage is too narrow.
 
     Each try replaces more of the path on both sides of a collision, and keeps farther from obstacles.
@@ -57,7 +57,7 @@ class TightPlaces:
             patience: When to stop.
 
         Returns:
-            Shape (M, 2). Where no other section is found, the path stays as it was.
+            Shape (M, 2). A section for which there is no replacement stays as it was.
 
         Raises:
             PlanningStoppedError: If patience ends.

@@ -3,7 +3,7 @@
 // Between two poses the position and the yaw change evenly, so that a corner at distance r from the pose leaves the
 // straight line between its two positions by r · turn² / 8 at most. The convex hull of the footprint at both poses,
 // each widened by that, holds all that is swept: where no blocked cell is in it, the motion is free. Otherwise each
-// half of the motion is tested by itself. For a straight line the hull is exactly what is swept.
+// half of the motion is tested separately. For a straight line the hull is exactly what is swept.
 #pragma once
 
 #include <algorithm>

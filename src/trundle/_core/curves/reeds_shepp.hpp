@@ -1,4 +1,4 @@
-// The shortest curves of a car that drives both ways: Reeds and Shepp, "Optimal paths for a car that goes both forwards
+// The shortest curves of a car that drives forwards and backwards: Reeds and Shepp, "Optimal paths for a car that goes both forwards
 // and backwards", Pacific Journal of Mathematics 145 (1990), section 8; numbers in brackets are its formulas.
 //
 // A word is solved for one of its forms, with its first arc to the left and forward. The others follow by its

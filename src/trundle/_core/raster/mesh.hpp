@@ -45,7 +45,7 @@ inline void check_mesh(const Vertices &vertices, const Faces &faces, const In<do
 
 // Whether each edge runs as often in one direction as in the other, by the sum over the edges of a hash that changes
 // its sign with the direction: it is zero for a closed mesh, and for another one with a chance of about 2^-63. Corners
-// are the same where their coordinates are, so that a mesh with a vertex of its own for each corner is closed too.
+// are the same where their coordinates are, so that a mesh with separate vertices for each corner is closed too.
 inline bool is_closed(const Vertices &vertices, const Faces &faces) {
   std::vector<std::uint64_t> words(vertices.shape(0));
   const double *at = vertices.data();

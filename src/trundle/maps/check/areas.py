@@ -13,7 +13,7 @@ from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind, Severity
 from trundle.maps.grid import OccupancyGrid
 
 SPECK_CELLS = 4
-"""An area of so many cells at most is noise more often than a thing."""
+"""An area of at most this many cells is probably noise."""
 
 Mask = npt.NDArray[np.bool_]
 Cells = npt.NDArray[np.int8]
@@ -97,11 +97,11 @@ class Areas:
 
 
 class Chart:
-    """A map, what the world says of its cells, and its cells with everything put right that is certain.
+    """A map, the true state of its cells in the world, and its cells with every certain correction.
 
     Args:
         grid: The map.
-        truth: What the world says of the same cells: occupied, free where it can be reached, else unknown. None
+        truth: The state of the same cells in the world: occupied, free where it can be reached, else unknown. None
             without a world, or where its place is not certain.
     """
 
@@ -110,7 +110,7 @@ class Chart:
         self.truth = truth
         self.cells = grid.data.copy()
         self.corrected: set[Kind] = set()
-        # As in a costmap, all that is known and below 100 may be entered.
+        # As in a costmap, every known cell below 100 is free.
         self.free = (grid.data >= FREE) & (grid.data < OCCUPIED)
         self.unknown = grid.data == UNKNOWN
         self.occupied = grid.data == OCCUPIED
@@ -124,7 +124,7 @@ class Chart:
         return float(x), float(y)
 
     def area(self, cells: int) -> float:
-        """What so many cells cover [m²]."""
+        """Area of a number of cells [m²]."""
         return round(cells * self.grid.resolution**2, 9)
 
     def square_metres(self, cells: int) -> str:
@@ -133,7 +133,7 @@ class Chart:
         return f"{area:.0f} m²" if area >= 10.0 else f"{area:.2g} m²"
 
     def take_from_world(self, kind: Kind, mask: Mask) -> bool:
-        """Put some cells right from the world, where it knows them; whether it knows any."""
+        """Correct some cells from the world, where it knows them; return whether it knows any."""
         if self.truth is None:
             return False
         known = mask & (self.truth != UNKNOWN)
@@ -146,9 +146,9 @@ class Chart:
     def list_areas(
         self, areas: Areas, chosen: Mask, kind: Kind, severity: Severity, words: tuple[str, str], fix: str
     ) -> list[Finding]:
-        """One finding for each of the chosen areas, the largest first, and one for those that are too many.
+        """One finding for each of the chosen areas, the largest first, and one for the rest if there are too many.
 
-        `words` are what one area is, with {area} and {cells} to fill in, and what several are called.
+        `words` are the message for one area, with {area} and {cells} to fill in, and the plural for the rest.
         """
         indices = np.flatnonzero(chosen)
         indices = indices[np.argsort(-areas.sizes[indices], kind="stable")]
@@ -162,7 +162,7 @@ class Chart:
 
 
 def shorten(findings: list[Finding], total: int, what: str) -> list[Finding]:
-    """Keep the most that are listed of one kind, the largest, and tell of the rest in one."""
+    """Keep the largest findings of one kind, up to the limit, and sum up the rest in one."""
     if total <= MOST_A_KIND:
         return findings
     next_one = findings[MOST_A_KIND]

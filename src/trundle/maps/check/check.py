@@ -51,7 +51,7 @@ def check_map(
     compat: Compat | None = None,
     allow_outside: bool = False,
 ) -> MapReport:
-    """Look for everything that is wrong with a map.
+    """Find everything that is wrong with a map.
 
     Args:
         path: The map's YAML file, or a MovingAI map.
@@ -59,13 +59,13 @@ def check_map(
             like any other.
         robot: The robot whose paths through doors, and from start to goals, are checked.
         start: Where a robot starts [m, m, rad], map frame.
-        goals: Where it shall go.
+        goals: Its goals [m, m, rad], map frame.
         z_range: The heights of the world that the map shows [m]; by default the robot's.
         compat: As for `OccupancyGrid.load`.
         allow_outside: As for `OccupancyGrid.load`.
 
     Returns:
-        The report. Mistakes that keep the map from loading are findings in it and no exceptions.
+        The report. Mistakes that keep the map from loading are findings, not exceptions.
 
     Raises:
         MapError: If there is no such file, or it cannot be read as text.
@@ -110,7 +110,7 @@ def check_map(
 
 
 def _check_text(source: Path) -> None:
-    """Refuse a YAML file in which there is no text to find mistakes in."""
+    """Refuse a YAML file that is not text."""
     try:
         read_text(source, MAX_YAML_BYTES)
     except InputError as error:
@@ -126,7 +126,7 @@ def check_grid(
     goals: Sequence[Pose2D | Sequence[float]] = (),
     z_range: tuple[float, float] | None = None,
 ) -> MapReport:
-    """Look for everything that is wrong with a grid; as `check_map`, for what no file is needed for."""
+    """Find everything that is wrong with a grid: the checks of `check_map` that need no file."""
     return _check(grid, None, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
 
 
@@ -140,7 +140,7 @@ def _check(
     goals: Sequence[Pose2D | Sequence[float]],
     z_range: tuple[float, float] | None,
 ) -> MapReport:
-    """Check a grid, or what it is with its greys exchanged where only that agrees with the world."""
+    """Check a grid, with its greys exchanged where only that agrees with the world."""
     heights = z_range or (robot.z_range if robot is not None else DEFAULT_Z_RANGE)
     negated = _exchange(grid) if negated is None else negated
     placed = check_placement(grid, world, heights, negated=negated)
@@ -186,7 +186,7 @@ def _exchange(grid: OccupancyGrid) -> OccupancyGrid:
 def _check_obstacles(
     chart: Chart, placed: PlacementCheck, heights: tuple[float, float]
 ) -> tuple[list[Finding], tuple[str, ...]]:
-    """Compare obstacles with the world's at the heights that the map seems to show: those asked for, or the usual."""
+    """Compare obstacles with the world's at the heights that the map seems to show: the given or the usual ones."""
     if placed.truth is None or placed.sight is None:
         return [], ()
     found = compare_obstacles(chart, placed.truth)
@@ -240,7 +240,7 @@ def _correct(chart: Chart, placed: PlacementCheck) -> tuple[OccupancyGrid | None
 
 
 def _free_of_specks(grid: OccupancyGrid) -> OccupancyGrid:
-    """A map that was turned, without the specks of free cells that thicker obstacles leave between them."""
+    """A rotated map without the specks of free cells that remain between thickened obstacles."""
     chart = Chart(grid)
     check_islands(chart)
     return OccupancyGrid(chart.cells, grid.resolution, grid.origin) if chart.corrected else grid

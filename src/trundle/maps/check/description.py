@@ -39,19 +39,19 @@ _USUAL: dict[str, str] = {
     "occupied_thresh": f"occupied_thresh: {OCCUPIED_THRESH}",
     "free_thresh": f"free_thresh: {FREE_THRESH}",
 }
-"""What a map's YAML says most often."""
+"""Usual lines of a map's YAML."""
 
 ValueT = TypeVar("ValueT")
 
 
 @dataclass(frozen=True, slots=True)
 class DescriptionCheck:
-    """What came of reading a YAML file.
+    """The result of reading a YAML file.
 
     Attributes:
         findings: Its mistakes.
-        description: What it says, exchanged thresholds put right; None where it cannot be used.
-        corrected: The kinds that were put right in it.
+        description: Its contents, with exchanged thresholds corrected; None where it cannot be used.
+        corrected: The kinds of findings that were corrected.
     """
 
     findings: list[Finding]
@@ -100,7 +100,7 @@ def _yaml_error(error: MapError, fix: str) -> Finding:
 
 
 def _advise(message: str) -> str:
-    """What to do about a text that is no YAML, or not a map's."""
+    """Advice for a text that is not YAML, or not a map's YAML."""
     if "'\\t'" in message:
         return "write spaces for the tab"
     if "another document" in message:
@@ -165,7 +165,7 @@ def _read_resolution(fields: Fields, findings: list[Finding]) -> float | None:
                 f"{fields.place('resolution')}: a cell of {resolution:g} m is unlikely: most maps have between {low:g} "
                 f"and {high:g} m",
                 None,
-                "check the unit: it is metres a cell, most often 0.05",
+                "check the unit: it is metres per cell, most often 0.05",
             )
         )
     return resolution

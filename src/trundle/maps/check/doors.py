@@ -15,7 +15,7 @@ from trundle.robots import Robot
 
 _DETOUR_M = 2.5  # a gap with a detour that stays within this distance is not a door
 _LEAST_ROOM_M2 = 1.0  # behind a door; less is a corner between things
-# Of the robot's width, and in metres: a narrower gap is no door that anybody would try, but a slit between things.
+# As a share of the robot's width, and in metres: a narrower gap is a slit between things and not a door.
 _LEAST_ONLY = (0.35, 0.15)
 _LEAST_DETOUR = (0.6, 0.25)  # where there is a detour
 _SLACK = 1.1  # slanted gaps are up to 8 % narrower than the runs of cells that find them
@@ -30,13 +30,13 @@ class _Door:
 
 
 def check_doors(chart: Chart, robot: Robot) -> list[Finding]:
-    """Look for gaps between two places where the robot has room, that it does not fit through straight ahead.
+    """Find gaps between two roomy places that the robot does not fit through when it drives straight.
 
     A gap with a detour near it, as between a pillar and a wall, is not a door.
     """
     width = float(np.ptp(robot.outline[:, 1]))
     limit = width / chart.grid.resolution * _SLACK
-    # Beside a hole in the map there is no door.
+    # A gap beside a hole in the map is not a door.
     free = chart.free | chart.holes
     gaps = mark_gaps((~free).view(np.uint8), limit + 1e-6).view(np.bool_)
     if not gaps.any():
@@ -102,7 +102,7 @@ class _Search:
         return np.flatnonzero(self._gaps.beside(self._rooms > 0) >= 2).tolist()
 
     def examine(self, index: int) -> _Door | None:
-        """The door that a cluster is, or None where it is none."""
+        """The door at a cluster, or None."""
         gap = self._gaps.area(index)
         ring = self._window(gap, 1)
         own = self._gaps.labels[ring] == gap.label

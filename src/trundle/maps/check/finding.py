@@ -1,4 +1,4 @@
-"""What a map's check says: findings, each with its severity, its place and its fix."""
+"""Results of a map check: findings, each with its severity, its place and its fix."""
 
 from __future__ import annotations
 
@@ -40,21 +40,21 @@ PLACEMENT_KINDS: tuple[Kind, ...] = ("half_cell", "flipped", "rotated", "shifted
 """The kinds that need a world to compare with."""
 
 MOST_A_KIND = 10_000
-"""So many findings of a kind are listed, for a map of noise; the rest become one more."""
+"""Findings of a kind that are listed, as a noisy map may have many; the rest are summed up in one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong with a map, or may be.
+    """One problem of a map, or a possible one.
 
     Attributes:
-        kind: What kind of thing.
-        severity: "error" where the map means something else than it should, "warning" where a robot will stumble or
-            the map is incomplete, "info" for what is worth knowing.
-        message: What is the matter, with its numbers.
-        where: Its place (x, y) [m] in the map frame, or None where it has none.
+        kind: The kind of problem.
+        severity: "error" where the map means something else than it should, "warning" where a robot will have trouble
+            or the map is incomplete, "info" for what is worth knowing.
+        message: The problem, with its numbers.
+        where: Its place (x, y) [m] in the map frame, or None.
         fix: What to do about it.
-        area_m2: How large it is [m²], or None where it has no area.
+        area_m2: Its area [m²], or None.
     """
 
     kind: Kind
@@ -67,16 +67,16 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapReport:
-    """What was found in a map.
+    """The findings of a map check.
 
     Attributes:
         findings: Errors first, then warnings, then remarks.
-        unverified: Kinds that could not be looked for, because there is no world to compare with or it does not fit.
+        unverified: Kinds that could not be checked, because there is no world to compare with or it does not fit.
         ambiguous: Kinds that the world's symmetry hides: it looks the same with and without them.
         remarks: Why something is unverified or ambiguous.
         grid: The map as it was meant to be read, or None where it could not be read.
-        corrected: The map with everything put right that is certain, or None where nothing is.
-        corrected_kinds: What was put right.
+        corrected: The map with every certain correction, or None where there is none.
+        corrected_kinds: The kinds that were corrected.
     """
 
     findings: tuple[Finding, ...]

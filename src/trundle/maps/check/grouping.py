@@ -1,4 +1,4 @@
-"""Findings put together for people: those of one kind with one fix, and apart those that no robot would notice."""
+"""Findings grouped for display: those of one kind with one fix, and separately those too small for the robot."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Group = list[Finding]
 
 
 class Groups(NamedTuple):
-    """Findings for people.
+    """Findings grouped for display.
 
     Attributes:
         noticed: Those of one severity, kind and fix, the worst first, each group the largest first.
-        small: Free areas where the robot could not stand, and so will not miss.
+        small: Free areas where the robot could not stand, and so does not need.
     """
 
     noticed: list[Group]
@@ -25,11 +25,11 @@ class Groups(NamedTuple):
 
 
 def group_findings(findings: tuple[Finding, ...], robot_area: float | None = None) -> Groups:
-    """Put findings together.
+    """Group findings.
 
     Args:
         findings: As a report has them.
-        robot_area: What the robot's footprint covers [m²]; none means the smallest robot's.
+        robot_area: Area of the robot's footprint [m²]; none means the smallest robot's.
     """
     least = LEAST_ROBOT_AREA if robot_area is None else robot_area
     groups: dict[tuple[str, str, str], Group] = {}
@@ -48,7 +48,7 @@ def _is_floor(finding: Finding) -> bool:
 
 
 def tell_small(small: Group) -> str:
-    """What is too small for the robot to notice, in a line."""
+    """One line for the areas that are too small for the robot to notice."""
     largest = max(finding.area_m2 or 0.0 for finding in small)
     what = "free area" if len(small) == 1 else "free areas"
     return f"too small for the robot to notice: {len(small)} {what} that cannot be reached, of up to {largest:.2g} m²"

@@ -1,4 +1,4 @@
-"""The world on a map's own lattice of cells, and how well a map agrees with it somewhere."""
+"""The world on a map's lattice of cells, and how well the map agrees with it at a given place."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Samples = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldCells:
-    """The world's map on a lattice that is the map's, moved by a part of a cell.
+    """The world's map on the map's lattice, moved by a part of a cell.
 
     Attributes:
         cells: Occupied, free where it can be reached, else unknown.
@@ -74,7 +74,7 @@ class Lattice:
     Args:
         grid: The map; it has occupied and free cells.
         world: The world.
-        z_range: The heights that count [m].
+        z_range: The height band [m].
 
     Raises:
         MapError: If the world cannot be rasterised there.
@@ -113,12 +113,12 @@ class Lattice:
         return WorldCells(made.data, int(self._first[1]), int(self._first[0]), phase)
 
     def agreement(self, world: WorldCells, orientation: Orientation, row: int, col: int) -> float:
-        """Share of the cells that are occupied in map or world that are so in both; what is unknown is left out.
+        """Share of the cells occupied in map or world that are occupied in both; unknown cells are left out.
 
         Args:
             world: The world's cells.
-            orientation: What is done to the map first.
-            row: Where its first row is put then, on the world's lattice.
+            orientation: Applied to the map first.
+            row: Where its first row then lies on the world's lattice.
             col: As `row`, for columns.
         """
         hits = self._count(world, self.occupied, orientation, row, col) * self.occupied_count

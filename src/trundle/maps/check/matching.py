@@ -1,4 +1,4 @@
-"""Where a map belongs in its world: every orientation tried at every place by correlation, from coarse to fine."""
+"""Where a map belongs in its world: a coarse-to-fine correlation over all orientations and places."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from trundle.maps.check.lattice import Lattice, Phase, WorldCells
 from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
 
 _COARSE_SIDE = 512  # blocks of cells along the longest side where the search begins
-_PEAKS = 3  # places an orientation that are looked at more closely
-_KEEP = 0.6  # of the best coarse score that a place must have for that
+_PEAKS = 3  # places per orientation that are refined
+_KEEP = 0.6  # least share of the best coarse score for refining a place
 _FINE_SAMPLES = 15_000
-_REACH = 2  # cells each way that a finer level is searched
+_REACH = 2  # cells in each direction that a finer level searches
 _MOST_CANDIDATES = 12
-_CENTRE_REACH = 2.0  # cells each way that are looked at for the middle
+_CENTRE_REACH = 2.0  # cells in each direction within which the middle is searched
 _APART = 3  # cells: nearer places are one
 _PERFECT = 0.999
-_FALL_BEHIND = 0.25  # by so much less agreement than the best, a place is not looked at between cells
+_FALL_BEHIND = 0.25  # a place with less agreement than the best by this much is not refined between cells
 _QUARTER_STEPS_BELOW = 4_000_000  # cells of the world
 
 
@@ -59,7 +59,7 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Matching:
-    """What came of the search.
+    """The result of the search.
 
     Attributes:
         stated: The map where its YAML file puts it.
@@ -103,7 +103,7 @@ def find_matches(lattice: Lattice) -> tuple[Matching, WorldCells]:
 
 
 def _distinct(matches: list[Match]) -> list[Match]:
-    """Sort by agreement, the best first, and drop what lies within a few cells of a better one."""
+    """Sort by agreement, the best first, and drop matches within a few cells of a better one."""
     kept: list[Match] = []
     for match in sorted(matches, key=lambda match: -match.agreement):
         near = any(
@@ -138,7 +138,7 @@ def _centre(lattice: Lattice, match: Match, worlds: dict[Phase, WorldCells]) -> 
     """Move a match to the middle of the range of offsets in which the map agrees, along x, then along y.
 
     A wall between the lines of the lattice covers the same cells wherever it lies between them: the agreement has no
-    peak but a plateau, and its middle is the offset that is wanted.
+    plateau instead of a peak, and the middle of the plateau is the wanted offset.
     """
     step = 0.25 if worlds[0.0, 0.0].cells.size < _QUARTER_STEPS_BELOW else 0.5
     for axis in (0, 1):
@@ -174,7 +174,7 @@ def _at(lattice: Lattice, match: Match, offset: tuple[float, float], worlds: dic
 
 
 def _search(lattice: Lattice, world: WorldCells) -> list[tuple[Orientation, int, int]]:
-    """Places (orientation, row, col) worth a closer look."""
+    """Places (orientation, row, col) to refine."""
     longest = max(a + b for a, b in itertools.product(lattice.grid.shape, world.cells.shape))
     levels = max(0, math.ceil(math.log2(max(1.0, longest / (2 * _COARSE_SIDE)))))
     block = 2**levels
@@ -208,7 +208,7 @@ def _signal(lattice: Lattice, block: int) -> npt.NDArray[np.float32]:
 
 
 def pad(values: npt.NDArray[np.float32], block: int) -> npt.NDArray[np.float32]:
-    """The values with zeros up to whole blocks of so many cells."""
+    """The values, padded with zeros to whole blocks of a number of cells."""
     rows, cols = (-side % block for side in values.shape)
     return np.pad(values, ((0, rows), (0, cols)), constant_values=0.0)
 

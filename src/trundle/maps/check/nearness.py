@@ -1,4 +1,4 @@
-"""How near the cells of a map come to a world's walls, at any place: what the searches for a map's place climb on."""
+"""Nearness of a map's cells to a world's walls: the score that the searches for a map's place maximize."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from trundle.maps.check.matching import pad, pyramid
 from trundle.maps.check.orientation import Orientation
 
 _COARSE_SIDE = 256  # blocks of cells along the side of the images that are correlated
-_BLUR_CELLS = 1.5  # standard deviation around walls: what a noisy scan or a turned lattice moves them by
+_BLUR_CELLS = 1.5  # standard deviation around walls: noise of a scan or of a rotated lattice
 
 LAST_STEP = 0.05
-"""With which a climb to the best place ends [cells]."""
+"""Last step of a climb to the best place [cells]."""
 
 Matrix = FloatArray
 
 
 class Scored(Protocol):
-    """A place that has been looked at."""
+    """A place that has been scored."""
 
     @property
     def score(self) -> float:

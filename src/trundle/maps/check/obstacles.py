@@ -14,7 +14,7 @@ LEAST_AREA = 0.09
 """A smaller area [m²] is no finding: 0.1 m² less what rounding to cells takes off."""
 
 TOLERANCE = 2
-"""So far [cells] a map's walls may be off, as a noisy or a thicker map's are."""
+"""How far [cells] a map's walls may be off, as in a noisy map or one with thicker walls."""
 
 _MOSTLY = 0.5  # of an area beyond the tolerance, or beside such cells, make all of it one
 
@@ -24,8 +24,8 @@ class Contradictions:
     """Where a map and its world have different obstacles.
 
     Attributes:
-        missing: What the map lacks.
-        phantom: What the world lacks.
+        missing: Obstacles that the map lacks.
+        phantom: Obstacles that the world lacks.
     """
 
     missing: Areas
@@ -37,14 +37,14 @@ class Contradictions:
 
 
 def compare_obstacles(chart: Chart, truth: Cells) -> Contradictions:
-    """Compare a map's obstacles with what the world says of its cells."""
+    """Compare a map's obstacles with the world's."""
     solid = truth == OCCUPIED
     missing = _find_areas(solid & chart.free, chart.occupied)
     return Contradictions(missing, _find_areas(chart.occupied & (truth == FREE), solid))
 
 
 def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
-    """The findings; what the map lacks is put right from the world, what the world lacks only its maker knows."""
+    """The findings; missing obstacles are corrected from the world, phantom ones only the map's maker can judge."""
     missing, phantom = found.missing, found.phantom
     lacking = missing.select(_is_large(chart, missing))
     if lacking.any():
@@ -81,7 +81,7 @@ def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
 
 
 def _grow(mask: Mask, radius: int) -> Mask:
-    """The cells within so many cells of a mask."""
+    """The cells within a distance [cells] of a mask."""
     rows, cols = mask.shape
     wide = np.pad(mask, radius)
     grown = np.zeros_like(mask)

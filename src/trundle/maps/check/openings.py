@@ -20,7 +20,7 @@ _DRAW = "draw the wall there, unless it is a door that the robot may use"
 
 
 def check_openings(chart: Chart) -> list[Finding]:
-    """Look for places where free space meets the unknown outside, or runs off the map."""
+    """Find places where free space meets the unknown outside, or runs off the map."""
     unknown = Areas(chart.unknown, diagonal=True)
     outside = unknown.select(unknown.on_edge())
     free_areas = Areas(chart.free, diagonal=False)
@@ -69,7 +69,7 @@ def _list_open(chart: Chart, fronts: Areas, chosen: Mask) -> list[Finding]:
 
 
 def _close_leaks(chart: Chart, front: Mask) -> bool:
-    """Draw the walls that the world has around the leaks; whether it has any."""
+    """Draw the walls that the world has around the leaks; return whether it has any."""
     if chart.truth is None:
         return False
     near = front.copy()
@@ -82,7 +82,7 @@ def _close_leaks(chart: Chart, front: Mask) -> bool:
 
 
 def _find_way_out(chart: Chart, front: Area, fronts: Areas) -> Finding:
-    """The gap that keeps a large free area apart from the edge of the map; or that there is none."""
+    """The finding for a gap between a large free area and the edge of the map, or for the lack of a wall."""
     widest = WIDEST_LEAK_M / chart.grid.resolution
     # Beyond the edge the map goes on: the edge makes no gap.
     free = np.pad(chart.free, margin := math.ceil(widest), constant_values=True)

@@ -1,4 +1,4 @@
-"""The eight ways in which an image can lie: turned by quarters, and flipped."""
+"""The eight orientations of an image: turned by quarters, and flipped."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ScalarT = TypeVar("ScalarT", bound=np.generic)
 
 @dataclass(frozen=True, slots=True)
 class Orientation:
-    """What brings an image right: first flipped (top and bottom exchanged) or not, then turned counter-clockwise.
+    """The correction of an image: flipped first (top and bottom exchanged) or not, then turned counter-clockwise.
 
     Attributes:
         flipped: Whether top and bottom are exchanged first.
@@ -27,11 +27,11 @@ class Orientation:
     turns: int
 
     def apply(self, cells: np.ndarray[tuple[int, int], np.dtype[ScalarT]]) -> npt.NDArray[ScalarT]:
-        """Bring cells right, row 0 at the bottom."""
+        """Apply the correction to cells, row 0 at the bottom."""
         return np.rot90(cells[::-1] if self.flipped else cells, -self.turns)
 
     def undo(self, cells: np.ndarray[tuple[int, int], np.dtype[ScalarT]]) -> npt.NDArray[ScalarT]:
-        """Turn cells back."""
+        """Undo the correction."""
         turned = np.rot90(cells, self.turns)
         return turned[::-1] if self.flipped else turned
 

@@ -13,26 +13,26 @@ from trundle.maps.check.matching import Match, Matching, as_good, find_matches
 from trundle.maps.check.orientation import UPRIGHT
 from trundle.maps.check.stretching import Stretch, find_stretch
 from trundle.maps.check.turning import Turning, find_turn
-from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_ways, list_hidden
+from trundle.maps.check.wording import LEAST_OFFSET, Explanation, describe_findings, explain_placements, list_hidden
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 
 LEAST_AGREEMENT = 0.5
-"""Below this the map is taken for one of another place."""
+"""Below this agreement the map is considered one of another place."""
 
 _LEAST_OCCUPIED = 8  # cells
 _CLEAR = 0.97
-"""A map that agrees so well is not searched for with cells of another size."""
+"""A map that agrees at least this well is not tried with cells of another size."""
 
 _NOISY = 0.9  # a map that agrees less than this is noisy, or thicker than its world
-_NOISE_CELLS = 1.5  # by so much, that may move the place where it agrees best
-_NOISE_LOSS = 1.35  # where what disagrees grows by no more than this
+_NOISE_CELLS = 1.5  # how far that may move the place of best agreement
+_NOISE_LOSS = 1.35  # if the disagreement grows by no more than this factor
 _LEAST_CERTAIN = 0.5  # cells: a smaller offset is one only if the map agrees better for it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldSight:
-    """Where a map's cells are in its world, to ask the world of them.
+    """Where a map's cells lie in its world, to look them up in it.
 
     Attributes:
         grid: The map, its origin turned as it must be.
@@ -45,7 +45,7 @@ class WorldSight:
     match: Match
 
     def cells(self, z_range: tuple[float, float]) -> Cells:
-        """What the world says of the map's cells at some heights [m]."""
+        """The map's cells in the world at some heights [m]."""
         seen = Lattice(self.grid, self.world, z_range).rasterise(self.match.phase)
         return crop_match(seen, self.match, self.grid.shape)
 
@@ -59,16 +59,16 @@ def crop_match(cells: WorldCells, match: Match, shape: tuple[int, int]) -> Cells
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacementCheck:
-    """What came of comparing a map with its world.
+    """The result of comparing a map with its world.
 
     Attributes:
-        findings: What is wrong with its place.
-        unverified: What could not be determined.
-        ambiguous: What the world's symmetry hides.
-        remarks: Why.
-        truth: What the world says of the map's cells, or None.
-        sight: How to ask it of other heights, or None.
-        match: Where `grid` belongs, or None where nothing is to be moved, or it is not certain where to.
+        findings: Errors of its place.
+        unverified: Kinds that could not be determined.
+        ambiguous: Kinds that the world's symmetry hides.
+        remarks: The reasons for both.
+        truth: The map's cells in the world, or None.
+        sight: Gives them at other heights, or None.
+        match: Where `grid` belongs, or None if it needs no move, or an uncertain one.
         grid: The map, its origin turned as it must be.
         is_negated: Whether the map agrees with its greys exchanged, and nowhere as it is.
     """
@@ -145,7 +145,7 @@ def _is_drawn(grid: OccupancyGrid) -> bool:
 
 
 def _looks_like_a_map(grid: OccupancyGrid) -> bool:
-    """Whether less of a grid is occupied than free, as where a robot can drive."""
+    """Whether less of a grid is occupied than free, as in a map that a robot can drive in."""
     occupied = int((grid.data == OCCUPIED).sum())
     return 0 < occupied < int((grid.data != UNKNOWN).sum()) - occupied
 
@@ -168,7 +168,7 @@ def _place(
     stated: OccupancyGrid,
     before: float,
 ) -> PlacementCheck:
-    """A map that does not lie where its file puts it; `grid` is the turned one."""
+    """The result for a map that does not lie where its file puts it; `grid` is the turned one."""
     best = matching.best
     candidates = (best, *matching.rivals)
     upright = [match for match in candidates if match.orientation == UPRIGHT]
@@ -182,7 +182,7 @@ def _place(
     angle = turning.angle if turning is not None else 0.0
     found = Explanation(grid, angle, stated.origin, chosen, others, turns, before)
     findings = describe_findings(found, certain=certain)
-    remarks = (explain_ways(candidates, turns),) if found.ways > 1 else ()
+    remarks = (explain_placements(candidates, turns),) if found.placements > 1 else ()
     if not certain:
         return PlacementCheck(findings, ambiguous=ambiguous, remarks=remarks)
     truth = crop_match(cells, chosen, grid.shape) if chosen is best else None
@@ -198,7 +198,7 @@ def _unverified(why: str) -> PlacementCheck:
 
 def _well_placed(matching: Matching, truth: Cells, sight: WorldSight) -> PlacementCheck:
     others = matching.rivals
-    remarks = (explain_ways((matching.stated, *others)),) if others else ()
+    remarks = (explain_placements((matching.stated, *others)),) if others else ()
     return PlacementCheck(ambiguous=list_hidden(matching.stated, others), remarks=remarks, truth=truth, sight=sight)
 
 
@@ -229,7 +229,7 @@ def _negated(before: float, after: float) -> PlacementCheck:
 
 
 def _stretched(grid: OccupancyGrid, stretch: Stretch, before: float) -> PlacementCheck:
-    """A map that fits its world with cells of another size."""
+    """The result for a map that fits its world with cells of another size."""
     edge = grid.resolution
     agreement = f"(agreement {stretch.agreement:.0%} against {before:.0%})"
     if stretch.is_square:
@@ -253,7 +253,7 @@ def _stretched(grid: OccupancyGrid, stretch: Stretch, before: float) -> Placemen
 
 
 def _mismatch(best: float) -> PlacementCheck:
-    """A map that agrees with its world nowhere, however it is turned, flipped, scaled or read."""
+    """The result for a map that agrees with its world nowhere, however it is turned, flipped, scaled or read."""
     why = f"the map agrees with the world nowhere (at best {best:.0%})"
     finding = Finding(
         "mismatch",

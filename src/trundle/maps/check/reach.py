@@ -1,4 +1,4 @@
-"""Whether a start and its goals are places, and connected."""
+"""Whether the robot can stand at a start and its goals, and whether they are connected."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from trundle.robots import Robot
 
 
 def check_reach(chart: Chart, robot: Robot | None, start: Pose2D | None, goals: Sequence[Pose2D]) -> list[Finding]:
-    """Look whether a robot can stand at the start and the goals, and whether one free area joins them.
+    """Check whether a robot can stand at the start and the goals, and whether one free area connects them.
 
     With a robot, a cell is free where its inscribed circle touches nothing, as on a costmap; without one, a free cell.
     Start or goals alone are compared with the largest area.

@@ -1,4 +1,4 @@
-"""A map's image read by its rule: what loads as something else than its maker meant."""
+"""Reading a map's image by its rule, and findings where cells load with another meaning than intended."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SUFFIXES = (".png", ".pgm", ".pnm", ".ppm", ".bmp")
 
 
 class Reading(NamedTuple):
-    """A map as it was meant, or None where its image cannot be read; what was found; and the kinds put right."""
+    """The map as intended, or None where its image cannot be read; the findings; and the kinds corrected."""
 
     grid: OccupancyGrid | None
     findings: list[Finding]

@@ -1,4 +1,4 @@
-"""Free areas that cannot be reached, and specks: a few cells that are noise more often than a thing."""
+"""Free areas that cannot be reached, and specks: a few cells that are probably noise."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SPECK_EDGE = 2  # cells: a wider one is a thin thing
 
 
 def check_islands(chart: Chart) -> list[Finding]:
-    """Look for free areas that are not connected with the largest one."""
+    """Find free areas that are not connected with the largest one."""
     free = Areas(chart.free, diagonal=False)
     apart = np.ones(len(free), dtype=np.bool_)
     if len(free):
@@ -43,7 +43,7 @@ def check_islands(chart: Chart) -> list[Finding]:
 
 
 def check_speckles(chart: Chart) -> list[Finding]:
-    """Look for lone occupied cells in free space that the world, if there is one, does not have."""
+    """Find lone occupied cells in free space that the world, if given, does not have."""
     occupied = Areas(chart.occupied, diagonal=True)
     small = (occupied.sizes <= SPECK_CELLS) & (occupied.lengths <= _SPECK_EDGE) & ~occupied.on_edge()
     for index in np.flatnonzero(small).tolist():

@@ -1,4 +1,4 @@
-"""How far a map is scaled against its world, along each of its axes: sizes tried by correlation, then climbed."""
+"""Scale of a map against its world along each axis: a search by correlation, then hill climbing."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from trundle.maps.check.orientation import ORIENTATIONS, UPRIGHT, Orientation
 from trundle.maps.from_world import SolidWorld
 from trundle.maps.grid import OccupancyGrid
 
-_MOST = 0.12  # by so much an axis may be stretched; wrong cells are wrong by the usual factors
+_MOST = 0.12  # largest stretch of an axis; larger errors are the usual factors
 _USUAL_FACTORS = (0.1, 0.2, 0.25, 0.4, 0.5, 2.0, 2.5, 4.0, 5.0, 10.0)
 _SAMPLES = 5_000
-_KEPT = 4  # sizes that are followed down the levels
-_LEAST_CELLS = 1.0  # at the map's ends: less is no stretch that a robot would notice
-_SQUARE_CELLS = 1.0  # there: what the search cannot tell from an equal scale of both axes
+_KEPT = 4  # sizes that are refined from level to level
+_LEAST_CELLS = 1.0  # at the map's ends: a robot does not notice a smaller stretch
+_SQUARE_CELLS = 1.0  # there: the search cannot distinguish less from an equal scale of both axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Stretch:
 
     @property
     def is_square(self) -> bool:
-        """Whether the cells are square: then another resolution is all that is needed."""
+        """Whether the cells are square, so that another resolution is enough."""
         return self.width == self.height
 
 
@@ -71,7 +71,7 @@ def find_stretch(
         match: Where the map agrees best as it is.
         world: The world.
         z_range: The heights that count [m].
-        nowhere: Whether it agrees so badly there that any orientation, and any size, is possible.
+        nowhere: Whether it agrees so badly there that any orientation and any size is possible.
     """
     search = _Search(lattice, cells)
     best = search.find(match, nowhere=nowhere)

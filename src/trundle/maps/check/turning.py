@@ -1,4 +1,4 @@
-"""How far a map is turned against its world: all angles tried at every place by correlation, from coarse to fine."""
+"""Rotation of a map against its world: a coarse-to-fine correlation over all angles and places."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from trundle.maps.check.nearness import (
 from trundle.maps.check.orientation import ORIENTATIONS, Orientation
 
 WELL_MATCHED = 0.75
-"""A map that agrees so well with its world where its file puts it is not searched for at other angles."""
+"""A map that agrees at least this well with its world as it is stated is not tried at other angles."""
 
 _SEARCH_SAMPLES = 4_000
 _FINAL_SAMPLES = 16_000
-_KEPT = (32, 16, 8, 4)  # places that are followed down the levels
+_KEPT = (32, 16, 8, 4)  # places that are refined from level to level
 _APART = 3.0  # cells of a level: nearer places are one
-_PEAK_CELLS = 1.5  # each way of the best score, where it falls as a parabola does
-_WIDEST_FINAL = math.radians(3.0)  # that the last search may turn by
+_PEAK_CELLS = 1.5  # distance from the best score within which scores fall as a parabola
+_WIDEST_FINAL = math.radians(3.0)  # largest turn of the last search
 
-_LEAST_TURN_CELLS = 1.0  # at the map's far cells: less is no turn that a robot would notice
-_SNAP_CELLS = 0.25  # there: what the search cannot tell from a whole quarter
+_LEAST_TURN_CELLS = 1.0  # at the map's far cells: a robot does not notice a smaller turn
+_SNAP_CELLS = 0.25  # there: the search cannot distinguish less from a whole quarter turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +44,9 @@ class Turn:
     """A place of a map in its world, at any angle.
 
     Attributes:
-        orientation: What is done to the image first.
-        angle: How far it is turned counter-clockwise then, about the middle of its occupied cells [rad].
-        x: How far that middle is moved to the right then, in cells.
+        orientation: Applied to the image first.
+        angle: Turn after that, counter-clockwise about the middle of its occupied cells [rad].
+        x: How far that middle is then moved to the right, in cells.
         y: As `x`, up.
         score: Mean nearness of a wall at the map's occupied cells, less that at its free cells.
     """
@@ -64,7 +64,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Turning:
-    """What came of the search.
+    """The result of the search.
 
     Attributes:
         origin: The map's origin, turned and moved as it must be.
@@ -261,5 +261,5 @@ class _Search:
         forth = np.array([level.field.shape[1], level.field.shape[0]]) / 2.0
         blocks = orient(orientation) @ (middle - back) + forth - 1.0
         x, y = blocks * level.block + self._corner - self._middle
-        # Turned first and mirrored then is mirrored first and turned the other way then.
+        # A turn followed by a mirror equals the mirror followed by the opposite turn.
         return Turn(orientation, -angle if orientation.flipped else angle, float(x), float(y), score)

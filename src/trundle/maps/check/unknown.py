@@ -1,4 +1,4 @@
-"""Unknown space where a map should know: holes in rooms, and large parts that were never seen."""
+"""Unknown space that a map should know: holes in rooms, and large parts that were never seen."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from trundle.maps.check.finding import Finding
 UNSEEN_SHARE = 0.10
 """Unknown space of at least this share of the free space is a large part that was never seen."""
 
-_LEAST_FREE_RIM = 0.5  # of the rim of a hole is free; what is walled in is the inside of a thing
+_LEAST_FREE_RIM = 0.5  # free share of a hole's rim; a walled-in hole is the inside of a thing
 _LEAST_FRONT_M = 0.5  # along which a part that was not seen meets free space [m]
 
 _BY_HAND = "drive past it once more, or paint it by hand"
@@ -19,7 +19,7 @@ _FROM_WORLD = "take it from the world's map"
 
 
 def check_unknown(chart: Chart) -> list[Finding]:
-    """Look for holes and unseen parts within the walls; with a world, for all that it has and the map has not."""
+    """Find holes and unseen parts within the walls; with a world, all floor that the map lacks."""
     unknown = Areas(chart.unknown, diagonal=True)
     free, walled = unknown.beside(chart.free), unknown.beside(chart.occupied)
     inside = ~unknown.on_edge()

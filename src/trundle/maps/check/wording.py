@@ -1,4 +1,4 @@
-"""What is said of a map that does not lie on its world."""
+"""Findings for a map that does not lie on its world."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from trundle.maps.check.turning import Turn
 from trundle.maps.grid import OccupancyGrid
 
 LEAST_OFFSET = 0.375
-"""In cells; a smaller one is none."""
+"""In cells; smaller offsets are ignored."""
 
-_PIVOT_CELLS = 3.0  # by so much, a point about which a map is turned may move
+_PIVOT_CELLS = 3.0  # how far the point about which a map is turned may move
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explanation:
-    """What may be wrong with a map's place.
+    """A possible error of a map's place.
 
     Attributes:
         grid: The map, its origin turned as `angle` says.
@@ -42,8 +42,8 @@ class Explanation:
     before: float
 
     @property
-    def ways(self) -> int:
-        """In how many ways the map fits."""
+    def placements(self) -> int:
+        """Number of placements in which the map fits."""
         return 1 + len(self.others) + len(self.turns)
 
 
@@ -55,12 +55,12 @@ def apply_match(grid: OccupancyGrid, cells: Cells, match: Match) -> OccupancyGri
 
 
 def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ...]:
-    """All that is wrong with a map's place."""
+    """All errors of a map's place."""
     items = [*_describe_image(found), *(_describe_turn(found) if found.angle else _describe_offset(found))]
     note = ""
     if not certain:
         note = (
-            f"; nothing is corrected automatically: the world looks the same in {found.ways} ways; find out "
+            f"; nothing is corrected automatically: the world looks the same in {found.placements} ways; find out "
             "which one is meant"
         )
     stated = OccupancyGrid(found.grid.data, found.grid.resolution, found.stated)
@@ -70,15 +70,15 @@ def describe_findings(found: Explanation, *, certain: bool) -> tuple[Finding, ..
     return tuple(Finding(kind, "error", message, where, f"{fix}{note}") for kind, message, fix in items)
 
 
-def explain_ways(candidates: tuple[Match, ...], turns: tuple[Turn, ...] = ()) -> str:
-    """In which ways a map fits its world."""
+def explain_placements(candidates: tuple[Match, ...], turns: tuple[Turn, ...] = ()) -> str:
+    """The placements in which a map fits its world."""
     names = [f"{_name(match)} (agreement {match.agreement:.0%})" for match in candidates]
     names += [f"turned by {math.degrees(turn.angle):+.1f}°" + _name_image(turn) for turn in turns]
     return f"the world looks the same in {len(names)} ways: {'; '.join(names[:4])}"
 
 
 def list_hidden(chosen: Match, others: tuple[Match, ...], turns: tuple[Turn, ...] = ()) -> tuple[Kind, ...]:
-    """The kinds of mistakes that a map in one place, and not in the others, may have without that it shows."""
+    """The kinds of mistakes that cannot be seen because the map fits in several places."""
     kinds: set[Kind] = {"rotated"} if turns else set()
     for turn in turns:
         kinds.update(turn.orientation.kinds)
@@ -90,7 +90,7 @@ def list_hidden(chosen: Match, others: tuple[Match, ...], turns: tuple[Turn, ...
 
 
 def _describe_image(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """What is wrong with the image: it is flipped, or turned by quarters."""
+    """The error of an image that is flipped, or turned by quarters."""
     grid, match = found.grid, found.match
     place = _write_origin(apply_match(grid, grid.data, match).origin)
     items: list[tuple[Kind, str, str]] = []
@@ -109,7 +109,7 @@ def _describe_image(found: Explanation) -> list[tuple[Kind, str, str]]:
 
 
 def _describe_turn(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """What is wrong with a map that is turned by an angle that is no whole quarter."""
+    """The error of a map that is turned by an angle other than a quarter turn."""
     grid, match = found.grid, found.match
     angle = math.remainder(found.angle + match.orientation.yaw, 2.0 * math.pi)
     if match.orientation.flipped:
@@ -162,7 +162,7 @@ def _find_pivot(found: Explanation, new: Pose2D) -> tuple[str, tuple[float, floa
 
 
 def _describe_offset(found: Explanation) -> list[tuple[Kind, str, str]]:
-    """What is wrong with a map that is moved and not turned."""
+    """The error of a map that is moved and not turned."""
     grid, match = found.grid, found.match
     dx, dy = match.offset
     fix = f"write {_write_origin(apply_match(grid, grid.data, match).origin)}"
