@@ -1,5 +1,6 @@
 """What rows of an evaluation say: intervals, comparisons on the same missions, gates. Pure functions of numbers."""
 
+from trundle.evaluation.statistics.comparison import Comparison, compare, compare_within
 from trundle.evaluation.statistics.gates import Gate, GateResult
 from trundle.evaluation.statistics.intervals import Interval, no_failure_bound, wilson
 from trundle.evaluation.statistics.paired import holm, mcnemar_exact, paired_bootstrap
@@ -7,10 +8,13 @@ from trundle.evaluation.statistics.ranks import rank_correlation
 from trundle.evaluation.statistics.table import Table
 
 __all__ = [
+    "Comparison",
     "Gate",
     "GateResult",
     "Interval",
     "Table",
+    "compare",
+    "compare_within",
     "holm",
     "mcnemar_exact",
     "no_failure_bound",

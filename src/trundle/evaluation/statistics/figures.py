@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -55,13 +56,14 @@ BY_NAME = {figure.name: figure for figure in FIGURES}
 
 
 def write_number(value: float) -> str:
-    """A number with three or four digits, as tables have it; a dash for none."""
-    if np.isnan(value):
+    """A number with three or four digits and at most four decimals, as tables have it; a dash for none."""
+    if math.isnan(value):
         return "–"
-    if abs(value) >= 1000.0:
-        return f"{value:.0f}"
-    text = f"{value:.3g}"
-    return f"{value:.1f}" if abs(value) >= 100.0 and "e" not in text else (f"{value:.4f}" if "e" in text else text)
+    size = abs(value)
+    if size >= 100.0:
+        return f"{value:.0f}" if size >= 1000.0 else f"{value:.1f}"
+    decimals = 4 if size < 0.001 else min(4, 2 - math.floor(math.log10(size)))
+    return f"{round(value, decimals) + 0.0:g}"
 
 
 def write_share(share: float, n: int) -> str:

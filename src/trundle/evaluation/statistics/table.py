@@ -94,7 +94,7 @@ class Table:
         ids = np.sort(table.keys["id"])
         twice = np.flatnonzero(ids[1:] == ids[:-1])
         if len(twice):
-            raise InputError(f"episode {ids[twice[0]].decode()} occurs twice among the rows")
+            raise InputError(f"episode {bytes(ids[twice[0]]).decode()} occurs twice among the rows")
         return table
 
     def __len__(self) -> int:

@@ -1,0 +1,139 @@
+"""A comparison as text that fits 80 columns."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import textwrap
+from collections.abc import Sequence
+
+from trundle.evaluation.statistics.comparison import Change, Comparison, PairComparison, Turned
+from trundle.evaluation.statistics.figures import write_number, write_share
+
+_WIDTH = 80
+_SHOWN = 8
+_SHARES = ("success",)
+
+
+def comparison_lines(comparison: Comparison) -> list[str]:
+    """What `trundle evaluate compare` prints: the verdict, what changed, and the missions that turned.
+
+    No line that trundle words is longer than 80 columns; names of folders may make one so.
+    """
+    lines = [f"A = {comparison.first}", f"B = {comparison.second}"]
+    for name, left_out in (("A", comparison.only_first), ("B", comparison.only_second)):
+        if left_out:
+            lines.append(f"{left_out} {_episodes(left_out)} of {name} left out: their missions are not in the other")
+    for pair in comparison.pairs:
+        lines += ["", *_pair_lines(comparison, pair)]
+    lines += ["", *_notes(comparison), "", *textwrap.wrap(verdict(comparison), _WIDTH)]
+    return lines
+
+
+def verdict(comparison: Comparison) -> str:
+    """Whether the second is worse, and in what."""
+    reasons = [
+        f"{change.figure.text}{f' ({pair.second or pair.first})' if len(comparison.pairs) > 1 else ''}"
+        for pair in comparison.pairs
+        for change in pair.changes
+        if change.worse
+    ]
+    if reasons:
+        return f"B is worse: {', '.join(reasons)}"
+    return "B is not clearly worse"
+
+
+def write_value(change: Change, value: float, n: int) -> str:
+    """A mean of this figure, with its unit."""
+    if change.figure.name in _SHARES:
+        return "–" if math.isnan(value) else write_share(value, n)
+    unit = change.figure.unit
+    return write_number(value) + (f" {unit}" if unit else "")
+
+
+def write_difference(change: Change) -> tuple[str, str]:
+    """A difference and its interval, with their signs; of shares in percentage points."""
+    mean, (low, high) = change.difference.value, change.difference.interval
+    share = change.figure.name in _SHARES
+    scale, unit = (100.0, "pp") if share else (1.0, change.figure.unit)
+    interval = "–" if math.isnan(low) else f"{_signed(scale * low)} to {_signed(scale * high)}"
+    return f"{_signed(scale * mean)}{unit and f' {unit}'}", interval
+
+
+def turned_text(pair: PairComparison, p: float) -> str:
+    """On how many missions only one of the two arrives."""
+    lost, won = len(pair.newly_failing), len(pair.newly_passing)
+    test = f"McNemar's exact test: p {write_p(p)}"
+    return f"B fails on {lost} where A arrives, and arrives on {won} where A fails ({test})"
+
+
+def write_p(p: float) -> str:
+    """A p with two digits, and what stands before it."""
+    return "< 0.0001" if p < 0.0001 else f"= {p:.2g}" if p < 0.995 else "= 1"
+
+
+def notes(count: int) -> list[str]:
+    """What the figures of a comparison rest on, in sentences."""
+    return [
+        "Times, distances, clearances, replans, tracking errors and turning are compared on the missions where both "
+        "arrive.",
+        f"Intervals are 95 %, of a paired bootstrap clustered by world. A change is called clear where p, adjusted by "
+        f"Holm for all {count} comparisons made here, is below 0.05.",
+    ]
+
+
+def _pair_lines(comparison: Comparison, pair: PairComparison) -> list[str]:
+    success = pair.change("success")
+    lines: list[str] = []
+    if pair.first or pair.second:
+        same = pair.first == pair.second
+        lines += textwrap.wrap(pair.first if same else f"A: {pair.first}  B: {pair.second}", _WIDTH)
+    missions = f"{pair.missions} {'mission' if pair.missions == 1 else 'missions'} in both; "
+    lines += textwrap.wrap(missions + turned_text(pair, success.p), _WIDTH)
+    table = [("", "A", "B", "change", "95 % interval", "clear")]
+    for change in pair.changes:
+        if change.difference.n == 0:
+            continue
+        difference, interval = write_difference(change)
+        first, second = (write_value(change, value, pair.missions) for value in (change.first, change.second))
+        table.append((change.figure.text, first, second, difference, interval, change.direction))
+    widths = [max(len(row[column]) for row in table) for column in range(6)]
+    for row in table:
+        cells = [
+            row[0].ljust(widths[0]),
+            *(cell.rjust(width) for cell, width in zip(row[1:5], widths[1:5], strict=True)),
+        ]
+        lines.append("  ".join([*cells, row[5]]).rstrip())
+    lines += _turned_lines("newly failing", pair.newly_failing, comparison.second, of_second=True)
+    lines += _turned_lines("newly passing", pair.newly_passing, comparison.first, of_second=False)
+    return lines
+
+
+def _turned_lines(title: str, missions: Sequence[Turned], folder: str, *, of_second: bool) -> list[str]:
+    if not missions:
+        return []
+    lines = [f"{title}: {len(missions)}"]
+    for mission in missions[:_SHOWN]:
+        command = replay_command(folder, mission.second if of_second else mission.first)
+        lines.append(f"  {command}  {mission.world}: {mission.outcome}")
+    if len(missions) > _SHOWN:
+        lines.append(f"  and {len(missions) - _SHOWN} more; --json has them all")
+    return lines
+
+
+def replay_command(folder: str, episode: str) -> str:
+    """The command that runs an episode again; eight digits of its id are enough."""
+    return f"trundle run --from {shlex.quote(f'{folder}:{episode[:8]}')}"
+
+
+def _notes(comparison: Comparison) -> list[str]:
+    return [line for note in notes(comparison.count) for line in textwrap.wrap(note, _WIDTH)]
+
+
+def _signed(value: float) -> str:
+    text = write_number(abs(value))
+    return text if text in ("–", "0") else f"{'-' if value < 0.0 else '+'}{text}"
+
+
+def _episodes(count: int) -> str:
+    return "episode" if count == 1 else "episodes"

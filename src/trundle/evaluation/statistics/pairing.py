@@ -1,0 +1,109 @@
+"""Which rows of two evaluations, or of two settings in one, are of the same mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import InputError
+from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
+
+Rows = npt.NDArray[np.intp]
+_ALL_PAIRS = 3
+"""With more settings, each is compared with the first one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pairing:
+    """Rows of the same missions.
+
+    Attributes:
+        first: Name of the first setting.
+        second: Name of the second.
+        first_rows: Rows of the first one's table, shape (N,).
+        second_rows: The rows of the same missions in the second one's table, shape (N,).
+    """
+
+    first: str
+    second: str
+    first_rows: Rows
+    second_rows: Rows
+
+
+def pair_within(table: Table) -> list[Pairing]:
+    """Pairs of the settings of one evaluation: all of up to three, of more each with the first."""
+    groups = group_rows(table, VARIANT)
+    few = len(groups) <= _ALL_PAIRS
+    pairs = combinations(groups, 2) if few else ((groups[0], other) for other in groups[1:])
+    return [_pair(table, one, table, other, (one.name, other.name)) for one, other in pairs]
+
+
+def pair_between(first: Table, second: Table) -> list[Pairing]:
+    """Pairs of the settings of two evaluations: those with the same labels, or else those that differ in one respect.
+
+    Raises:
+        InputError: If it is not clear which settings to compare.
+    """
+    ones, others = group_rows(first, VARIANT), group_rows(second, VARIANT)
+    matches = _match(ones, others, VARIANT)
+    if not matches:
+        kept = [name for name in VARIANT if _values(ones, name) == _values(others, name)]
+        matches = _match(ones, others, kept)
+    differ = [name for name in VARIANT if any(one.labels[name] != other.labels[name] for one, other in matches)]
+    several = len(matches) > 1
+    named = [name for name in VARIANT if len(_values(ones, name)) > 1] if several else []
+    columns = list(dict.fromkeys([*named, *differ]))
+    pairings: list[Pairing] = []
+    for one, other in matches:
+        names = name_labels(one.labels, columns), name_labels(other.labels, columns)
+        pairings.append(_pair(first, one, second, other, names))
+    return pairings
+
+
+def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str]) -> list[tuple[Group, Group]]:
+    """Groups that agree in these labels."""
+    found = [
+        (one, other)
+        for one in ones
+        for other in others
+        if all(one.labels[name] == other.labels[name] for name in columns)
+    ]
+    for side in (0, 1):
+        seen: set[str] = set()
+        for pair in found:
+            name = name_labels(pair[side].labels, VARIANT)
+            if name in seen:
+                raise InputError(
+                    f"it is not clear what to compare: {_list(ones)} in the first evaluation, {_list(others)} in the "
+                    "second; run both with the same settings, or cross them in one suite"
+                )
+            seen.add(name)
+    return found
+
+
+def _list(groups: Sequence[Group]) -> str:
+    names = [group.name for group in groups]
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+
+
+def _values(groups: Sequence[Group], name: str) -> set[str]:
+    return {group.labels[name] for group in groups}
+
+
+def _pair(first: Table, one: Group, second: Table, other: Group, names: tuple[str, str]) -> Pairing:
+    mine, my_rows = _missions(first, one.rows)
+    theirs, their_rows = _missions(second, other.rows)
+    _, at, their_at = np.intersect1d(mine, theirs, assume_unique=True, return_indices=True)
+    order = np.argsort(first.index[my_rows[at]], kind="stable")
+    return Pairing(*names, my_rows[at][order], their_rows[their_at][order])
+
+
+def _missions(table: Table, rows: Rows) -> tuple[npt.NDArray[np.bytes_], Rows]:
+    """The missions of these rows, each once, and the first row of each; a row that has none is left out."""
+    rows = rows[table.keys["mission"][rows] != b""]
+    missions, first = np.unique(table.keys["mission"][rows], return_index=True)
+    return missions, rows[first]
