@@ -95,7 +95,7 @@ def test_more_than_plain_xacro_says_which_command_expands_it(body):
     ],
 )
 def test_definitions_without_an_end_are_refused(definitions):
-    with pytest.raises(RobotError, match=r"defined by itself|longer than"):
+    with pytest.raises(RobotError, match=r"refers to itself|longer than"):
         value("${a}", definitions)
 
 

@@ -31,7 +31,7 @@ def test_elements_know_their_lines():
         ("<a>&b;</a>", "not XML: undefined entity"),
         (b"\x00\xff\x80", "not XML"),
         ("<?xml version='1.0' encoding='klingon'?><a/>", "not XML"),
-        ("<a>" * (MAX_DEPTH + 1), f"more than {MAX_DEPTH} elements inside each other"),
+        ("<a>" * (MAX_DEPTH + 1), f"elements nested more than {MAX_DEPTH} deep"),
     ],
 )
 def test_bad_xml_is_refused_with_its_line(text, message):
@@ -43,7 +43,7 @@ def test_bad_xml_is_refused_with_its_line(text, message):
 def test_a_file_that_is_too_large_is_not_read(tmp_path, monkeypatch):
     monkeypatch.setattr("trundle.files.xml_elements.MAX_BYTES", 10)
     (tmp_path / "w.sdf").write_text("<a>       </a>")
-    with pytest.raises(WorldError, match="more than the"):
+    with pytest.raises(WorldError, match="larger than the limit of"):
         read_xml(tmp_path / "w.sdf", error=WorldError)
     with pytest.raises(WorldError, match=r"cannot read .*gone\.sdf"):
         read_xml(tmp_path / "gone.sdf", error=WorldError)

@@ -131,17 +131,17 @@ def attach(file: str) -> str:
 class TestModels:
     def test_a_model_that_contains_itself(self, tmp_path, load, error):
         write(tmp_path, "other.xml", attach("self.xml"))
-        with pytest.raises(error, match=r"self\.xml:1: self\.xml contains itself"):
+        with pytest.raises(error, match=r"self\.xml:1: self\.xml includes itself"):
             load(write(tmp_path, "self.xml", attach("self.xml")))
         write(tmp_path, "other.xml", attach("round.xml"))
-        with pytest.raises(error, match=r"other\.xml:1: round\.xml contains itself"):
+        with pytest.raises(error, match=r"other\.xml:1: round\.xml includes itself"):
             load(write(tmp_path, "round.xml", attach("other.xml")))
 
     @pytest.mark.parametrize("made", ["count='100000000'", "count='1000'><replicate count='2000'"])
     def test_a_hundred_million_copies(self, tmp_path, load, error, made):
         end = "</replicate>" * made.count("count")
         text = f"<mujoco>\n<worldbody><replicate {made}>{BALL}{end}</worldbody></mujoco>"
-        with pytest.raises(error, match=r"w\.xml:2: this makes more than 1000000 elements"):
+        with pytest.raises(error, match=r"w\.xml:2: this generates more than 1000000 elements"):
             load(write(tmp_path, "w.xml", text))
 
     def test_a_pipe_is_not_opened(self, tmp_path, load, error, fifo):
@@ -163,7 +163,7 @@ class TestModels:
         for index in range(40):
             write(tmp_path, f"{index}.xml", f"<mujocoinclude><include file='{index + 1}.xml'/></mujocoinclude>")
         write(tmp_path, "40.xml", "<mujocoinclude/>")
-        with pytest.raises(error, match="inside each other"):
+        with pytest.raises(error, match="nests them more than"):
             load(write(tmp_path, "w.xml", f"<mujoco><worldbody>{BALL}</worldbody><include file='0.xml'/></mujoco>"))
 
 
@@ -194,7 +194,7 @@ def test_pipes_that_meshes_name_are_not_opened(tmp_path, fifo, name):
         "scene": 0,
     }
     text = f"mtllib {fifo}\n{TRIANGLE}" if name.endswith("obj") else json.dumps(gltf)
-    with pytest.raises(WorldError, match="it names 'fifo', which cannot be read: not a regular file"):
+    with pytest.raises(WorldError, match="it refers to 'fifo', which cannot be read: not a regular file"):
         World.load(write(tmp_path, name, text))
 
 

@@ -60,7 +60,7 @@ def test_files_that_cannot_be_are_refused_by_name(tmp_path):
         ("origin.npz", "origin"),
         ("steps.npz", "steps.npz: "),
         ("objects.npz", "objects.npz: "),
-        ("array.npy", "one array alone, and not a .npz file"),
+        ("array.npy", "a single array, and not a .npz file"),
         ("torn.npz", "torn.npz: not a .npz file"),
         ("text.npz", "text.npz: not a .npz file"),
         ("empty.npz", "empty.npz: not a .npz file"),

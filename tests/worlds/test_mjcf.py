@@ -213,7 +213,7 @@ ORIGIN = SHELL.format("<box size='1 1 1'/>").replace("<collision>", "<collision>
             MJCF.replace('pos="1 0 0"', 'pos="nan 0 0"'),
             "geom 'post': its place has numbers that are not",
         ),
-        ("w.xml", "<sdf version='1.6'/>", "MJCF starts with <mujoco> and URDF with <robot>, this file with <sdf>"),
+        ("w.xml", "<sdf version='1.6'/>", "the root element is <sdf>; MJCF has <mujoco> and URDF has <robot>"),
     ],
 )
 def test_bad_files_are_refused(tmp_path, monkeypatch, name, text, message):

@@ -336,7 +336,7 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
         ("<model><static>1</static></model>", "<model> has no name"),
         (model(link(), static="<static>maybe</static>"), "<static> must be true or false"),
         (model(link(mesh("t.obj", "<scale>1 0 1</scale>"))), "<scale> must not be 0 along any axis, got 1 0 1"),
-        (model(link(mesh("bad.obj"))), "corners that are not finite numbers"),
+        (model(link(mesh("bad.obj"))), "vertices that are not finite numbers"),
         (
             model(link("<geometry><mesh><uri>t.obj</uri><submesh><name>x</name></submesh></mesh></geometry>")),
             "no submesh 'x'",
@@ -365,7 +365,7 @@ def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
         ("<!DOCTYPE sdf [<!ENTITY a 'b'>]><sdf version='1.6'>&a;</sdf>", "a <!DOCTYPE …> is not accepted"),
         ("<sdf version='1.6'><world name='w'>", "not XML: no element found"),
         ("\0\1\2 garbage", "not XML: not well-formed"),
-        ("<a>" * 1000, "w.sdf:1: more than 200 elements inside each other"),
+        ("<a>" * 1000, "w.sdf:1: elements nested more than 200 deep"),
         (
             "<!DOCTYPE b [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;&a;'>]><sdf version='1.6'>&b;</sdf>",
             "w.sdf:1: a <!DOCTYPE …> is not accepted",

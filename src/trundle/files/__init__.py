@@ -1,1 +1,1 @@
-"""Files on disk: written whole, opened within limits, and the formats that several packages read."""
+"""Files on disk: atomic writing, reading with size limits, and the formats that several packages share."""

@@ -1,4 +1,4 @@
-"""`Choice`: a name with options, as a scenario's YAML has them."""
+"""`Choice`: a name with options, as written in a scenario's YAML."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _name_alone(value: object) -> object:
 
 
 def takes_name(kind: type[Choice]) -> BeforeValidator:
-    """Validate that a name alone is taken as a choice without options."""
+    """Return a validator that accepts a plain name as a choice without options."""
     return BeforeValidator(_name_alone, json_schema_input_type=str | kind | None)
 
 

@@ -1,4 +1,4 @@
-"""Types of fields that several settings share. A unit is in the JSON Schema, and in messages about the range."""
+"""Field types that several settings share. Their units appear in the JSON Schema and in range messages."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from trundle.angles import FORM, describe_degrees, is_in_degrees, parse_angle, w
 from trundle.geometry import wrap_angle
 
 ANGLES = "angles"
-"""Key of the validation context that says what becomes of an angle that probably is in degrees."""
+"""Validation context key: what to do with an angle that is probably in degrees."""
 
 _REFUSE, _ACCEPT = "refuse", "accept"
 REFUSE_DEGREES, ACCEPT_DEGREES = {ANGLES: _REFUSE}, {ANGLES: _ACCEPT}
-"""Contexts: raise a problem of type `DEGREES`, so that its place is known; or take it without a word."""
+"""Contexts: raise a problem of type `DEGREES`, which keeps its location; or accept the angle silently."""
 
 DEGREES = "angle_in_degrees"
-"""Type of the problem that an angle is larger than a whole turn."""
+"""Problem type: the angle exceeds a full turn."""
 
 
 def read_angle(value: object, info: ValidationInfo) -> object:
-    """Read `90deg`; warn of an angle larger than a whole turn, or as the context says."""
+    """Read `90deg`; warn about an angle larger than a full turn, unless the context says otherwise."""
     if isinstance(value, str):
         try:
             value = parse_angle(value)

@@ -1,4 +1,4 @@
-"""What settings mean, from the docstrings of their classes: for JSON Schemas, tables and commented files."""
+"""Descriptions of settings, taken from class docstrings: for JSON Schemas, tables and commented files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WIDTH = 96
 
 
 def describe_fields(model: type[BaseModel]) -> dict[str, str]:
-    """What each field of a model is: its own fields first, then those of its bases, which are described there."""
+    """Describe each field of a model: its own fields first, then those inherited from its bases."""
     found: dict[str, str] = {}
     for kind in reversed(model.__mro__):
         if kind.__doc__ and "Attributes:" in kind.__doc__:
@@ -29,7 +29,7 @@ def describe_fields(model: type[BaseModel]) -> dict[str, str]:
 
 
 def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
-    """The JSON Schema of a model, with a description of each field, for editors that check YAML by one."""
+    """The JSON Schema of a model, with a description of each field, for editors that validate YAML."""
     schema = model.model_json_schema()
     kinds = {kind.__name__: kind for kind in models_in(model)}
     for name, part in [(model.__name__, schema), *schema.get("$defs", {}).items()]:
@@ -41,7 +41,7 @@ def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def models_in(model: type[BaseModel]) -> list[type[BaseModel]]:
-    """A model and all models within its fields, each once, in the order of the fields."""
+    """Return a model and all models nested in its fields, each once, in field order."""
     found = [model]
     for field in model.model_fields.values():
         for kind in _types_in(field.annotation):
@@ -57,11 +57,11 @@ def _types_in(kind: Any) -> Iterator[Any]:
 
 
 def commented_yaml(settings: BaseModel, plain: Mapping[str, Any]) -> str:
-    """YAML of settings with a comment above each field; fields that have their default are commented out.
+    """Write settings as YAML with a comment above each field; fields at their default are commented out.
 
     Args:
-        settings: What is written.
-        plain: The same as plain values, as they shall be written.
+        settings: The settings to write.
+        plain: The same settings as plain values, in the form to write.
     """
     return "\n".join(_lines(settings, plain)) + "\n"
 
@@ -111,7 +111,7 @@ def _default(value: object) -> str:
 
 
 def _type(schema: Mapping[str, Any]) -> str:
-    """A JSON Schema as a word or two."""
+    """The type of a JSON Schema in a word or two."""
     if "anyOf" in schema:
         kinds = [_type(part) for part in schema["anyOf"] if part.get("type") != "null"]
         return " or ".join(dict.fromkeys(kinds))

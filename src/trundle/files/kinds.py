@@ -1,4 +1,4 @@
-"""What kind of thing a file is, by its suffix or keys: for the message where it is given in place of another kind."""
+"""The kind of a file, from its suffix or keys: for messages about a file of the wrong kind."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _SUFFIXES = {
 _BY_SUFFIX = {suffix: kind for kind, suffixes in _SUFFIXES.items() for suffix in suffixes}
 
 _FILES = {"episode.json": RUN, "drive.csv": DRIVE}
-"""What is in the folder of a run or a drive."""
+"""Files that identify the folder of a run or a drive."""
 
 _ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model"})
 _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})
 
 
 def find_kind(path: str | os.PathLike[str]) -> str | None:
-    """The kind of a file or folder that is there; None where that is unclear."""
+    """The kind of an existing file or folder; None if it is unclear."""
     file = Path(path)
     try:
         if file.is_dir():
@@ -61,7 +61,7 @@ def find_kind(path: str | os.PathLike[str]) -> str | None:
 
 
 def kind_of_keys(keys: Iterable[str]) -> str | None:
-    """The kind of a YAML file that has these keys; None where that is unclear."""
+    """The kind of a YAML file that has these keys; None if it is unclear."""
     found = set(keys)
     if "image" in found and found & {"resolution", "origin", "negate"}:
         return MAP
@@ -72,5 +72,5 @@ def kind_of_keys(keys: Iterable[str]) -> str | None:
 
 
 def describe_mismatch(name: str, found: str | None, wanted: str) -> str:
-    """The message that a file is of another kind than the one wanted."""
+    """The message that a file is not of the expected kind."""
     return f"{name}: this is {found}, not {wanted}"

@@ -22,10 +22,10 @@ from trundle.geometry import FloatArray
 from trundle.solids import Color, Mesh
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
-"""Metres in a unit of length."""
+"""Length of each unit [m]."""
 
 MAX_BYTES = 1024**3
-"""Largest mesh file that is read."""
+"""Size limit of a mesh file."""
 
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _GLTF = (".glb", ".gltf")
@@ -34,14 +34,14 @@ _LOST_EXTENSIONS = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "EX
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshPart:
-    """One mesh of a file, where the file puts it.
+    """One mesh of a file, with the file's transforms applied.
 
     Attributes:
         name: Of its node in the file.
         geometry: Name of the mesh itself, which several nodes may share.
         vertices: [m], z up, shape (V, 3).
         faces: Indices into `vertices`, shape (F, 3).
-        color: As the file says, or none.
+        color: Colour from the file, or None.
     """
 
     name: str
@@ -51,27 +51,27 @@ class MeshPart:
     color: Color | None
 
     def scaled(self, scale: tuple[float, float, float]) -> Mesh:
-        """As a shape, scaled along the axes; a mirror turns its faces round, so that they look outward still."""
+        """As a shape, scaled along the axes; a mirrored mesh has its faces flipped, so that they still face outward."""
         return Mesh(self.vertices * np.asarray(scale), self.faces if np.prod(scale) > 0.0 else self.faces[:, ::-1])
 
     def centred(self) -> MeshPart:
-        """With the middle of its bounds in the origin."""
+        """A copy with the centre of its bounding box at the origin."""
         middle = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
         return replace(self, vertices=self.vertices - middle)
 
 
 def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = None) -> list[MeshPart]:
-    """Read all meshes of a file (GLB, glTF, OBJ, STL, PLY, COLLADA); equal corners are joined.
+    """Read all meshes of a file (GLB, glTF, OBJ, STL, PLY, COLLADA); duplicate vertices are merged.
 
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; none means what the format says (glTF: y; COLLADA: as in the file), z
-            for OBJ, STL and PLY, which do not say.
-        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; none means what the format says (glTF:
-            m; COLLADA: as in the file), m for OBJ, STL and PLY, which do not say.
+        up: The file's upward axis, "y" or "z"; None takes it from the format (glTF: y; COLLADA: as in the file), or z
+            for OBJ, STL and PLY, which do not store it.
+        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; None takes it from the format
+            (glTF: m; COLLADA: as in the file), or m for OBJ, STL and PLY, which do not store it.
 
     Raises:
-        WorldError: If it cannot be read, has no faces, corners that are not numbers, or a scale of 0.
+        WorldError: If it cannot be read, has no faces, has vertices that are not finite numbers, or a scale of 0.
         InputError: If an option is out of range.
         MissingExtraError: If the library that reads it is not installed.
     """
@@ -85,12 +85,12 @@ def read_mesh(path: Path, *, up: str | None = None, unit: str | float | None = N
     turn = (_Y_UP if (up or file_up) == "y" else np.eye(3)) * (file_unit if factor is None else factor)
     parts = [_flatten(f"{path}: mesh {node.name!r}", node, turn) for node in _read_nodes(path)]
     if not parts:
-        raise WorldError(f"{path}: no mesh with faces is in it")
+        raise WorldError(f"{path}: contains no mesh with faces")
     return parts
 
 
 class _Node(NamedTuple):
-    """A node with a mesh, as trimesh has it, in plain arrays that are not checked."""
+    """A node with a mesh, as read by trimesh: plain arrays, not yet checked."""
 
     name: str
     geometry: str
@@ -101,9 +101,9 @@ class _Node(NamedTuple):
 
 
 def _read_nodes(path: Path) -> list[_Node]:
-    """Nodes with a mesh, by name: trimesh's own order is that of a set. Points and lines are left out."""
+    """Nodes with a mesh, sorted by name, because trimesh's order is that of a set. Points and lines are skipped."""
     scene = _load_scene(path)
-    with parser_errors(f"{path}: its nodes hang together in a circle, or not at all", WorldError):
+    with parser_errors(f"{path}: its node graph has a cycle or is not connected", WorldError):
         nodes = sorted(scene.graph.nodes_geometry, key=str)
         placed = [(node, *scene.graph[node]) for node in nodes]
     with parser_errors(f"{path}: its meshes cannot be read", WorldError):
@@ -127,15 +127,15 @@ def _flatten(where: str, node: _Node, turn: FloatArray) -> MeshPart:
     if len(faces) == 0:
         raise WorldError(f"{where} has no faces")
     if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
-        raise WorldError(f"{where} has corners or faces that are not of three numbers each")
+        raise WorldError(f"{where} has vertices or faces that are not three numbers each")
     if faces.min() < 0 or faces.max() >= len(vertices):
-        raise WorldError(f"{where} has faces that name corners outside 0..{len(vertices) - 1}")
+        raise WorldError(f"{where} has faces with vertex indices outside 0..{len(vertices) - 1}")
     if not np.isfinite(vertices[np.unique(faces)]).all():
-        raise WorldError(f"{where} has corners that are not finite numbers")
+        raise WorldError(f"{where} has vertices that are not finite numbers")
     linear = turn @ transform[:3, :3]
     size = np.linalg.norm(linear, axis=0)
     if not np.isfinite(transform).all() or size.min() <= 0.0 or abs(np.linalg.det(linear / size)) < 1e-9:
-        raise WorldError(f"{where} is scaled to 0, or by a transform that cannot be undone")
+        raise WorldError(f"{where} has a scale of 0 or a transform that is not invertible")
     with np.errstate(over="ignore", invalid="ignore"):
         placed = np.nan_to_num(vertices) @ linear.T + turn @ transform[:3, 3]
     if not np.isfinite(placed).all() or np.ptp(placed, axis=0).max() <= 0.0:
@@ -144,7 +144,7 @@ def _flatten(where: str, node: _Node, turn: FloatArray) -> MeshPart:
     joined = index.reshape(-1)[faces]
     if np.linalg.det(linear) < 0.0:
         joined = joined[:, ::-1]
-    # Triangles that the join has made into lines bound nothing.
+    # Drop triangles that the merge has collapsed to lines.
     kept = (joined[:, 0] != joined[:, 1]) & (joined[:, 1] != joined[:, 2]) & (joined[:, 2] != joined[:, 0])
     if not kept.any():
         raise WorldError(f"{where} has only faces without area")
@@ -164,7 +164,7 @@ def _load_scene(path: Path) -> Any:
     except OSError as error:
         raise WorldError(f"cannot read {path}: {error.strerror or error}") from error
     if size > MAX_BYTES:
-        raise WorldError(f"{path}: {size} bytes is more than a mesh file may have ({MAX_BYTES})")
+        raise WorldError(f"{path}: {size} bytes exceeds the limit of {MAX_BYTES} bytes for a mesh file")
     if path.suffix.lower() in _GLTF:
         _check_gltf(path)
     if path.suffix.lower() == ".dae":
@@ -173,18 +173,18 @@ def _load_scene(path: Path) -> Any:
     named = _named_files(path)
     try:
         scene = cast("Any", trimesh).load_scene(str(path), process=False, resolver=named, **options)
-    except Exception as error:  # readers of broken files raise whatever the bytes lead them into
+    except Exception as error:  # readers raise any exception on a broken file
         reason = named.refused or parser_reason(error)
-        if isinstance(error, ImportError):  # it wants a library that guesses how bytes are meant as text
+        if isinstance(error, ImportError):  # trimesh asks for a library that guesses the text encoding
             reason = "it is not UTF-8 text"
-        raise WorldError(f"{path}: not a {path.suffix} file that can be read: {reason}") from error
-    if named.refused:  # by a reader that goes on without it
+        raise WorldError(f"{path}: cannot be read as a {path.suffix} file: {reason}") from error
+    if named.refused:  # the reader went on without the missing file
         raise WorldError(f"{path}: {named.refused}")
     return scene
 
 
 def _named_files(path: Path) -> Any:
-    """Opens the files that a mesh file names, beside it and below, where they are regular files."""
+    """Open the files that a mesh file refers to: regular files in its folder and below."""
     from trimesh.resolvers import FilePathResolver
 
     class NamedFiles(FilePathResolver):
@@ -198,7 +198,7 @@ def _named_files(path: Path) -> Any:
                 if check_regular(found) > MAX_BYTES:
                     raise OSError(f"more than {MAX_BYTES} bytes")
             except OSError as problem:
-                self.refused = f"it names {name!r}, which cannot be read: {problem.strerror or problem}"
+                self.refused = f"it refers to {name!r}, which cannot be read: {problem.strerror or problem}"
                 raise ValueError(self.refused) from problem
             return found
 
@@ -206,7 +206,7 @@ def _named_files(path: Path) -> Any:
 
 
 def _check_collada_reader() -> None:
-    """Refuse COLLADA where trimesh has no reader for it: its own errors do not say which library it wants."""
+    """Refuse COLLADA if trimesh has no reader for it: its own errors do not name the missing library."""
     try:
         importlib.import_module("collada")
     except ImportError as error:
@@ -215,14 +215,14 @@ def _check_collada_reader() -> None:
 
 
 def _check_gltf(path: Path) -> None:
-    """Refuse what trimesh would read as nothing or only in part, and sizes that are not those of the file."""
+    """Refuse files that trimesh would read as empty or only in part, and headers with a wrong file size."""
     with open_file(path) as file:
         size = os.fstat(file.fileno()).st_size
         head = file.read(20)
         if head[:4] == b"glTF" and len(head) == 20:
             _, _, whole, length = struct.unpack_from("<4sIII", head)
             if whole > size or length > size - len(head):
-                raise WorldError(f"{path}: its header says more bytes than the file has ({size}); it is cut off")
+                raise WorldError(f"{path}: truncated: its header declares more bytes than the file has ({size})")
         else:
             file.seek(0)
             length = size
@@ -232,12 +232,12 @@ def _check_gltf(path: Path) -> None:
     except RecursionError as error:
         raise WorldError(f"{path}: its JSON is nested too deeply to be read") from error
     except (ValueError, AttributeError, TypeError):
-        return  # trimesh says what is wrong with it
+        return  # trimesh reports what is wrong with it
     if not isinstance(used, list):
         raise WorldError(f"{path}: extensionsUsed must be a list of names")
     lost = [name for name in _LOST_EXTENSIONS if name in used]
     if lost:
-        raise WorldError(f"{path}: it uses {', '.join(lost)}, which cannot be read; export it without")
+        raise WorldError(f"{path}: it uses {', '.join(lost)}, which is not supported; export it without")
 
 
 def _read_collada_asset(path: Path) -> tuple[str, float]:
@@ -249,7 +249,7 @@ def _read_collada_asset(path: Path) -> tuple[str, float]:
         if tag == "up_axis":
             up = {"Z_UP": "z", "Y_UP": "y"}.get((element.text or "").strip(), "")
             if not up:
-                raise WorldError(f"{path}: up_axis is {element.text!r}; Y_UP and Z_UP can be read")
+                raise WorldError(f"{path}: up_axis is {element.text!r}; it must be Y_UP or Z_UP")
         elif tag == "unit" and "meter" in element.attrib:
             unit = _metres(element.attrib["meter"])
     return up, unit
@@ -268,7 +268,7 @@ def _metres(unit: str | float) -> float:
 
 
 def _read_rgba(mesh: Any) -> Any:
-    """A mesh's colour, channels of 0 to 255, as trimesh has it: of its material, or the mean of its faces."""
+    """A mesh's colour from trimesh, channels 0 to 255: that of its material, or the mean of its faces."""
     visual = getattr(mesh, "visual", None)
     kind = getattr(visual, "kind", None)
     if visual is None or kind is None:

@@ -1,7 +1,7 @@
-"""What is checked of an MJCF file before MuJoCo sees it: what it includes, and how much it says to make.
+"""Checks on an MJCF file before MuJoCo reads it: its includes and the number of elements it generates.
 
-MuJoCo's reader follows a model that attaches itself until it crashes, waits for pipes, and makes as many copies as a
-file says.
+MuJoCo's reader recurses into a model that attaches itself until it crashes, blocks on pipes, and creates any number
+of copies.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from trundle.files.opening import check_regular, exists
 from trundle.files.xml_elements import XmlElement, read_xml
 
 MAX_FILES = 1_000
-"""Of includes and attached models together."""
+"""Limit on included and attached files together."""
 
 MAX_DEPTH = 32
-"""Of files inside each other."""
+"""Limit on nested includes."""
 
 MAX_ELEMENTS = 1_000_000
-"""Of all files, counted as often as they are made."""
+"""Limit on elements in all files, counted once per generated copy."""
 
 _COPIES = ("replicate", "composite", "flexcomp")
 _FOLDERS = ("meshdir", "texturedir", "assetdir")
@@ -38,8 +38,8 @@ def check_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> None
         error: Type of the exception.
 
     Raises:
-        InputError: Of the type `error`, if a file in it contains itself, is no regular file or no XML, or there is too
-            much of it; the message has file and line.
+        InputError: Of the type `error`, if a file includes itself, is not a regular file or not XML, or a limit is
+            exceeded; the message has file and line.
     """
     _Check(error, path.parent).check(path, root, ())
 
@@ -51,8 +51,8 @@ class _Check:
     Attributes:
         error: Type of the exception.
         home: Folder of the main file.
-        files: How many were walked.
-        elements: How many there were, counted as often as they are made.
+        files: Number of files visited.
+        elements: Number of elements, counted once per generated copy.
     """
 
     error: type[InputError]
@@ -62,7 +62,7 @@ class _Check:
     _folders: list[Path] = field(default_factory=list[Path])
 
     def check(self, path: Path, root: XmlElement, above: tuple[Path, ...]) -> None:
-        """Check a file; `above` are those around it."""
+        """Check a file; `above` are the files that include it."""
         above = (*above, path.resolve())
         self._folders += [
             self.home / folder
@@ -74,13 +74,13 @@ class _Check:
             where = f"{path}:{element.line}"
             self.elements += copies
             if self.elements > MAX_ELEMENTS:
-                raise self.error(f"{where}: this makes more than {MAX_ELEMENTS} elements; make fewer copies")
+                raise self.error(f"{where}: this generates more than {MAX_ELEMENTS} elements; use fewer copies")
             name = element.get("file")
             if name is None:
                 continue
             found = self._find(path, name)
             if found is None:
-                continue  # MuJoCo says that it is not there, if it wants it
+                continue  # if MuJoCo needs it, MuJoCo reports that it is missing
             try:
                 check_regular(found)
             except OSError as problem:
@@ -90,11 +90,11 @@ class _Check:
 
     def _enter(self, where: str, file: Path, above: tuple[Path, ...]) -> None:
         if file.resolve() in above:
-            raise self.error(f"{where}: {file.name} contains itself")
+            raise self.error(f"{where}: {file.name} includes itself")
         self.files += 1
         if self.files > MAX_FILES or len(above) > MAX_DEPTH:
             raise self.error(
-                f"{where}: more than {MAX_FILES} files, or {MAX_DEPTH} inside each other, are included in this model"
+                f"{where}: this model includes more than {MAX_FILES} files, or nests them more than {MAX_DEPTH} deep"
             )
         if file.suffix.lower() in (".xml", ".mjcf", ".urdf"):
             self.check(file, read_xml(file, error=self.error), above)
@@ -105,7 +105,7 @@ class _Check:
 
 
 def _elements(root: XmlElement, copies: int) -> Iterator[tuple[XmlElement, int]]:
-    """All elements, with how many of each are made."""
+    """All elements, each with its number of generated copies."""
     stack = [(root, copies)]
     while stack:
         element, times = stack.pop()
@@ -116,7 +116,7 @@ def _elements(root: XmlElement, copies: int) -> Iterator[tuple[XmlElement, int]]
 
 
 def _count(element: XmlElement) -> int:
-    """How many copies an element makes; 1 where MuJoCo will not understand it."""
+    """Number of copies that an element generates; 1 if MuJoCo cannot parse the number."""
     try:
         return max(1, math.prod(int(word) for word in element.get("count", "1").split()))
     except ValueError:

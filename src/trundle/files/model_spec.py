@@ -1,6 +1,6 @@
 """MJCF and URDF files, read with MuJoCo's MjSpec: for worlds, and for robots.
 
-MuJoCo is used here as the reader of its format: nothing is simulated.
+MuJoCo only reads the file here: nothing is simulated.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ GeometryChoice: TypeAlias = Literal["collision", "visual"]
 
 logger = logging.getLogger(__name__)
 
-# MuJoCo reads these itself, and needs no library for it.
+# MuJoCo reads these formats without another library.
 _AS_THEY_ARE = (".stl", ".obj")
 
 _NUMBERS = {
@@ -40,7 +40,7 @@ _NUMBERS = {
     "mesh": (("scale", 3, "none of them 0"),),
     "origin": (("xyz", 3, "finite"), ("rpy", 3, "finite")),
 }
-"""Attributes of URDF's elements that are numbers: how many, and what they must be."""
+"""Numeric attributes of URDF elements: how many numbers, and their allowed range."""
 
 
 def log_warnings() -> None:
@@ -57,20 +57,20 @@ def _log_warning(message: str | bytes) -> None:
 def read_spec(
     path: Path, *, folders: tuple[Path, ...], error: type[InputError], geometry: GeometryChoice | None = None
 ) -> mujoco.MjSpec:
-    """Read an MJCF or URDF file. A URDF's links stay bodies of their own, and its meshes are found and put in.
+    """Read an MJCF or URDF file. Each URDF link stays a separate body, and its meshes are found and embedded.
 
     Args:
         path: The file.
-        folders: Where package:// and model:// names are looked for, after the folders above the file.
+        folders: Folders to search for package:// and model:// names, after the folders above the file.
         error: Type of the exception.
-        geometry: Of a URDF, read only what collides, or only what is seen; none means both.
+        geometry: For a URDF, read only its collision or only its visual geometry; None reads both.
 
     Raises:
-        InputError: Of the type `error`, if it cannot be read, is neither, or a mesh is not there.
+        InputError: Of the type `error`, if it cannot be read, is neither MJCF nor URDF, or a mesh is missing.
     """
     root = read_xml(path, error=error)
     if root.tag not in ("mujoco", "robot"):
-        raise error(f"{path}: MJCF starts with <mujoco> and URDF with <robot>, this file with <{root.tag}>")
+        raise error(f"{path}: the root element is <{root.tag}>; MJCF has <mujoco> and URDF has <robot>")
     if root.tag == "mujoco":
         return read_mjcf(path, root, error=error)
     assets = _prepare_urdf(path, root, folders, error, geometry)
@@ -92,7 +92,7 @@ def read_mjcf(path: Path, root: XmlElement, *, error: type[InputError]) -> mujoc
     check_mjcf(path, root, error=error)
     if path.suffix.lower() == ".xml":
         return _parse(path, error, lambda mujoco: mujoco.MjSpec.from_file(os.fspath(path)))
-    # MuJoCo opens no other suffix (.mjcf): it is given the text, with the places of what that includes.
+    # MuJoCo opens only .xml and .urdf: for .mjcf, pass it the text and the paths of the included files.
     folder = path.resolve().parent
     for element in root.iter("include"):
         element.set("file", os.fspath(folder / element.get("file", "")))
@@ -111,7 +111,7 @@ def _parse(path: Path, error: type[InputError], parse: Callable[[Any], mujoco.Mj
 
 
 def compile_spec(path: Path, spec: mujoco.MjSpec, *, error: type[InputError]) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Compile what was read, and place its bodies as the file has them.
+    """Compile a model and compute the poses of its bodies in the initial state.
 
     Raises:
         InputError: Of the type `error`, if MuJoCo cannot build it.
@@ -127,7 +127,7 @@ def compile_spec(path: Path, spec: mujoco.MjSpec, *, error: type[InputError]) ->
 
 
 def drop_textures(spec: mujoco.MjSpec) -> None:
-    """Take out pictures and skins, which need not be there; the materials' colours stay."""
+    """Remove textures and skins, whose files may be missing; the materials' colours stay."""
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
     for assets in (spec.skins, spec.textures):
@@ -142,13 +142,13 @@ def _prepare_urdf(
     error: type[InputError],
     geometry: GeometryChoice | None,
 ) -> dict[str, bytes]:
-    """Change a URDF in place so that MuJoCo takes it as it is meant; return its meshes by their new names."""
+    """Adapt a URDF in place to MuJoCo's reader; return its meshes by their new names."""
     expand_xacro(path, robot, error=error)
     for extension in robot.findall("mujoco"):
         robot.remove(extension)
     for element in robot.iter():
         _check_numbers(f"{path}:{cast('XmlElement', element).line}", element, error)
-    # Else links on fixed joints lose their names, what is seen is dropped, and folders of meshes are cut off.
+    # By default MuJoCo fuses links on fixed joints, drops visual geometry and strips the folders of meshes.
     settings = {"fusestatic": "false", "discardvisual": "false", "strippath": "false", "balanceinertia": "true"}
     ElementTree.SubElement(ElementTree.SubElement(robot, "mujoco"), "compiler", settings)
     unwanted = {"collision": "visual", "visual": "collision"}.get(geometry or "")
@@ -163,7 +163,7 @@ def _prepare_urdf(
         found = find_uri(uri, path.parent, folders)
         if found is None or not is_file(found):
             raise error(
-                f"{where}: the mesh {uri!r} was not found; searched: {describe_search(folders)}. Name its folder with "
+                f"{where}: the mesh {uri!r} was not found; searched: {describe_search(folders)}. Give its folder with "
                 "--paths FOLDER (paths=…)"
             )
         key = found.resolve()
@@ -176,7 +176,7 @@ def _prepare_urdf(
 
 
 def _check_numbers(where: str, element: ElementTree.Element, error: type[InputError]) -> None:
-    """Check the numbers of a URDF's shapes and places, which MuJoCo does not check or reports without their link."""
+    """Check the numbers of a URDF's shapes and poses, which MuJoCo does not check or reports without the link."""
     for name, count, rule in _NUMBERS.get(element.tag, ()):
         text = element.get(name)
         if text is None:
@@ -196,7 +196,7 @@ def _check_numbers(where: str, element: ElementTree.Element, error: type[InputEr
 
 
 def _mesh_asset(where: str, path: Path, stem: str, error: type[InputError]) -> tuple[str, bytes]:
-    """A mesh's name and content for MuJoCo, turned into binary STL where MuJoCo cannot read it itself."""
+    """A mesh's name and content for MuJoCo, converted to binary STL if MuJoCo cannot read the format."""
     suffix = path.suffix.lower()
     if suffix in _AS_THEY_ARE:
         content = read_limited(path, error=error)

@@ -1,4 +1,4 @@
-"""Reading .npz files, which may be damaged in any way."""
+"""Reading .npz files, which may be damaged."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.files.parser_errors import parser_reason
 from trundle.values import as_path
 
 MAX_BYTES = 4_000_000_000
-"""Of all arrays together, unpacked."""
+"""Limit on the total unpacked size of all arrays."""
 
 
 def read_arrays(
@@ -26,11 +26,11 @@ def read_arrays(
 
     Args:
         path: The file.
-        names: Arrays to read, where they are there.
+        names: Arrays to read; missing ones are skipped.
         error: Type of the exception.
 
     Returns:
-        The arrays by name, and the names of all that are in the file.
+        The arrays by name, and the names of all arrays in the file.
 
     Raises:
         InputError: Of the type `error`, if the file cannot be read, is damaged, or unpacks to more than 4 GB.
@@ -40,13 +40,13 @@ def read_arrays(
         with open_file(path) as stream:
             magic = stream.read(6)
             if not magic.startswith(b"PK"):
-                what = "one array alone, and " if magic == b"\x93NUMPY" else ""
+                what = "a single array, and " if magic == b"\x93NUMPY" else ""
                 raise error(f"{name}: {what}not a .npz file of numbers")
             stream.seek(0)
             with zipfile.ZipFile(stream) as archive:
                 size = sum(item.file_size for item in archive.infolist())
             if size > MAX_BYTES:
-                raise error(f"{name}: it unpacks to {size} bytes, more than the {MAX_BYTES} that are read")
+                raise error(f"{name}: it unpacks to {size} bytes; the limit is {MAX_BYTES}")
             stream.seek(0)
             with np.load(stream, allow_pickle=False) as stored:
                 there = list(stored.files)
@@ -55,5 +55,5 @@ def read_arrays(
         raise error(f"cannot read {name}: {problem.strerror or problem}") from problem
     except InputError:
         raise
-    except Exception as problem:  # zipfile and numpy raise whatever the bytes lead them into
+    except Exception as problem:  # zipfile and numpy raise any exception on a damaged file
         raise error(f"{name}: not a .npz file of numbers: {parser_reason(problem)}") from problem

@@ -1,4 +1,4 @@
-"""Opening files to read: regular files only, so that no pipe or device keeps a reader waiting."""
+"""Opening files to read: regular files only, because a pipe or device could block the reader."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ def open_file(path: Path) -> BinaryIO:
     """Open a regular file to read its bytes.
 
     Raises:
-        OSError: If it cannot be opened, is no regular file, or the text cannot be a path.
+        OSError: If it cannot be opened, is not a regular file, or the text is not a valid path.
     """
     check_regular(path)
-    # Without waiting, should it have become a pipe since.
+    # Non-blocking, in case it has become a pipe since the check.
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     return os.fdopen(handle, "rb")
 
 
 def read_up_to(stream: BinaryIO, most: int) -> bytes:
-    """Read at most so many bytes, into memory that is never larger than what is left of the file."""
+    """Read at most `most` bytes; the buffer is never larger than the rest of the file."""
     left = os.fstat(stream.fileno()).st_size - stream.tell()
     return stream.read(max(0, min(most, left)))
 
@@ -33,12 +33,12 @@ def check_regular(path: Path) -> int:
     """Check that a path is a regular file; return its size [bytes].
 
     Raises:
-        OSError: If it is not there, is something else, or the text cannot be a path.
+        OSError: If it does not exist, is not a regular file, or the text is not a valid path.
     """
     try:
         found = pathlib.Path(path).stat()
     except ValueError:
-        raise OSError(errno.EINVAL, "no path has a null character in it", os.fspath(path)) from None
+        raise OSError(errno.EINVAL, "a path must not contain a null character", os.fspath(path)) from None
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     if not stat.S_ISREG(found.st_mode):
@@ -47,7 +47,7 @@ def check_regular(path: Path) -> int:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path is a regular file; a text that cannot be a path is none."""
+    """Whether a path is a regular file; False if the text is not a valid path."""
     try:
         check_regular(path)
     except OSError:
@@ -56,7 +56,7 @@ def is_file(path: Path) -> bool:
 
 
 def exists(path: Path) -> bool:
-    """Whether there is something of this path."""
+    """Whether this path exists."""
     try:
         pathlib.Path(path).stat()
     except (OSError, ValueError):

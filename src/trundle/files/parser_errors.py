@@ -1,4 +1,4 @@
-"""The boundary to other people's parsers: whatever they raise on a bad file becomes one typed error."""
+"""The boundary to third-party parsers: any exception they raise on a bad file becomes one typed error."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from contextlib import contextmanager
 
 from trundle.errors import InputError, TrundleError
 
-_NOT_UTF8 = "it has text that is not UTF-8"
+_NOT_UTF8 = "it contains text that is not UTF-8"
 
 
 @contextmanager
 def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
-    """Raise a typed error for any exception of a parser. Only calls of the parser belong into the block.
+    """Raise a typed error for any exception of a parser. Only calls of the parser belong in the block.
 
-    What a bad file leads a parser into may raise anything, from KeyError to RecursionError; outside the block, the
-    same exceptions are faults of ours and stay what they are.
+    On a bad file a parser may raise anything, from KeyError to RecursionError. Outside the block, the same exceptions
+    are bugs in trundle and propagate unchanged.
 
     Args:
         message: The file and what could not be done; the parser's reason is added.
@@ -33,10 +33,10 @@ def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
 
 
 def parser_reason(problem: BaseException) -> str:
-    """What an exception says, on one line; its type where it says nothing."""
+    """The message of an exception on one line; its type if the message is empty."""
     try:
         text = str(problem)
-    except UnicodeDecodeError:  # it quotes the file's bytes
+    except UnicodeDecodeError:  # its message quotes the file's bytes
         text = ""
         problem = UnicodeError()
     if isinstance(problem, UnicodeError):

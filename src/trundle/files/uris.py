@@ -1,4 +1,4 @@
-"""What model://, package://, file:// and plain paths in worlds and robots mean, and where they are looked for."""
+"""Resolving model://, package://, file:// and plain paths in world and robot files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ABOVE = 3  # folders above the file that are searched
 
 
 def split_folders(folders: Folders) -> tuple[Path, ...]:
-    """Take folders as a sequence, or as one text with the system's path separator between them."""
+    """Return folders given as a sequence, or as one text with the system's path separator between them."""
     if isinstance(folders, str):
         return tuple(Path(part) for part in folders.split(os.pathsep) if part)
     if isinstance(folders, os.PathLike):
@@ -35,17 +35,17 @@ def split_folders(folders: Folders) -> tuple[Path, ...]:
 
 
 def find_uri(uri: str, base: Path, folders: tuple[Path, ...]) -> Path | None:
-    """The file or folder that a URI names, or none where it is not there.
+    """The file or folder that a URI names, or None if it does not exist.
 
-    A plain or file:// path is looked for beside the file that names it and above. The name in model://NAME/… or
-    package://NAME/… is a folder above the file, or in `models` there. Then the given folders are searched, then those
-    that Gazebo's and ROS's environment variables name, then Gazebo's own in the home folder. An address of Gazebo Fuel
-    is looked up among the models that Gazebo has downloaded; nothing is fetched.
+    A plain or file:// path is searched beside the file that names it and in the folders above. The name in
+    model://NAME/… or package://NAME/… is a folder above the file, or in `models` there. Then the given folders are
+    searched, then those in Gazebo's and ROS's environment variables, then Gazebo's own in the home folder. An address
+    of Gazebo Fuel is looked up among the models that Gazebo has downloaded; nothing is downloaded here.
 
     Args:
-        uri: What the file says.
-        base: Folder of the file that says it.
-        folders: Where else to look.
+        uri: The URI as written in the file.
+        base: Folder of that file.
+        folders: Further folders to search.
     """
     scheme, mark, rest = uri.partition("://")
     if not mark:
@@ -67,7 +67,7 @@ def find_uri(uri: str, base: Path, folders: tuple[Path, ...]) -> Path | None:
 
 
 def describe_search(folders: tuple[Path, ...]) -> str:
-    """Where `find_uri` looked, for messages."""
+    """The places that `find_uri` searches, for messages."""
     given = os.pathsep.join(map(str, folders)) or "none"
     there = [f"{name}={os.environ[name]}" for name in SEARCH_VARIABLES if os.environ.get(name)]
     missing = [name for name in SEARCH_VARIABLES if not os.environ.get(name)]
@@ -81,7 +81,7 @@ def describe_search(folders: tuple[Path, ...]) -> str:
 
 
 def _search(scheme: str, name: str, base: Path, folders: tuple[Path, ...]) -> Iterator[Path]:
-    """Folders to look in, the nearest first."""
+    """Folders to search, the nearest first."""
     above = list(base.resolve().parents)[:_ABOVE]
     yield from (base, *above) if scheme == "file" else (*above, base)
     yield from (folder / "models" for folder in (base, *above))
@@ -93,11 +93,11 @@ def _search(scheme: str, name: str, base: Path, folders: tuple[Path, ...]) -> It
 
 
 def _expand(variable: str, name: str, folder: Path) -> Iterator[Path]:
-    """Folders that an entry of an environment variable stands for."""
+    """Folders that one entry of an environment variable adds to the search."""
     if variable == "AMENT_PREFIX_PATH":
         share = folder / "share"
         yield share
-        # Packages that have models export this folder of theirs to Gazebo.
+        # Packages with models export this folder to Gazebo.
         yield from sorted(share.glob("*/models"))
         return
     yield folder
@@ -110,7 +110,7 @@ def _expand(variable: str, name: str, folder: Path) -> Iterator[Path]:
 
 
 def _literal(name: str) -> str:
-    """A name as a pattern that matches only itself."""
+    """A glob pattern that matches exactly this name."""
     return re.sub(r"([*?\[])", r"[\1]", name)
 
 
@@ -121,7 +121,7 @@ _FUEL_CACHES = (".gz/fuel", ".ignition/fuel")
 
 
 def fuel_caches() -> tuple[Path, ...]:
-    """Where Gazebo keeps what it has downloaded from Fuel."""
+    """Folders where Gazebo keeps its downloads from Fuel."""
     named = [os.environ.get(name, "") for name in ("GZ_FUEL_CACHE_PATH", "IGN_FUEL_CACHE_PATH")]
     return (*(Path(path) for path in named if path), *(Path.home() / folder for folder in _FUEL_CACHES))
 
@@ -151,14 +151,14 @@ def _find_downloaded(address: str) -> Path | None:
 
 
 def _own_versions(name: str, base: Path) -> Iterator[Path]:
-    """The folder of a downloaded model that names itself: it lies in that of its version, NAME/3."""
+    """The folder of a downloaded model that refers to itself: the model lies in its version's folder, NAME/3."""
     for folder in (base, *list(base.parents)[:_ABOVE]):
         if folder.name.isdigit() and folder.parent.name.lower() == name.lower():
             yield folder
 
 
 def _newest(home: Path) -> Path | None:
-    """The newest version of a downloaded model: folders are named by its number."""
+    """The newest version of a downloaded model: its folders are named by version number."""
     try:
         versions = [folder for folder in home.iterdir() if folder.name.isdigit() and folder.is_dir()]
     except OSError:

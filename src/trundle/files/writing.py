@@ -1,4 +1,4 @@
-"""Writing files that a kill cannot tear: to a temporary name beside the target, then renamed over it."""
+"""Atomic file writes: to a temporary name beside the target, then renamed over it."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from trundle.values import as_path
 
 @contextmanager
 def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Iterator[Path]:
-    """Give a temporary path of the same suffix beside `target`; rename it over `target` when the block ends well.
+    """Give a temporary path of the same suffix beside `target`; rename it over `target` if the block succeeds.
 
     A file that is replaced keeps its permissions.
 
     Args:
-        target: What is to be written.
-        durable: Return only when the file and its name are on the disk, so that a power cut does not undo it.
+        target: The file to write.
+        durable: Return only when the file and its name are on the disk, so that they survive a power cut.
 
     Raises:
         OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
@@ -48,16 +48,16 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
 
 
 def write_bytes(target: str | os.PathLike[str], content: bytes, *, durable: bool = False) -> None:
-    """Write a whole file, or leave what was there; see `atomic_path`."""
+    """Write a file atomically; see `atomic_path`."""
     with atomic_path(target, durable=durable) as temporary:
         temporary.write_bytes(content)
 
 
 def write_new_bytes(target: str | os.PathLike[str], content: bytes) -> bool:
-    """Write a file whole and onto the disk, unless there is one of that name.
+    """Write a file atomically and durably, unless a file of that name exists.
 
     Returns:
-        Whether it was written; False where the name is taken.
+        Whether it was written; False if the name is taken.
 
     Raises:
         OutputError: If the folder does not exist or cannot be written to. Nothing is left behind.
@@ -90,18 +90,18 @@ def write_new_bytes(target: str | os.PathLike[str], content: bytes) -> bool:
 
 
 def write_text(target: str | os.PathLike[str], content: str, *, durable: bool = False) -> None:
-    """Write a whole text file in UTF-8, or leave what was there; see `atomic_path`."""
+    """Write a UTF-8 text file atomically; see `atomic_path`."""
     write_bytes(target, content.encode(), durable=durable)
 
 
 def sync_folder(folder: str | os.PathLike[str]) -> None:
-    """Put a folder's names on the disk: what was created, renamed or deleted in it."""
-    with suppress(OSError):  # a file system that cannot do it for folders, as some over a network
+    """Flush a folder's entries to disk: files created, renamed or deleted in it."""
+    with suppress(OSError):  # some network file systems cannot sync folders
         _sync(Path(folder))
 
 
 def make_folder(target: str | os.PathLike[str]) -> Path:
-    """Create a folder, with its parents, that can be written to.
+    """Create a writable folder with its parents.
 
     Raises:
         OutputError: If it cannot be created or written to.
@@ -117,19 +117,19 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
 
 
 def output_path(target: str | os.PathLike[str]) -> Path:
-    """The path of what is to be written.
+    """The path of an output file or folder.
 
     Raises:
-        OutputError: If it cannot be a path.
+        OutputError: If it is not a valid path.
     """
     path = as_path(target, "a file or folder to write", OutputError)
     if "\0" in path:
-        raise OutputError(f"cannot write {path!r}: no path has a null character in it")
+        raise OutputError(f"cannot write {path!r}: a path must not contain a null character")
     return Path(path)
 
 
 def _permissions(path: Path) -> int:
-    """Those of the file that is replaced, or those that a new file gets."""
+    """Permissions of the file to replace, or the default ones of a new file."""
     try:
         return stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:

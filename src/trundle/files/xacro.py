@@ -1,7 +1,7 @@
-"""Plain xacro: properties, arguments with defaults and `${…}` with arithmetic; whatever has more is for ROS's xacro.
+"""Plain xacro: properties, arguments with defaults and arithmetic in `${…}`. Anything more needs ROS's xacro.
 
-Expressions are read with Python's parser and computed here, from numbers, names and a few functions: nothing of a file
-is ever run.
+Expressions are parsed with Python's parser and evaluated here, from numbers, names and a few functions: no code of a
+file is ever executed.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ _CONSTANTS: dict[str, Value] = {"pi": math.pi, "tau": math.tau, "e": math.e, "Tr
 
 
 def expand_xacro(path: Path, root: XmlElement, *, error: type[InputError]) -> None:
-    """Expand plain xacro in place; a file without any stays as it is.
+    """Expand plain xacro in place; a file without xacro stays as it is.
 
-    Taken: `<xacro:property name= value=>`, `<xacro:arg name= default=>`, `$(arg name)`, and `${…}` of numbers, names,
+    Supported: `<xacro:property name= value=>`, `<xacro:arg name= default=>`, `$(arg name)`, `${…}` with numbers, names,
     + - * / // % **, brackets and functions of `math`.
 
     Args:
@@ -55,8 +55,8 @@ def expand_xacro(path: Path, root: XmlElement, *, error: type[InputError]) -> No
         error: Type of the exception.
 
     Raises:
-        InputError: Of the type `error`, if it has more of xacro (macros, includes, conditions), with the command that
-            expands it; or if an expression cannot be computed.
+        InputError: Of the type `error`, if it uses other parts of xacro (macros, includes, conditions), with the
+            command that expands it; or if an expression cannot be computed.
     """
     elements = [cast("XmlElement", element) for element in root.iter()]
     marked = any(element.tag.startswith(_PREFIX) for element in elements)
@@ -81,7 +81,7 @@ def _texts(element: XmlElement) -> list[str]:
 
 @dataclass(slots=True)
 class _Scope:
-    """What is defined in a file. Properties are computed where they are used, so their order does not matter."""
+    """Definitions of a file. Properties are evaluated where they are used, so their order does not matter."""
 
     path: Path
     error: type[InputError]
@@ -91,31 +91,31 @@ class _Scope:
     _known: dict[str, Value] = field(default_factory=dict[str, Value])
 
     def define(self, element: XmlElement) -> None:
-        """Take a property or an argument; of one that comes twice the last counts, as in xacro."""
+        """Add a property or an argument; the last definition wins, as in xacro."""
         name, kind = element.get("name", ""), element.tag.removeprefix(_PREFIX)
         if kind == "property" and name and "value" in element.attrib and not len(element):
             self.properties[name] = element.attrib["value"]
         elif kind == "arg" and name and "default" in element.attrib:
             self.arguments[name] = element.attrib["default"]
         elif kind == "arg" and name:
-            raise self.fault(element, f"the argument {name!r} has no default, so its value is not known")
+            raise self.fault(element, f"the argument {name!r} has no default, so its value is unknown")
         else:
             raise self.fault(element, f"<{element.tag}> is more xacro than trundle expands")
 
     def fault(self, element: XmlElement, what: str) -> InputError:
-        """An error that says how the file is expanded."""
+        """An error with the command that expands the file."""
         out = self.path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
         return self.error(
             f"{self.path}:{element.line}: {what}. Expand the file first: ros2 run xacro xacro {self.path.name} > {out}"
         )
 
     def fill(self, element: XmlElement, text: str) -> str:
-        """A text with what its `${…}` and `$(…)` stand for."""
+        """Substitute `${…}` and `$(…)` in a text."""
         return _PLACE.sub(lambda match: self._replace(element, match), text)
 
     def _replace(self, element: XmlElement, match: re.Match[str]) -> str:
         dollars, whole, expression, command = match.group(1, 2, 3, 4)
-        if dollars:  # $${ and $$( are xacro's words for ${ and $( themselves.
+        if dollars:  # $${ and $$( are xacro's escapes for ${ and $(.
             return dollars[:-1] + "$" + whole
         if command is not None:
             words = command.split()
@@ -131,7 +131,7 @@ class _Scope:
         if mark in self._known:
             return self._known[mark]
         if mark in self._open or len(self._open) > _DEEPEST:
-            raise self.error(f"{self.path}:{element.line}: the {what} {name!r} is defined by itself")
+            raise self.error(f"{self.path}:{element.line}: the {what} {name!r} refers to itself")
         self._open.append(mark)
         value = self.fill(element, known[name])
         self._open.pop()
@@ -178,12 +178,12 @@ class _Scope:
                 return _CONSTANTS[name]
             case _:
                 pass
-        raise ValueError("it has more than numbers, names, + - * / // % **, brackets and functions of math")
+        raise ValueError("it may contain only numbers, names, + - * / // % **, brackets and functions of math")
 
 
 def _number(value: Value) -> float:
     if isinstance(value, str):
-        raise TypeError(f"{value!r} is no number")
+        raise TypeError(f"{value!r} is not a number")
     return value
 
 
@@ -193,7 +193,7 @@ def _power(base: float, exponent: float) -> float:
         raise ValueError(f"the exponent {exponent:g} is above {_LARGEST_POWER:g}")
     result = float(base) ** exponent
     if isinstance(result, complex):
-        raise ValueError("it is no real number")
+        raise ValueError("the result is not a real number")
     return result
 
 

@@ -1,4 +1,4 @@
-"""XML that people write: read with limits, without document types and entities, every element with its line."""
+"""Reading XML with size limits, without document types or entities; every element knows its line."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from trundle.errors import InputError
 from trundle.files.opening import open_file, read_up_to
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Largest file that is read: 160 times the largest of the BARN worlds."""
+"""Size limit of a file: 160 times the largest BARN world."""
 
 MAX_DEPTH = 200
-"""Deepest nesting of elements; worlds and robots need some twenty."""
+"""Limit on nested elements; worlds and robots need about twenty."""
 
 
 class XmlElement(ElementTree.Element):
@@ -44,7 +44,7 @@ def read_limited(path: str | os.PathLike[str], *, error: type[InputError]) -> by
     except OSError as problem:
         raise error(f"cannot read {path}: {problem.strerror or problem}") from problem
     if len(content) > MAX_BYTES:
-        raise error(f"{path}: more than the {MAX_BYTES // 1024**2} MiB that such a file may have")
+        raise error(f"{path}: larger than the limit of {MAX_BYTES // 1024**2} MiB")
     return content
 
 
@@ -74,7 +74,7 @@ def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[Input
         nonlocal depth
         depth += 1
         if depth > MAX_DEPTH:
-            raise error(f"{path}:{parser.CurrentLineNumber}: more than {MAX_DEPTH} elements inside each other")
+            raise error(f"{path}:{parser.CurrentLineNumber}: elements nested more than {MAX_DEPTH} deep")
         builder.start(tag, attributes)
 
     def end(tag: str) -> None:
@@ -83,7 +83,7 @@ def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[Input
         builder.end(tag)
 
     def refuse(*_: object) -> None:
-        raise error(f"{path}:{parser.CurrentLineNumber}: a <!DOCTYPE …> is not accepted; take it out")
+        raise error(f"{path}:{parser.CurrentLineNumber}: a <!DOCTYPE …> is not accepted; remove it")
 
     parser.StartDoctypeDeclHandler = refuse
     parser.StartElementHandler = start
@@ -97,5 +97,5 @@ def parse_xml(path: str | os.PathLike[str], content: bytes, *, error: type[Input
         reason = expat.ErrorString(problem.code)
         raise error(f"{path}:{problem.lineno}:{problem.offset + 1}: not XML: {reason}") from problem
     except (LookupError, ValueError) as problem:  # an encoding that Python does not know
-        raise error(f"{path}: not XML that can be read: {problem}") from problem
+        raise error(f"{path}: not XML: {problem}") from problem
     return cast("XmlElement", builder.close())

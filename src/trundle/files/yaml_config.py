@@ -1,4 +1,4 @@
-"""YAML that people write: read with limits, checked by pydantic, every mistake reported as `file:line:column`."""
+"""Reading YAML with limits, validated by pydantic; every mistake is reported as `file:line:column`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 else:
 
     class _TypedErrors(type(BaseModel)):
-        """Raises `InputError` where a model is made by a call, in the words that are used for files."""
+        """Raises `InputError` when a model is constructed in Python, with the same messages as for files."""
 
         def __call__(cls, *arguments: Any, **given: Any) -> Any:
             try:
@@ -40,10 +40,10 @@ else:
 
 
 class Config(_Model):
-    """Base of everything that a person writes in YAML: no unknown keys, no NaN or infinity, frozen once read.
+    """Base of all settings read from YAML: no unknown keys, no NaN or infinity, immutable.
 
     Raises:
-        InputError: Where it is made by a call and a value cannot be used; one line for each.
+        InputError: If it is constructed in Python with invalid values; one line for each.
     """
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
@@ -54,7 +54,7 @@ class Config(_Model):
 
 
 def load_config(path: str | os.PathLike[str], model: type[ModelT], *, kind: str | None = None) -> ModelT:
-    """Read a YAML file into a pydantic model; `kind` is what the file should be, as in `trundle.files.kinds`.
+    """Read a YAML file into a pydantic model; `kind` is the expected kind of file, from `trundle.files.kinds`.
 
     Raises:
         InputError: As `compose` and `validate`.
@@ -66,10 +66,10 @@ def validate(node: yaml.Node, model: type[ModelT], name: str, *, kind: str | Non
     """Check a YAML node against a pydantic model; `name` stands for the file in messages.
 
     Raises:
-        InputError: For every value that the model refuses, one line each; or that the file is of another kind.
+        InputError: If the model rejects values, one line each; or if the file is of another kind.
 
     Warns:
-        AngleWarning: Of an angle larger than a whole turn, which probably is in degrees.
+        AngleWarning: For an angle larger than a full turn, which is probably in degrees.
     """
     try:
         return build(plain_value(node, name), model, name=name, node=node)
@@ -81,13 +81,13 @@ def validate(node: yaml.Node, model: type[ModelT], name: str, *, kind: str | Non
 
 
 def build(given: object, model: type[ModelT], *, name: str = "", node: yaml.Node | None = None) -> ModelT:
-    """Make a model of plain values.
+    """Construct a model from plain values.
 
     Args:
         given: The values.
-        model: What they are read into.
-        name: Of the file that they come from, for messages.
-        node: That file's content, for lines and columns; what is not in it has none.
+        model: The model to construct.
+        name: Name of the source file, for messages.
+        node: That file's content, for lines and columns; values that are not in it get none.
 
     Raises:
         InputError: As `validate`.
@@ -109,13 +109,13 @@ def build(given: object, model: type[ModelT], *, name: str = "", node: yaml.Node
 
 
 def plain_value(node: yaml.Node, name: str) -> Plain:
-    """Turn a node into plain Python values; `1e-3` is a number here, which PyYAML reads as text."""
+    """Convert a node to plain Python values; `1e-3` is read as a number, unlike in PyYAML."""
     if isinstance(node, yaml.MappingNode):
         return {str(key.value): plain_value(value, name) for key, value in node.value}
     if isinstance(node, yaml.SequenceNode):
         return [plain_value(item, name) for item in node.value]
     if not isinstance(node, yaml.ScalarNode):
-        raise InputError(f"{place(node, name)}: not a value that can be read")
+        raise InputError(f"{place(node, name)}: this value cannot be read")
     loader = yaml.SafeLoader("")
     try:
         value = loader.construct_object(node)

@@ -1,4 +1,4 @@
-"""YAML read as nodes that know their place: with limits, and every mistake reported as `file:line:column`."""
+"""Reading YAML, with limits, as nodes that know their line and column; mistakes are reported with both."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_DEPTH = 32
 
 
 class _LimitedLoader(yaml.SafeLoader):
-    """Composes nodes, and stops at anchors, aliases and deep nesting before they cost anything."""
+    """Composes nodes, and stops at anchors, aliases and deep nesting before they use memory."""
 
     def __init__(self, text: str, name: str) -> None:
         self._name = name
@@ -46,7 +46,7 @@ def compose(
     Args:
         path: The file.
         max_bytes: The largest file to accept.
-        allow_duplicate_keys: Accept repeated keys, and keys that are not plain names, for formats that do.
+        allow_duplicate_keys: Accept repeated keys, and keys that are not plain names, for formats that allow them.
 
     Raises:
         InputError: If the file is missing, too large, not UTF-8, empty, not YAML, more than one document, uses
@@ -67,7 +67,7 @@ def compose_text(text: str, name: str, *, allow_duplicate_keys: bool = False) ->
     except (yaml.YAMLError, OverflowError) as error:
         raise InputError(f"{name}: not valid YAML: {error}") from error
     except ValueError as error:
-        # From numbers inside escapes and directives, which PyYAML hands to int() and chr() unchecked.
+        # From numbers in escapes and directives, which PyYAML passes to int() and chr() unchecked.
         if isinstance(error, InputError):
             raise
         raise InputError(f"{name}: not valid YAML: {error}") from error
@@ -84,7 +84,7 @@ def place(node: yaml.Node, name: str) -> str:
 
 
 def keys_of(node: yaml.Node) -> list[str]:
-    """Keys of a mapping; none of anything else."""
+    """Keys of a mapping; empty for any other node."""
     if not isinstance(node, yaml.MappingNode):
         return []
     return [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]

@@ -1,4 +1,4 @@
-"""Pydantic's errors in plain words: where, the value, what is allowed, and the nearest known name."""
+"""Pydantic's errors as readable messages: location, value, allowed values, and the nearest known name."""
 
 from __future__ import annotations
 
@@ -47,20 +47,20 @@ def describe_problems(
     name: str = "",
     node: yaml.Node | None = None,
 ) -> list[str]:
-    """One line for each problem of a value that a model refuses.
+    """Describe each problem of a rejected value on one line.
 
     Args:
         problems: What pydantic found.
-        model: What the value was read into.
-        given: The value as it was given, plain.
-        name: Of the file, for messages; without, the lines begin with the field.
-        node: The value in the file; what is not in it has no line and column.
+        model: The model that rejected the value.
+        given: The rejected value, plain.
+        name: Name of the file, for messages; if empty, the lines begin with the field.
+        node: The file's content; values that are not in it get no line and column.
     """
     found: dict[Location, str] = {}
     unknown: list[Location] = []
     for problem in problems:
         location = _strip_tags(problem, given)
-        if location in found:  # one value that is none of several types
+        if location in found:  # the value matches none of several types
             found[location] = "must be a single value, or a list of them"
             continue
         found[location] = _describe(problem, location, model)
@@ -77,7 +77,7 @@ def describe_problems(
 
 
 def _strip_tags(problem: ErrorDetails, given: object) -> Location:
-    """Where a problem is, without the names of types that pydantic adds where there are several."""
+    """The location of a problem, without the type names that pydantic adds for unions."""
     location = problem["loc"]
     for index, part in enumerate(location):
         is_key = isinstance(given, Mapping) and part in given
@@ -132,7 +132,7 @@ def _nearest(text: str, choices: Sequence[str]) -> str | None:
 
 
 def _range(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
-    """Both ends of what is allowed, with the unit."""
+    """Both limits of the allowed range, with the unit."""
     ends = {key: context[key] for key in ("gt", "ge", "lt", "le") if key in context}
     unit = ""
     if field is not None:
@@ -154,11 +154,11 @@ def _length(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
     return f"{least} to {most}" if least != most else str(least)
 
 
-# What the model says of a place -------------------------------------------------------------------------------------
+# Lookups in the model ------------------------------------------------------------------------------------------
 
 
 def _keys(model: type[BaseModel], location: Location) -> list[str]:
-    """Names that a mapping at this place may hold."""
+    """Keys that a mapping at this location may have."""
     owner, _ = _descend(model, location)
     return list(owner.model_fields) if _is_model(owner) else []
 
@@ -168,14 +168,14 @@ def _field(model: type[BaseModel], location: Location) -> FieldInfo | None:
 
 
 def _literals(field: FieldInfo | None) -> list[str]:
-    """Choices of a field that has some."""
+    """Allowed values of a field with a fixed set of them; empty for others."""
     kinds = [] if field is None else [field.annotation, *typing.get_args(field.annotation)]
     literals = [kind for kind in kinds if typing.get_origin(kind) is typing.Literal]
     return [str(choice) for literal in literals for choice in typing.get_args(literal)]
 
 
 def _descend(model: type[BaseModel], location: Location) -> tuple[Any, FieldInfo | None]:
-    """The type of a place in a model, and the field that says so; None where it says nothing."""
+    """The type at a location in a model, and its field; None if the model does not define one."""
     kind: Any = model
     field: FieldInfo | None = None
     for part in location:
@@ -212,7 +212,7 @@ def _is_model(kind: Any) -> typing.TypeGuard[type[BaseModel]]:
 
 
 def _place(location: Location, node: yaml.Node, name: str, *, of_key: bool) -> str:
-    """`file:line:column` of a value or its key; of a missing one, that of the mapping that lacks it."""
+    """`file:line:column` of a value or its key; for a missing key, that of its mapping."""
     for index, part in enumerate(location):
         if isinstance(node, yaml.MappingNode):
             entry = next(((key, value) for key, value in node.value if key.value == str(part)), None)
