@@ -64,7 +64,7 @@ def test_options_of_a_world_file_are_set(trundle, field):
     assert done.json["occupied_cells"] > 0
     done = trundle("map", "build", field, "--set", "height=1")
     assert done.code == 2
-    assert "'height' is no option for a .sdf file; there are: geometry, movable, missing, paths, world" in done.err
+    assert "'height' is not an option of a .sdf file; there are: geometry, movable, missing, paths, world" in done.err
 
 
 def test_a_robot_runs_in_a_world_file_and_the_scenario_repeats_it(trundle, field):
@@ -86,7 +86,7 @@ def test_what_is_excluded_is_gone_in_every_verb(trundle, field):
         return trundle("map", "build", field, "--robot", "jackal", *more, "--json").json["occupied_cells"]
 
     assert built("--exclude", "post0", "--exclude", "*3") < built()
-    with pytest.warns(WorldWarning, match="nothing was left out by: nobody"):
+    with pytest.warns(WorldWarning, match="nothing to exclude matches: nobody"):
         assert trundle("map", "check", "map.yaml", "--world", field, "--exclude", "nobody").code in (0, 1)
     done = trundle(
         "view", "jackal", "--world", field, "--exclude", "post0", "--size", "160x90", "-o", "v.png", "--json"
@@ -119,7 +119,7 @@ def test_a_robot_of_a_urdf_works_in_the_verbs(trundle, field, box_bot):
 
 def test_a_world_with_nothing_in_it_is_said(trundle, field):
     field.write_text("<sdf version='1.7'><world name='w'/></sdf>")
-    with pytest.warns(WorldWarning, match="nothing solid was found"):
+    with pytest.warns(WorldWarning, match="contains no solids"):
         done = trundle("map", "build", field)
     assert done.code == 2
     assert "no solids" in done.err

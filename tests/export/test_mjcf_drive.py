@@ -125,7 +125,7 @@ def test_a_model_with_a_robot_has_the_worlds_meshes_again_and_not_their_pieces(t
     vertices = np.array([(2, -1, 0), (2, 1, 0), (2, 1, 1), (2, -1, 1)], dtype=float)
     world = World("wall", (Solid("wall", Mesh(vertices, np.array([(0, 1, 2), (0, 2, 3)]))),))
     path = export_world(world, tmp_path / "both.xml", robot=Robot.load("jackal"))
-    with pytest.warns(UserWarning, match="what joints move was left out"):
+    with pytest.warns(UserWarning, match="geometry moved by joints was left out"):
         back = World.load(path)
     assert [solid.name for solid in back.solids] == ["wall"]
 

@@ -196,7 +196,7 @@ def test_a_lot_has_what_a_lot_has_and_its_corners_are_joined(seed):
     ("name", "options", "message"),
     [
         ("maze", {"rows": 0}, "rows"),
-        ("maze", {"rows": 1, "columns": 1}, "no maze"),
+        ("maze", {"rows": 1, "columns": 1}, "at least two cells"),
         ("maze", {"cell": 0.4, "wall_thickness": 0.3}, "passages of 0.10 m"),
         ("maze", {"loops": 1.5}, "loops"),
         ("maze", {"columns": 2.5}, "columns"),
@@ -210,7 +210,7 @@ def test_a_lot_has_what_a_lot_has_and_its_corners_are_joined(seed):
         ("cylinders", {"width": 1.2, "passable_radius": 0.6}, "too narrow"),
         ("cylinders", {"length": math.inf}, "length"),
         ("office", {"size": (5.0, 20.0)}, "at least"),
-        ("office", {"size": "12"}, "two numbers"),
+        ("office", {"size": "12"}, "two lengths"),
         ("office", {"door_width": 0.1}, "door_width"),
         ("office", {"open_doors": 1}, "open_doors"),
         ("lot", {"size": (3.0, 20.0)}, "size along x"),
@@ -227,10 +227,10 @@ def test_values_out_of_range_are_refused_by_name(name, options, message):
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_an_unknown_option_is_an_input_error(name):
-    with pytest.raises(InputError, match=rf"world '{name}': 'colour' is no option for it.*; there are: .*exclude"):
+    with pytest.raises(InputError, match=rf"world '{name}': 'colour' is not an option of this world.*: .*exclude"):
         World.generate(name, colour=3)
 
 
 def test_the_nearest_option_is_offered():
-    with pytest.raises(InputError, match=r"'hegdes' is no option for it \(did you mean 'hedges'\?\)"):
+    with pytest.raises(InputError, match=r"'hegdes' is not an option of this world \(did you mean 'hedges'\?\)"):
         World.generate("lot", hegdes=False)

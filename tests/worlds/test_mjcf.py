@@ -146,7 +146,7 @@ def test_a_plane_is_the_floor_or_a_rectangle(tmp_path):
     }
     geoms = "".join(f"<geom name='{name}' type='plane' {rest}/>" for name, rest in planes.items())
     (tmp_path / "w.xml").write_text(f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
-    with pytest.warns(WorldWarning, match="planes without an end that are not the floor were left out: endless"):
+    with pytest.warns(WorldWarning, match="infinite planes other than the floor were left out: endless"):
         solids = {solid.name: solid for solid in World.load(tmp_path / "w.xml").solids}
     assert set(solids) == {"wall", "shelf"}
     assert sorted(np.ptp(solids["wall"].bounds(), axis=0)) == pytest.approx([0.0, 4.0, 6.0], abs=1e-9)
@@ -175,7 +175,7 @@ def test_looks_alone_give_an_empty_world_that_says_so(tmp_path):
     (tmp_path / "w.xml").write_text(
         "<mujoco><worldbody><geom type='box' size='1 1 1' contype='0' conaffinity='0'/></worldbody></mujoco>"
     )
-    with pytest.warns(WorldWarning, match='does not collide needs geometry="visual"'):
+    with pytest.warns(WorldWarning, match='without collision, use geometry="visual"'):
         assert World.load(tmp_path / "w.xml").solids == ()
     assert len(World.load(tmp_path / "w.xml", geometry="visual").solids) == 1
 
@@ -211,7 +211,7 @@ ORIGIN = SHELL.format("<box size='1 1 1'/>").replace("<collision>", "<collision>
         (
             "w.xml",
             MJCF.replace('pos="1 0 0"', 'pos="nan 0 0"'),
-            "geom 'post': its place has numbers that are not",
+            "geom 'post': its pose is not finite",
         ),
         ("w.xml", "<sdf version='1.6'/>", "the root element is <sdf>; MJCF has <mujoco> and URDF has <robot>"),
     ],

@@ -152,7 +152,7 @@ def test_a_world_with_conditions_on_its_plugins_is_read(tmp_path):
         with pytest.raises(WorldError, match=r"expand the file first: xacro arena\.sdf\.xacro > world\.sdf"):
             World.load(file)
     file.write_text(text.replace("</world>", "<model name='m'><pose>${x} 0 0 0 0 0</pose></model></world>"))
-    with pytest.raises(WorldError, match="<pose> has an expression of xacro"):
+    with pytest.raises(WorldError, match="<pose> contains a xacro expression"):
         World.load(file)
 
 

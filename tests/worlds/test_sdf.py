@@ -196,7 +196,7 @@ def test_the_state_block_is_not_looked_at(tmp_path):
 
 def test_models_that_can_move_are_left_out_with_a_word_or_taken(tmp_path):
     body = model(link(), "wall") + model(link(), "trolley", static="")
-    with pytest.warns(WorldWarning, match=r"1 models that are not static were left out \(trolley\)"):
+    with pytest.warns(WorldWarning, match=r"1 non-static models were left out \(trolley\)"):
         assert only(load(tmp_path, body)).name == "wall"
     assert len(load(tmp_path, body, movable=True).solids) == 2
 
@@ -262,7 +262,7 @@ def test_what_is_missing_is_named_or_skipped(tmp_path):
     body = model(link(mesh("model://gone/t.obj"))) + model(link(), "n")
     with pytest.raises(WorldError, match=r"w\.sdf:4: model 'm': the mesh 'model://gone/t\.obj' was not found"):
         load(tmp_path, body)
-    with pytest.warns(WorldWarning, match="left out: a mesh that is not there of 'm'"):
+    with pytest.warns(WorldWarning, match="left out: a missing mesh of 'm'"):
         assert only(load(tmp_path, body, missing="skip")).name == "n"
     include = "<include><uri>https://fuel.gazebosim.org/1.0/x/models/y</uri></include>" + model(link())
     with pytest.raises(WorldError, match=r"w\.sdf:4: the model 'https://.*' was not found"):
@@ -285,7 +285,7 @@ def test_parts_of_a_world_that_are_not_read_are_said(tmp_path):
 
 def test_a_world_of_looks_alone_says_how_to_take_them(tmp_path):
     body = model(link().replace("collision", "visual"))
-    with pytest.warns(WorldWarning, match='nothing solid was found in it.*geometry="visual"'):
+    with pytest.warns(WorldWarning, match='contains no solids.*geometry="visual"'):
         load(tmp_path, body)
 
 
@@ -295,7 +295,7 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
     file.write_text(f"<sdf version='1.9'>{worlds}</sdf>")
     assert only(World.load(file)).name == "one"
     assert only(World.load(file, world="two")).name == "two"
-    with pytest.raises(WorldError, match="no world 'three' in it; there are: one, two"):
+    with pytest.raises(WorldError, match="it has no world 'three'; there are: one, two"):
         World.load(file, world="three")
 
 
@@ -316,10 +316,10 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
         (model("<pose>1 2 3</pose>" + link()), "<pose> must be 6 numbers"),
         (model("<pose>0 0 0 0 0 inf</pose>" + link()), "<pose> must be 6 numbers"),
         (model("<pose rotation_format='rpy'>0 0 0 0 0 0</pose>" + link()), "must be euler_rpy or quat_xyzw, got 'rpy'"),
-        (model("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>" + link()), "0 0 0 0 is no unit quaternion"),
+        (model("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>" + link()), "0 0 0 0 is not a unit quaternion"),
         (model("<pose degrees='yes'>0 0 0 0 0 0</pose>" + link()), "degrees of <pose> must be true or false"),
         (model(link("<geometry><plane><normal>0 0 0</normal></plane></geometry>")), "<normal> must not be 0 0 0"),
-        ("<include merge='1'><uri>m.sdf</uri></include>", "is for models in models"),
+        ("<include merge='1'><uri>m.sdf</uri></include>", "is allowed only inside a model"),
         (model("<include merge='1'><uri>m.sdf</uri></include>" + link()), "there are two frames named 'l'"),
         (model("<pose relative_to='moon'>0 0 0 0 0 0</pose>" + link()), "w.sdf:4: there is no frame 'moon'"),
         (model("<pose relative_to='moon'>0 0 0 0 0 0</pose>" + link()), "no frame 'moon' here; there are: m"),
@@ -329,7 +329,7 @@ def test_one_of_several_worlds_is_picked_by_name(tmp_path):
                 link(name="a", pose="<pose relative_to='b'>0 0 0 0 0 0</pose>")
                 + link(name="b", pose="<pose relative_to='a'>0 0 0 0 0 0</pose>")
             ),
-            "placed in a circle: a -> b -> a",
+            "refer to each other in a cycle: a -> b -> a",
         ),
         (model(link() + link()), "two frames named 'l'"),
         (model(link()) * 2, "two frames named 'm'"),
@@ -358,10 +358,10 @@ def test_mistakes_are_named_with_file_and_model(tmp_path, body, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<sdf version='1.1'><world name='w'/></sdf>", "SDF version '1.1' is not known; 1.2 to 1.12 are read"),
+        ("<sdf version='1.1'><world name='w'/></sdf>", "SDF version '1.1' is not known; 1.2 to 1.12 are supported"),
         ("<sdf version='2.0'><world name='w'/></sdf>", "SDF version '2.0' is not known"),
         ("<sdf><world name='w'/></sdf>", "<sdf> has no version"),
-        ("<gazebo/>", "starts with <sdf version=…>, this one with <gazebo>"),
+        ("<gazebo/>", "must start with <sdf version=…>, got <gazebo>"),
         ("<!DOCTYPE sdf [<!ENTITY a 'b'>]><sdf version='1.6'>&a;</sdf>", "a <!DOCTYPE …> is not accepted"),
         ("<sdf version='1.6'><world name='w'>", "not XML: no element found"),
         ("\0\1\2 garbage", "not XML: not well-formed"),

@@ -139,7 +139,7 @@ def test_the_seed_point_is_free(options):
         ({"size": (30.0, 5.0)}, "at least"),
         ({"size": (math.nan, 20.0)}, "size along x"),
         ({"size": (30.0, 1e6)}, "size along y"),
-        ({"size": 30.0}, "two numbers"),
+        ({"size": 30.0}, "two lengths"),
         ({"size": (30.0, "wide")}, "size along y"),
         ({"aisle_width": 0.5}, "aisle_width"),
         ({"aisle_width": math.inf}, "aisle_width"),

@@ -1,4 +1,4 @@
-"""Shapes under any affine map: rotations keep a shape's kind, scales where they can, and shears make a mesh of it."""
+"""Affine transforms of shapes: rotations keep a shape's kind, scales too where possible; shears make it a mesh."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from trundle.solids import Box, Cylinder, Mesh, Sphere
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 
 ALIKE = 1e-6
-"""Relative difference below which two scales count as one, and columns as at right angles: matrices that went through
-single precision are no better."""
+"""Relative tolerance for equal scales and orthogonal columns: the accuracy of single precision."""
 
 
 class FlattenedError(WorldError):
-    """A shape that a scale of 0 leaves no area of."""
+    """A shape that a scale of 0 has flattened to no area."""
 
 
 def split(matrix: FloatArray) -> tuple[FloatArray, FloatArray] | None:
@@ -27,8 +26,8 @@ def split(matrix: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         matrix: Shape (3, 3).
 
     Returns:
-        A proper rotation, shape (3, 3), and the scales, shape (3,), of which the last is negative for a mirror; none
-        where the map shears or flattens, as no such split exists then.
+        A proper rotation, shape (3, 3), and the scales, shape (3,), of which the last is negative for a mirror; None
+        if the map shears or flattens, because no such split exists.
     """
     lengths = np.sqrt((matrix**2).sum(axis=0))
     if lengths.min() <= ALIKE * lengths.max():
@@ -64,18 +63,18 @@ def pose_of(position: FloatArray, rotation: FloatArray) -> Pose3D:
 
 
 def place(shape: Box | Cylinder | Sphere | Mesh, matrix: FloatArray) -> tuple[Box | Cylinder | Sphere | Mesh, Pose3D]:
-    """Put a shape where an affine map takes it.
+    """Transform a shape by an affine map.
 
     Args:
         shape: In its own frame.
         matrix: From that frame to the map frame [m], acting on columns, shape (4, 4).
 
     Returns:
-        The same kind of shape where it still is one, else a mesh, and its pose. A mirrored mesh keeps its faces
+        The same kind of shape if possible, otherwise a mesh, and its pose. A mirrored mesh keeps its faces
         outwards.
 
     Raises:
-        FlattenedError: If nothing with an area is left of the shape.
+        FlattenedError: If the result has no area.
     """
     linear, position = matrix[:3, :3], matrix[:3, 3]
     parts = split(linear)
@@ -97,7 +96,7 @@ def place(shape: Box | Cylinder | Sphere | Mesh, matrix: FloatArray) -> tuple[Bo
 
 
 def scale_mesh(mesh: Mesh, scales: FloatArray) -> Mesh:
-    """Scale a mesh along its axes; faces stay outwards where an odd number of the scales is negative."""
+    """Scale a mesh along its axes; faces still point outwards if an odd number of scales is negative."""
     if np.abs(scales - 1.0).max() < 1e-12:
         return mesh
     faces = mesh.faces[:, ::-1] if scales.prod() < 0.0 else mesh.faces
@@ -105,7 +104,7 @@ def scale_mesh(mesh: Mesh, scales: FloatArray) -> Mesh:
 
 
 def as_mesh(shape: Box | Cylinder | Sphere | Mesh) -> Mesh:
-    """A shape's surface as triangles; round ones as polyhedra that just hold them."""
+    """A shape's surface as triangles; round ones as circumscribed polyhedra."""
     match shape:
         case Box(size):
             return box_mesh(size)
@@ -126,7 +125,7 @@ def _place_sheared(
     doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     extent = float(np.ptp(vertices, axis=0).max())
     if not doubled.max() > 1e-12 * max(extent, 1e-150) ** 2:
-        raise FlattenedError("its scale of 0 leaves nothing of it")
+        raise FlattenedError("its scale of 0 flattens it")
     faces = mesh.faces[:, ::-1] if np.linalg.det(linear) < 0.0 else mesh.faces
     x, y, z = (float(number) for number in position)
     return Mesh(vertices, faces), Pose3D((x, y, z))

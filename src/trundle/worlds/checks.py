@@ -1,4 +1,4 @@
-"""Checks of the options that worlds are generated with."""
+"""Checks of the options of world generators."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def check_number(world: str, name: str, value: float, low: float, high: float) -
     """Return a finite number from `low` to `high`.
 
     Raises:
-        WorldError: If it is none; the message names the world and the option.
+        WorldError: If it is not one; the message names the world and the option.
     """
     try:
         number = float(value)
@@ -29,7 +29,7 @@ def check_whole(world: str, name: str, value: int, low: int, high: int) -> int:
     """Return an integer from `low` to `high`.
 
     Raises:
-        WorldError: If it is none.
+        WorldError: If it is not one.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
         raise WorldError(f"{world}: {name} must be an integer from {low} to {high}, got {value!r}")
@@ -48,7 +48,7 @@ def check_seed(world: str, seed: int) -> int:
 def check_size(
     world: str, size: Sequence[float] | str, low: float, high: float, *, name: str = "size"
 ) -> tuple[float, float]:
-    """Return two numbers of metres, along x and y; as text they have a comma between them.
+    """Return two lengths in metres, along x and y; text has a comma between them.
 
     Raises:
         WorldError: If they are not two numbers from `low` to `high`.
@@ -56,7 +56,7 @@ def check_size(
     try:
         length, width = size.split(",") if isinstance(size, str) else size
     except (TypeError, ValueError):
-        raise WorldError(f"{world}: {name} must be two numbers of metres, along x and y, got {size!r}") from None
+        raise WorldError(f"{world}: {name} must be two lengths in metres, along x and y, got {size!r}") from None
     return (
         check_number(world, f"{name} along x", float_of(length), low, high),
         check_number(world, f"{name} along y", float_of(width), low, high),
@@ -66,7 +66,7 @@ def check_size(
 def check_numbers(
     world: str, name: str, values: Sequence[float] | str | float, low: float, high: float, *, most: int
 ) -> tuple[float, ...]:
-    """Return one to `most` numbers; as text they have commas between them, and one number may stand alone.
+    """Return one to `most` numbers; text has commas between them, and a single number is accepted.
 
     Raises:
         WorldError: If there are none or too many, or one is not from `low` to `high`.
@@ -85,7 +85,7 @@ def check_numbers(
 
 
 def float_of(item: object) -> float:
-    """Read a number that may have come as text; what is none becomes NaN, which every check refuses."""
+    """Read a number that may be text; anything else becomes NaN, which every check refuses."""
     try:
         return float(item)  # pyright: ignore[reportArgumentType]
     except (TypeError, ValueError):

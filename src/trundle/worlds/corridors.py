@@ -1,4 +1,4 @@
-"""The `corridors` generator: a row of halls whose doors get narrower, to find what a robot still passes."""
+"""The `corridors` generator: a row of halls whose doors get narrower, to find the narrowest a robot can pass."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from trundle.worlds.props import Part, box, place
 from trundle.worlds.world import World
 
 DOOR_WIDTHS = (2.0, 1.6, 1.4, 1.2, 1.1, 1.0, 0.9, 0.8)
-"""Widths of the doors unless others are given [m]."""
+"""Default widths of the doors [m]."""
 
 _OUTER = 0.2  # thickness of the outer walls [m]
 _JAMB = 0.12  # width of a door's coloured posts [m]
-_PROUD = 0.03  # how far they stand out of the wall [m]
+_PROUD = 0.03  # how far they protrude from the wall [m]
 _WALL: Color = (0.84, 0.85, 0.86, 1.0)
 _BASE: Color = (0.46, 0.51, 0.57, 1.0)
 _INNER: Color = (0.72, 0.75, 0.78, 1.0)
@@ -33,14 +33,14 @@ def generate_corridors(
     stagger: float = 0.0,
     wall_height: float = 1.2,
 ) -> World:
-    """Make halls along x, each joined to the next by a door of one exact width.
+    """Generate halls along x, each joined to the next by a door of an exact width.
 
-    The posts of a door go from green (the widest) to red (the narrowest). The first hall's middle is the origin, where
-    the seed point is; hall `i`, from 0, lies about x = i · (spacing + door_depth).
+    The posts of a door go from green (the widest) to red (the narrowest). The origin and the seed point are in
+    the middle of the first hall; hall `i`, from 0, lies about x = i · (spacing + door_depth).
 
     Args:
-        seed: On which side of the middle the doors are, where `stagger` is above 0.
-        door_widths: Clear widths [m] in the order in which they are met, 1 to 40 of them.
+        seed: Determines on which side of the middle the doors are, if `stagger` is above 0.
+        door_widths: Clear widths [m] in order along x, 1 to 40 of them.
         door_depth: Length of the passage through a door [m], 0.05 to 10.
         spacing: Length of a hall between two doors [m], 1 to 30.
         hall_width: [m], 1 to 30.

@@ -1,9 +1,9 @@
-"""The `cylinders` generator: a walled lane full of thin posts, of the kind of the BARN worlds.
+"""The `cylinders` generator: a walled lane full of thin posts, similar to the BARN worlds.
 
-Posts stand on a square grid. Which of its cells are filled is drawn at random and then smoothed by a cellular
+Posts are on a square grid. Its cells are filled at random and then smoothed by a cellular
 automaton, which makes clusters with gaps between them: the method of Perille, Truong, Xiao and Stone, "Benchmarking
 Metric Ground Navigation" (2020), with the posts of the BARN challenge (radius 0.075 m on a pitch of
-0.15 m). These worlds are of BARN's kind; they are none of its 300.
+0.15 m). These worlds resemble BARN's but are not among its 300.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ RUN_IN = 2.0
 """Length of the free floor before and behind the posts [m]."""
 
 _WALL = 0.15  # thickness [m]
-_FILL_AT, _CLEAR_AT = 5, 1  # neighbours at which a cell is filled, and at which it is cleared
+_FILL_AT, _CLEAR_AT = 5, 1  # numbers of filled neighbours that fill and clear a cell
 _GRAZE = 0.01  # [m]: the guaranteed path is wider by this on either side, for the rounding of maps
 _WALL_COLOR: Color = (0.80, 0.81, 0.82, 1.0)
 _BASE_COLOR: Color = (0.40, 0.45, 0.52, 1.0)
@@ -45,19 +45,19 @@ def generate_cylinders(
     passable_radius: float = 0.5,
     height: float = 0.8,
 ) -> World:
-    """Make a lane along x, walled all round, with posts between its free ends.
+    """Generate a walled lane along x, with posts between its free ends.
 
-    The posts' field reaches from x = 0 to x = `length`, y about 0; RUN_IN of free floor lies before and behind it. The
+    The field of posts spans x = 0 to x = `length`, y about 0; RUN_IN of free floor lies before and behind it. The
     seed point is in the middle of the free floor at the west end, and a mission goes to (length + 1, 0).
 
     Args:
         seed: The same seed and options make the same world.
-        density: Part of the cells that are filled before smoothing, 0 to 0.4.
-        smoothing: Steps of the automaton, 0 (posts strewn evenly) to 10.
+        density: Share of cells that are filled before smoothing, 0 to 0.4.
+        smoothing: Steps of the automaton, 0 (posts scattered evenly) to 10.
         length: Of the field [m], 2 to 100.
         width: Between the side walls [m], 1 to 50.
-        passable_radius: A disc of this radius [m] can go from the west end to the east end: where it could not, the
-            fewest posts that are found to block it are left out. 0 for no such guarantee: the lane may be blocked.
+        passable_radius: A disc of this radius [m] can pass from the west end to the east end: if it could not, posts
+            are removed, as few as the search finds. 0 gives no guarantee: the lane may be blocked.
         height: Of the posts [m], 0.2 to 5.
 
     Raises:
@@ -78,7 +78,7 @@ def generate_cylinders(
     rows, columns = int(width / PITCH), int(length / PITCH)
     filled = _smooth(rng.random((rows, columns)) < density, smoothing)
     if radius > 0.0:
-        filled = _open_way(filled, radius + _GRAZE, width)
+        filled = _open_passage(filled, radius + _GRAZE, width)
     solids = _walls(length, width, height)
     row, col = np.nonzero(filled)
     for number, (x, y) in enumerate(_centres(row, col, rows).tolist(), start=1):
@@ -88,7 +88,7 @@ def generate_cylinders(
 
 
 def _smooth(filled: BoolArray, steps: int) -> BoolArray:
-    """Fill cells with many filled ones among their eight neighbours, clear those with hardly any."""
+    """Fill cells with many filled neighbours out of eight, and clear those with hardly any."""
     for _ in range(steps):
         padded = np.pad(filled, 1).astype(np.int8)
         rows, columns = filled.shape
@@ -102,17 +102,17 @@ def _centres(row: npt.NDArray[np.int64], col: npt.NDArray[np.int64], rows: int) 
     return np.column_stack([(col + 0.5) * PITCH, (row + 0.5 - rows / 2.0) * PITCH]).astype(np.float64)
 
 
-def _open_way(filled: BoolArray, radius: float, width: float) -> BoolArray:
-    """Take out posts so that a disc can pass from the west end to the east end.
+def _open_passage(filled: BoolArray, radius: float, width: float) -> BoolArray:
+    """Remove posts so that a disc can pass from the west end to the east end.
 
-    The path is the one over cell centres with the fewest posts near it, by Dijkstra's search; its cost counts a post
-    once for every cell of the path that it is near, so the total may not be the minimum.
+    Dijkstra's search finds the path over cell centres with the fewest posts near it. Its cost counts a post once for
+    every cell of the path near it, so the number of removed posts may not be the minimum.
     """
     rows, columns = filled.shape
     reach = radius + RADIUS
     across = np.abs((np.arange(rows) + 0.5 - rows / 2.0) * PITCH)
     inside = np.broadcast_to((across <= width / 2.0 - radius)[:, None], filled.shape)
-    # A step's middle lies half a step off its ends: cells are near a post within that much more.
+    # The middle of a step is half a step from its ends, so the radius grows by that much.
     disc = _disc(math.hypot(reach, PITCH / math.sqrt(2.0)))
     near = _count_near(filled, disc)
     path = _cheapest_path(np.where(inside, 1.0 + 100.0 * near, np.inf))
@@ -139,7 +139,7 @@ def _count_near(cells: BoolArray, disc: list[tuple[int, int]]) -> npt.NDArray[np
 
 
 def _cheapest_path(costs: FloatArray) -> list[tuple[int, int]]:
-    """Cells (row, column) from the first column to the last, 8-connected; a step costs its length times its cell's."""
+    """Cells (row, column) from the first column to the last, 8-connected; a step costs its length times its cell."""
     rows, columns = costs.shape
     best = np.full(costs.shape, np.inf)
     best[:, 0] = costs[:, 0]
@@ -184,7 +184,7 @@ def _walls(length: float, width: float, height: float) -> list[Solid]:
 
 
 def _color(along: float) -> Color:
-    """From ochre in the west to blue in the east, so that a picture tells how far the robot came."""
+    """From ochre in the west to blue in the east, so that pictures show how far the robot got."""
     stops = np.array([(0.85, 0.52, 0.20), (0.72, 0.36, 0.40), (0.22, 0.38, 0.62)])
     red, green, blue = (float(np.interp(along, (0.0, 0.5, 1.0), channel)) for channel in stops.T)
     return (red, green, blue, 1.0)

@@ -1,10 +1,10 @@
-"""Which level of a world a robot stands on: floors that are not at z = 0.
+"""Finding the floor that a robot is on, in worlds whose floor is not at z = 0.
 
 A floor is level, faces up, lies under the whole footprint and has the robot's height free above it. A world whose file
-declares a ground plane has one there, and none below; any other has one at z = 0, unless a surface lies below that. Of
-several the lowest is taken. What lies above it may be another storey, a
-roof or a table. It is another floor, and the robot's is then asked for, where it is large (`LARGE`), and lies within
-`STOREY` of the lower one or something stands on it.
+declares a ground plane has one there, and none below; any other has one at z = 0, unless a surface lies below that. The
+lowest of several floors is taken. A level above it may be another storey, a roof or a table. It counts as another
+floor if it is large (`LARGE`) and either lies within `STOREY` of the lower one or has something on it; then the choice
+is ambiguous and the user must give the floor.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 from trundle.worlds.world_like import WorldLike, WorldT
 
 STOREY = 2.0
-"""A level that is so far [m] above a floor is a roof, unless something stands on it."""
+"""A level at least this far [m] above a floor is a roof, unless something is on it."""
 
 _LEVEL = math.cos(math.radians(1.0))
 _SAME = 0.005
-"""Tiles that differ by up to this [m] are one floor."""
+"""Tiles whose heights differ by up to this [m] are one floor."""
 
 _SPACING = 0.05
 _PROBES = 9
 _EDGE = 1e-6
 
 FLOOR_TOP = 1e-3
-"""What is so near to the ground [m] is the ground: nothing that ends so low is an obstacle."""
+"""Anything that ends within this height [m] of the ground belongs to the ground and is not an obstacle."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """What is above and below one point: heights [m] where surfaces cross, and how they face.
+    """Surfaces above and below one point: heights [m] and directions where its vertical line crosses them.
 
     Attributes:
         heights: shape (N,), ascending.
@@ -55,7 +55,7 @@ class _Column:
     owners: npt.NDArray[np.int64]
 
     def is_free(self, low: float, height: float) -> bool:
-        """Whether nothing is between a floor and a height above it."""
+        """Whether the space between a floor and a height above it is free."""
         between = (self.heights > low + _SAME) & (self.heights < low + height)
         if between.any():
             return False
@@ -70,7 +70,7 @@ class _Column:
 
 
 class _Surfaces:
-    """The surfaces of a world's solids as triangles, each solid's made once."""
+    """The surfaces of a world's solids as triangles, computed once per solid."""
 
     def __init__(self, world: WorldLike) -> None:
         self.solids = world.solids
@@ -79,7 +79,7 @@ class _Surfaces:
         self._made: dict[int, FloatArray] = {}
 
     def triangles(self, index: int, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Those [m] of one solid that reach into a rectangle (x, y), map frame, shape (N, 3, 3)."""
+        """Triangles [m] of one solid that overlap a rectangle (x, y), map frame, shape (N, 3, 3)."""
         solid = self.solids[index]
         if isinstance(solid.shape, OccupancyCells):
             return _cell_triangles(solid.pose, solid.shape, low, high)
@@ -90,7 +90,7 @@ class _Surfaces:
         return corners[((flat.min(axis=1) <= high) & (flat.max(axis=1) >= low)).all(axis=1)]
 
     def columns(self, points: FloatArray) -> list[_Column]:
-        """What is above and below each point (x, y)."""
+        """Surfaces above and below each point (x, y)."""
         low, high = points.min(axis=0), points.max(axis=0)
         near = ((self.lows[:, :2] <= high) & (self.highs[:, :2] >= low)).all(axis=1)
         found = {index: self.triangles(index, low, high) for index in np.flatnonzero(near).tolist()}
@@ -105,13 +105,13 @@ class _Surfaces:
 
 
 def find_floor(world: WorldLike, robot: Robot, start: Pose2D) -> float:
-    """Height [m] of the floor that a robot at a pose stands on, in the world's own coordinates.
+    """Height [m] of the floor under a robot at a pose, in the world's own coordinates.
 
-    Where no floor has the robot's height free above all of its footprint, that with the largest free part is taken:
-    the start is blocked, and its contact says by what.
+    If no floor has the robot's height free above its whole footprint, the one with the largest free part is taken:
+    the start is blocked, and the contact names the obstacle.
 
     Raises:
-        WorldError: If there are two floors that the robot may be meant to stand on.
+        WorldError: If the floor is ambiguous: the robot could be on one of several.
     """
     surfaces = _Surfaces(world)
     levels = _levels_under(surfaces, robot, _footprint_points(robot, start))
@@ -120,17 +120,17 @@ def find_floor(world: WorldLike, robot: Robot, start: Pose2D) -> float:
         if others:
             heights = ", ".join(f"{level:.3f}" for level in (levels[0], *others))
             raise WorldError(
-                f"the robot at ({start.x:.2f}, {start.y:.2f}) may stand on floors at z = {heights} m of world "
-                f"{world.name!r}; say which with --floor-z (floor_z in Python and in a scenario)"
+                f"the robot at ({start.x:.2f}, {start.y:.2f}) could be on a floor at z = {heights} m of world "
+                f"{world.name!r}; choose one with --floor-z (floor_z in Python and in a scenario)"
             )
     return levels[0]
 
 
 def find_common_floor(world: WorldLike, robot: Robot) -> float:
-    """Height [m] of the floor that is under most of a world, where it is not known where the robot starts.
+    """Height [m] of the floor under most of a world, for when the robot's start is unknown.
 
-    The lowest floor is looked for at 9 x 9 places over the world, and the height that is most frequent is taken. If not
-    the ground, it must be large, with something on it: the top of a crate or of a container is not.
+    The lowest floor is sampled at 9 x 9 points over the world, and the most frequent height is taken. A floor other
+    than the ground must be large and have something on it, unlike the top of a crate or a container.
     """
     ground = world.ground_z or 0.0
     if not world.solids:
@@ -154,9 +154,9 @@ def find_common_floor(world: WorldLike, robot: Robot) -> float:
 
 
 def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, blocked: bool = True) -> list[float]:
-    """Floors under all of some points with the robot's height free above, lowest first.
+    """Floors under all the points with the robot's height free above, lowest first.
 
-    With `blocked`, where there is none, the one that is freest, of equally free ones the highest.
+    If there is none and `blocked` is set, the one with the largest free part; the highest of equal ones.
     """
     columns = surfaces.columns(points)
     levels = _shared_levels(columns)
@@ -168,7 +168,7 @@ def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, bloc
         levels = [base, *levels]
     levels = [base if abs(level - base) < FLOOR_TOP else level for level in levels]
     if blocked:
-        # A shelf that a start lies in has a free top, which is no floor.
+        # A shelf around the start has a free top, which is not a floor.
         near = levels[0] + robot.z_range[0]
         levels = [level for level in levels if level <= near or _is_floor_too(surfaces, levels[0], level)]
     counts = [sum(column.is_free(level, robot.body.height) for column in columns) for level in levels]
@@ -179,7 +179,7 @@ def _levels_under(surfaces: _Surfaces, robot: Robot, points: FloatArray, *, bloc
 
 
 def _shared_levels(columns: Sequence[_Column]) -> list[float]:
-    """Heights at which a level surface that faces up is at every point; of each, the highest of its tiles."""
+    """Heights at which every point has a level surface that faces up; for each floor, that of its highest tile."""
     tops = [column.heights[column.rising >= _LEVEL] for column in columns]
     levels: list[float] = []
     for height in np.unique(np.round(tops[0], 6)):
@@ -194,7 +194,7 @@ def _shared_levels(columns: Sequence[_Column]) -> list[float]:
 def _column(
     point: FloatArray, corners: FloatArray, normals: FloatArray, rising: FloatArray, owner: npt.NDArray[np.int64]
 ) -> _Column:
-    """Cut the vertical line through a point with triangles."""
+    """Intersect the vertical line through a point with triangles."""
     edges = np.roll(corners, -1, axis=1)[:, :, :2] - corners[:, :, :2]
     to = point - corners[:, :, :2]
     side = (edges[:, :, 0] * to[:, :, 1] - edges[:, :, 1] * to[:, :, 0]) * np.sign(rising)[:, None]
@@ -217,7 +217,7 @@ def _triangles(solid: Solid) -> FloatArray:
         case Mesh() as mesh:
             pass
         case OccupancyCells():
-            raise WorldError(f"blocked cells {solid.name!r} have no triangles of their own")
+            raise WorldError(f"blocked cells {solid.name!r} cannot be converted to triangles")
     return solid.pose.transform_points(mesh.vertices)[mesh.faces]
 
 
@@ -250,13 +250,13 @@ def _footprint_points(robot: Robot, start: Pose2D) -> FloatArray:
 
 
 def _is_floor_too(surfaces: _Surfaces, floor: float, level: float) -> bool:
-    """Whether a level above a floor is one that a robot may be meant to stand on."""
+    """Whether a level above a floor could be the robot's floor as well."""
     carries = _carries(surfaces, level)
     return carries is not None and (carries or level - floor < STOREY)
 
 
 def _carries(surfaces: _Surfaces, level: float) -> bool | None:
-    """Whether something stands on a level; None for a level that is not large."""
+    """Whether something is on a level; None if the level is not large."""
     lows, highs = surfaces.lows, surfaces.highs
     reaching = np.flatnonzero((lows[:, 2] <= level + _SAME) & (highs[:, 2] >= level - _SAME)).tolist()
     everything = [surfaces.triangles(index, lows[index, :2], highs[index, :2]) for index in reaching]
@@ -273,7 +273,7 @@ def _carries(surfaces: _Surfaces, level: float) -> bool | None:
 
 
 def lower_world(world: WorldT, floor_z: float) -> WorldT:
-    """Move a world down so that its floor at a height [m] lies at z = 0, where the floor is that robots drive on.
+    """Move a world down so that its floor at a height [m] is at z = 0, where robots drive.
 
     Raises:
         WorldError: If the height is not a finite number, below the world's ground, or not within the world.
@@ -287,17 +287,17 @@ def lower_world(world: WorldT, floor_z: float) -> WorldT:
 
 
 def check_floor(world: WorldLike, floor_z: float) -> None:
-    """Refuse a height [m] of a floor that nothing stands on, or that lies below the ground plane.
+    """Refuse a floor height [m] with nothing on it, or below the ground plane.
 
     Raises:
-        WorldError: If it is that, or not a finite number.
+        WorldError: If it is refused, or not a finite number.
     """
     if not math.isfinite(floor_z):
         raise WorldError(f"floor_z must be a height in metres, got {floor_z}")
     if world.ground_z is not None and floor_z < world.ground_z - _SAME:
         raise WorldError(
             f"floor_z is {floor_z:g} m, below the ground plane of world {world.name!r} at {world.ground_z:g} m; give "
-            "that or more"
+            "at least that"
         )
     if not world.solids:
         return
@@ -307,7 +307,7 @@ def check_floor(world: WorldLike, floor_z: float) -> None:
     if not low - STOREY <= floor_z <= high + _SAME:
         raise WorldError(
             f"floor_z is {floor_z:g} m, and the solids of world {world.name!r} span heights {low:g} to {high:g} m: a "
-            "floor there has nothing on it; give the height of the floor in metres, as the world's file has it"
+            "floor there has nothing on it; give the height of the floor in metres, in the file's coordinates"
         )
 
 

@@ -14,12 +14,12 @@ from trundle.worlds.world import World
 def load_map(
     path: Path, *, height: float = 1.0, unknown: Unknown = "solid", compat: Literal["humble"] | None = None
 ) -> World:
-    """Read a map, a ROS YAML or MovingAI's .map, as a world of walls.
+    """Read a map (a ROS YAML or a MovingAI .map) as a world of walls.
 
     Args:
         path: The YAML, or the .map.
         height: Of the walls [m].
-        unknown: What unknown cells are, "solid" or "free".
+        unknown: Treat unknown cells as "solid" or "free".
         compat: "humble" reads a YAML as ROS 2 Humble does.
 
     Raises:

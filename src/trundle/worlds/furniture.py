@@ -1,6 +1,6 @@
-"""Things that stand about in an office, made of boxes, cylinders and spheres: desks, chairs, tables, sofas, plants.
+"""Office furniture made of boxes, cylinders and spheres: desks, chairs, tables, sofas, plants.
 
-Each stands on the floor about its own origin. What is at a wall has the wall behind it, at −y, and looks along +y.
+The origin of each piece is on the floor, in its middle. Pieces for a wall have it behind them, at −y, and face +y.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def desk() -> list[Part]:
 
 
 def chair(rng: np.random.Generator) -> list[Part]:
-    """Return a swivel chair that looks along +y: its back is at −y."""
+    """Return a swivel chair that faces +y: its back is at −y."""
     fabric = FABRICS[rng.integers(len(FABRICS))]
     return [
         Part("base", Cylinder(0.26, 0.09), Pose3D((0.0, 0.0, 0.065)), CHARCOAL, "chair"),

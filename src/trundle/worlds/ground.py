@@ -1,4 +1,4 @@
-"""Level planes that face up in a world's file: which of them is the ground, and which are rectangles."""
+"""Level planes that face up in a world's file: choosing the ground, and making rectangles of the others."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from trundle.solids import Color, Solid, solids_bounds
 from trundle.worlds.shapes import Names, Part, make_solids
 
 LARGE = 10.0
-"""A level of less [m²] is no floor by itself: it may be a table's top."""
+"""Minimum area [m²] of a floor: a smaller level surface may be a table top."""
 
 NEAR_ZERO = 0.01
-"""A plane so near to z = 0 [m] is the ground whatever its size, and what is so little above the ground is it."""
+"""A plane this near to z = 0 [m] is the ground whatever its size; surfaces this little above it belong to it."""
 
 ENDLESS = math.inf
-"""Area of a plane that collides: for physics it has no end, whatever size it is drawn with."""
+"""Area of a plane that collides: in physics it is infinite, whatever size it is drawn with."""
 
 
 class LevelPlane(NamedTuple):
@@ -39,10 +39,10 @@ def is_level(normal_z: float) -> bool:
 
 
 def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float | None:
-    """Height [m] of the ground that a file declares, or none.
+    """Height [m] of the ground that a file declares, or None.
 
-    Of the planes at z = 0 and below it is the highest, which hides the others. Without one it is the lowest large plane
-    above z = 0, unless some solid ends below that: then the plane is a deck or a roof.
+    It is the highest plane at or below z = 0, which hides the others. Without one it is the lowest large plane above
+    z = 0, unless a solid ends below that: then the plane is a deck or a roof.
     """
     wide = sorted(plane.height for plane in planes if plane.area >= LARGE or abs(plane.height) <= NEAR_ZERO)
     low = [height for height in wide if height <= NEAR_ZERO]
@@ -55,27 +55,27 @@ def find_ground(planes: Iterable[LevelPlane], solids: Sequence[Solid]) -> float 
 
 
 def is_ground(plane: LevelPlane, ground: float | None) -> bool:
-    """Whether a plane is the ground, or hidden by it: no rectangle is made of it."""
+    """Whether a plane is the ground or hidden by it, and so makes no rectangle."""
     return ground is not None and plane.height <= ground + NEAR_ZERO
 
 
 @dataclass(slots=True)
 class LevelPlanes:
-    """Level planes of a file, put aside until all solids are known that tell which of them is the ground."""
+    """Level planes of a file, kept until all solids are known, which determine the ground."""
 
     _put_aside: list[tuple[LevelPlane, str, Sequence[Part], Pose3D, Color | None]] = field(
         default_factory=list[tuple[LevelPlane, str, Sequence[Part], Pose3D, Color | None]]
     )
 
     def take(self, name: str, parts: Sequence[Part], pose: Pose3D, area: float, color: Color | None) -> bool:
-        """Put a plane aside if it is level and faces up.
+        """Keep a plane for later if it is level and faces up; return whether it was kept.
 
         Args:
-            name: Of the solid that is made of it if it is not the ground.
-            parts: Its rectangle; none for a plane without a size.
-            pose: Of its parts' frame, whose z is its normal.
+            name: Name of its solid, if it is not the ground.
+            parts: Its rectangle; empty for a plane without a size.
+            pose: Pose of its parts' frame, whose z is the normal.
             area: [m²]
-            color: Of the solid.
+            color: Colour of the solid.
         """
         if not is_level(float(pose.rotation()[2, 2])):
             return False
@@ -83,7 +83,7 @@ class LevelPlanes:
         return True
 
     def settle(self, solids: Sequence[Solid], names: Names) -> tuple[float | None, list[Solid], list[str]]:
-        """The ground's height [m] or none, rectangles of the other planes, and names of those without a size."""
+        """The ground's height [m] or None, rectangles of the other planes, and names of those without a size."""
         ground = find_ground((plane for plane, *_ in self._put_aside), solids)
         rectangles: list[Solid] = []
         endless: list[str] = []

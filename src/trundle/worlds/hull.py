@@ -12,7 +12,7 @@ from trundle.solids import Mesh
 def convex_hull(points: FloatArray) -> Mesh | None:
     """The convex hull of points [m], shape (N, 3), as a closed mesh with its faces outwards.
 
-    Points in a plane give a flat mesh without thickness; points on a line have no hull: none.
+    Coplanar points give a flat mesh without thickness; collinear points give None.
 
     Raises:
         MissingExtraError: If SciPy is not installed.

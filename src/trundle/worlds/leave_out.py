@@ -1,4 +1,4 @@
-"""What is left out of a world: by name, by kind, and by where it lies."""
+"""Excluding parts of a world by name, kind or position."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from trundle.worlds.world_like import WorldT
 
 _FLOOR_TOP = 0.01
 _CEILING_BOTTOM = 2.0
-"""[m]; what the words `floor` and `ceiling` leave out by its place."""
+"""Heights [m] for the words `floor` and `ceiling`."""
 
 _BELOW = "/:[#"
-"""What stands in a name between a group (`/World/Rack`, `shelf`) and what is in it (`/Post`, `::board`, `#2`)."""
+"""Characters that separate a group (`/World/Rack`, `shelf`) from its members (`/Post`, `::board`, `#2`) in names."""
 
 
 @dataclass(slots=True)
 class Filter:
-    """Words that say what is left out; remembers which of them met something.
+    """Words that select what is left out; remembers which of them matched.
 
-    A word is the name of a solid or of a group above it, also with `*` and `?`; or a kind (in USD a semantic label),
-    whatever its case; or `floor`, what ends within 1 cm above z = 0, or `ceiling`, what starts above 2 m and is wider
-    than high.
+    A word is the name of a solid or of a group above it, with `*` and `?` as wildcards; or a kind (in USD a semantic
+    label), case-insensitive; or `floor` (solids that end within 1 cm above z = 0) or `ceiling` (solids that start above
+    2 m and are wider than high).
 
     Attributes:
-        words: As a user wrote them.
-        met: Those that something was left out by.
+        words: The words as the user wrote them.
+        met: Words that matched something.
     """
 
     words: tuple[str, ...]
@@ -37,11 +37,11 @@ class Filter:
 
     @classmethod
     def of(cls, words: str | Sequence[str]) -> Filter:
-        """Take words as a sequence, or as one text with commas between them."""
+        """Create from a sequence of words, or from one text with commas between them."""
         return cls(tuple(word.rstrip("/") or "/" for word in split_words(words)))
 
     def takes_name(self, name: str) -> bool:
-        """Whether a solid, or whatever has a name of this form, is left out by its name or that of a group above it."""
+        """Whether a solid or other named item is left out by its name or that of a group above it."""
         return self._find(lambda word: _is_within(name, word))
 
     def takes_kind(self, kind: str) -> bool:
@@ -49,12 +49,12 @@ class Filter:
         return bool(kind) and self._find(lambda word: fnmatch.fnmatchcase(kind.lower(), _pattern(word.lower())))
 
     def takes_solid(self, solid: Solid) -> bool:
-        """Whether a solid is left out by its name, its kind or its place."""
+        """Whether a solid is left out by its name, kind or position."""
         return self.takes_name(solid.name) or self.takes_kind(solid.kind) or self._takes_place(solid)
 
     @property
     def unmet(self) -> list[str]:
-        """What nothing was left out by, in the order of writing."""
+        """Words that matched nothing, in the order given."""
         return [word for word in self.words if word not in self.met]
 
     def _takes_place(self, solid: Solid) -> bool:
@@ -69,18 +69,18 @@ class Filter:
             lambda word: word.lower() == "ceiling"
         )
 
-    def _find(self, hits: Callable[[str], bool]) -> bool:
-        word = next((word for word in self.words if hits(word)), None)
+    def _find(self, matches: Callable[[str], bool]) -> bool:
+        word = next((word for word in self.words if matches(word)), None)
         if word is not None:
             self.met.add(word)
         return word is not None
 
 
 def split_words(words: str | Sequence[str]) -> tuple[str, ...]:
-    """Words from a sequence, or from one text with commas between them, as the command line gives it.
+    """Words from a sequence, or from one text with commas between them, as given on the command line.
 
     Raises:
-        InputError: If they are no texts.
+        InputError: If they are not texts.
     """
     given: object = words  # from a scenario or --set it may be anything
     if isinstance(words, str):
@@ -91,15 +91,15 @@ def split_words(words: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def leave_out(world: WorldT, words: str | Sequence[str], where: str) -> WorldT:
-    """A world without what the words of a `Filter` say.
+    """Return a world without the solids that the words of a `Filter` match.
 
     Args:
         world: The world.
         words: What to leave out.
-        where: Of the world, for messages.
+        where: Name of the world, for messages.
 
     Warns:
-        WorldWarning: About words that nothing was left out by.
+        WorldWarning: For words that matched nothing.
     """
     out = Filter.of(words)
     kept = tuple(solid for solid in world.solids if not out.takes_solid(solid))
@@ -108,9 +108,9 @@ def leave_out(world: WorldT, words: str | Sequence[str], where: str) -> WorldT:
 
 
 def warn_of_unmet(out: Filter, where: str) -> None:
-    """Warn of the words that nothing was left out by."""
+    """Warn about words that matched nothing."""
     if out.unmet:
-        warnings.warn(f"{where}: nothing was left out by: {', '.join(out.unmet)}", WorldWarning, stacklevel=3)
+        warnings.warn(f"{where}: nothing to exclude matches: {', '.join(out.unmet)}", WorldWarning, stacklevel=3)
 
 
 def _is_within(name: str, word: str) -> bool:
@@ -121,5 +121,5 @@ def _is_within(name: str, word: str) -> bool:
 
 
 def _pattern(word: str) -> str:
-    """A pattern in which only `*` and `?` mean something: brackets are part of names."""
+    """A pattern with only `*` and `?` as wildcards: brackets are part of names."""
     return word.replace("[", "[[]")

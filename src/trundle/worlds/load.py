@@ -1,4 +1,4 @@
-"""Worlds from files: which loader reads which suffix, and what is checked of every world that was read."""
+"""Worlds from files: the loader for each suffix, and the checks on every world that is read."""
 
 from __future__ import annotations
 
@@ -51,27 +51,27 @@ _LIBRARIES = {
     "trundle.worlds.meshes:load_mesh": ("trundle.worlds.meshes", "trimesh"),
     "trundle.worlds.usd:load_usd": ("trundle.worlds.usd.load",),
 }
-"""What a loader imports: not what its file takes."""
+"""Modules that each loader imports, which do not count towards the file's limits."""
 
 LARGEST_EXTENT = 2_000.0
-"""A world that is longer than this [m] was probably meant in another unit."""
+"""A world longer than this [m] is probably in another unit."""
 
 
 def is_world_file(text: str) -> bool:
-    """Whether a text names a file that `World.load` has a loader for; whether it is there is not asked."""
+    """Whether a text names a file that `World.load` has a loader for; it need not exist."""
     return Path(text).suffix.lower() in LOADERS
 
 
 def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options: Any) -> WorldLike:
     """Read a world from a file; see `World.load`.
 
-    All formats but our own maps are read by libraries, and so in a process of their own: see `trundle.guard`.
+    All formats but maps are read by third-party libraries, and therefore in a separate process: see `trundle.guard`.
     """
     file = Path(as_path(path, "a world's file", WorldError))
     target = LOADERS.get(file.suffix.lower())
     if target is None:
         raise WorldError(
-            f"{file}: a world's file ends in {', '.join(sorted(LOADERS))}, and this one in {file.suffix or 'nothing'!r}"
+            f"{file}: the suffix of a world file must be one of {', '.join(sorted(LOADERS))}, got {file.suffix!r}"
         )
     try:
         check_regular(file)
@@ -102,7 +102,7 @@ def read_world(path: str, options: dict[str, Any]) -> WorldLike:
     exclude, floor_z = options.pop("exclude", ()), options.pop("floor_z", None)
     known = _keywords(load)
     check_options(str(file), f"a {file.suffix} file", options, list(dict.fromkeys([*known, "exclude", "floor_z"])))
-    # Loaders that know what is left out do not read it, so nothing can be missing or wrong there.
+    # Loaders that take `exclude` skip those parts, so nothing in them can be missing or wrong.
     world = cast("WorldLike", load(file, **options, **({"exclude": exclude} if "exclude" in known else {})))
     if "exclude" not in known:
         world = leave_out(world, exclude, str(file))
@@ -111,12 +111,12 @@ def read_world(path: str, options: dict[str, Any]) -> WorldLike:
 
         world = lower_world(world, floor_z)
     takes_looks = "geometry" in known and options.get("geometry") != "visual"
-    _check_extent(file, world, 'what is seen and does not collide needs geometry="visual"' if takes_looks else "")
+    _check_extent(file, world, 'to load visual shapes without collision, use geometry="visual"' if takes_looks else "")
     return world
 
 
 def takes_paths(text: str) -> bool:
-    """Whether a text names a file that may name others, so that its loader takes folders to look in."""
+    """Whether a text names a file that may refer to others, so that its loader takes folders to search."""
     target = LOADERS.get(Path(text).suffix.lower())
     return target is not None and "paths" in _keywords(_loader(target))
 
@@ -134,7 +134,7 @@ def _keywords(load: Any) -> list[str]:
 
 def _check_extent(file: Path, world: WorldLike, advice: str) -> None:
     if not world.solids:
-        here = f"{file}: nothing solid was found in it: the world is an empty floor"
+        here = f"{file}: it contains no solids: the world is an empty floor"
         warnings.warn(f"{here}{'; ' if advice else ''}{advice}", WorldWarning, stacklevel=4)
         return
     low, high = world.bounds

@@ -1,8 +1,8 @@
-"""The `lot` generator: an open lot with kerbs and hedges round it, rows of parked vehicles, and what stands about.
+"""The `lot` generator: an open lot with kerbs and hedges round it, rows of parked vehicles, containers and cones.
 
 The ground is `size` between the kerbs, centred on the origin. Rows of vehicles lie along x, on both sides of green
-islands with lamp posts and trees; containers stand along the north edge. Cones stand on the drives and leave
-FREE_BESIDE on every side.
+islands with lamp posts and trees; containers stand along the north edge. Cones are placed on the drives with
+FREE_BESIDE clear on every side.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ def generate_lot(
     cones: int = 14,
     hedges: bool = True,
 ) -> World:
-    """Make an open lot that Nova Carter can drive across.
+    """Generate an open lot that Nova Carter can drive across.
 
     Args:
         seed: The same seed and options make the same lot.
         size: Of the ground between the kerbs, along x and y [m], 12 to 150 each.
-        fill: Part of the parking bays that are taken, 0 to 1.
-        containers: Part of the places for containers that are taken, 0 to 1.
-        cones: How many traffic cones are tried to be set up, 0 to 500; there are fewer where they do not fit.
-        hedges: Whether hedges stand behind the kerbs.
+        fill: Share of parking bays that are occupied, 0 to 1.
+        containers: Share of container places that are occupied, 0 to 1.
+        cones: Maximum number of traffic cones, 0 to 500; fewer are placed if they do not fit.
+        hedges: Whether there are hedges behind the kerbs.
 
     Raises:
         WorldError: If a value is out of range.
@@ -114,7 +114,7 @@ def _edge(rng: np.random.Generator, length: float, width: float, *, hedges: bool
 def _hedge(
     rng: np.random.Generator, name: str, span: float, sign: float, size: tuple[float, float], *, along_x: bool
 ) -> list[Part]:
-    """A hedge of pieces of unequal height in a line, with a gap for the lamp posts at its ends."""
+    """A straight hedge of pieces of unequal height, with a gap for the lamp posts at its ends."""
     parts: list[Part] = []
     count = max(1, round((span - 2.4) / 2.2))
     piece = (span - 2.4) / count
@@ -130,7 +130,7 @@ def _hedge(
 
 
 def _containers(rng: np.random.Generator, length: float, width: float, share: float) -> tuple[list[Solid], list[Rect]]:
-    """Containers with their backs to the north kerb, some with another on top."""
+    """Containers with their backs to the north kerb, some stacked two high."""
     long, wide, tall = yard.CONTAINER_SIZE
     solids: list[Solid] = []
     taken: list[Rect] = []
@@ -156,7 +156,7 @@ def _lifted(solid: Solid, height: float) -> Solid:
 
 
 def _island_rows(width: float) -> list[float]:
-    """Middles of the islands along y: as many double rows of bays as fit with drives between and round them."""
+    """Middles of the islands along y: as many double rows of bays as fit, with drives between and around them."""
     depth = 2.0 * BAY_LENGTH + _ISLAND
     south = -width / 2.0 + DRIVE
     north = width / 2.0 - DRIVE - yard.CONTAINER_SIZE[1]
@@ -202,7 +202,7 @@ def _row(rng: np.random.Generator, name: str, y: float, length: float, fill: flo
 
 
 def _cones(rng: np.random.Generator, length: float, width: float, count: int, taken: Sequence[Rect]) -> list[Solid]:
-    """Cones in short lines, each where it leaves room on every side; the seed point stays free."""
+    """Cones in short lines, each with room on every side; the seed point stays free."""
     solids: list[Solid] = []
     spots: list[tuple[float, float]] = []
     start = (0.0, -width / 2.0 + DRIVE / 2.0)

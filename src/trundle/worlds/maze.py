@@ -1,4 +1,4 @@
-"""The `maze` generator: a perfect maze on square cells, with loops opened in it on request."""
+"""The `maze` generator: a perfect maze on square cells, with optional loops."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def generate_maze(
     wall_thickness: float = 0.15,
     wall_height: float = 1.0,
 ) -> World:
-    """Make a maze: between any two cells there is exactly one path, or more with `loops`.
+    """Generate a maze: exactly one path joins any two cells, or more with `loops`.
 
     The passages are cut by a depth-first walk with random turns (recursive backtracking), which makes them long and
     winding. The maze is centred on the origin; the seed point is the middle of its south-west cell.
@@ -43,8 +43,8 @@ def generate_maze(
         seed: The same seed and options make the same maze.
         rows: Cells along y, 1 to 80.
         columns: Cells along x, 1 to 80; at least two cells in all.
-        cell: From wall centre to wall centre [m], up to 20; passages are narrower by the thickness of a wall.
-        loops: Part of the inner walls that are taken out again, 0 (a perfect maze) to 1 (an empty hall).
+        cell: Distance between wall centres [m], up to 20; passages are narrower by the wall thickness.
+        loops: Share of inner walls that are removed, 0 (a perfect maze) to 1 (an empty hall).
         wall_thickness: [m], 0.02 to 2.
         wall_height: [m], 0.2 to 10.
 
@@ -59,7 +59,7 @@ def generate_maze(
     thick = check_number("maze", "wall_thickness", wall_thickness, 0.02, 2.0)
     height = check_number("maze", "wall_height", wall_height, 0.2, 10.0)
     if rows * columns < 2:
-        raise WorldError("maze: one row of one column is no maze: give more rows or columns")
+        raise WorldError("maze: a maze needs at least two cells: give more rows or columns")
     if cell - thick < NARROWEST:
         raise WorldError(
             f"maze: cells of {cell:g} m with walls of {thick:g} m leave passages of {cell - thick:.2f} m; leave at "
@@ -71,7 +71,7 @@ def generate_maze(
 
 
 def _carve(rng: np.random.Generator, rows: int, columns: int, loops: float) -> tuple[BoolArray, BoolArray]:
-    """Walls that stand: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
+    """Remaining walls: along x, shape (rows + 1, columns), and along y, shape (rows, columns + 1)."""
     along_x = np.ones((rows + 1, columns), dtype=np.bool_)
     along_y = np.ones((rows, columns + 1), dtype=np.bool_)
     seen = np.zeros((rows, columns), dtype=np.bool_)
@@ -112,7 +112,7 @@ def _walls(along_x: BoolArray, along_y: BoolArray, cell: float, thick: float, he
             parts += _wall(name, ((end - begin) * cell + thick, thick), centre, height, rim=line in (0, rows))
     for line in range(columns + 1):
         for begin, end in _runs(along_y[:, line]):
-            # Split at corners that a run along x owns; elsewhere this run has the corner to itself.
+            # Split at corners that a run along x owns; elsewhere the corner belongs to this run.
             cuts = [begin, *(row for row in range(begin + 1, end) if corners[row, line]), end]
             for low, high in itertools.pairwise(cuts):
                 south = (low - rows / 2.0) * cell + (thick if corners[low, line] else -thick) / 2.0

@@ -13,16 +13,16 @@ from trundle.worlds.world import World
 def load_mesh(path: Path, *, up: str | None = None, unit: str | float | None = None) -> World:
     """Read a mesh file (GLB, glTF, OBJ, STL, PLY, COLLADA) as a world: every mesh of its scene is a solid.
 
-    In the map and for the lidar a mesh is as it is. To collide, it is taken apart into convex pieces where it is not
-    convex itself: see `trundle.sim.convex`.
+    Maps and lidars use the exact mesh. For collisions, a mesh that is not convex is decomposed into convex
+    pieces: see `trundle.sim.convex`.
 
     Args:
         path: The file.
-        up: The file's upward axis, "y" or "z"; none means what the format says, see `trundle.files.mesh.read_mesh`.
-        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; none means what the format says.
+        up: The file's upward axis, "y" or "z"; None takes it from the format, see `trundle.files.mesh.read_mesh`.
+        unit: The file's unit: m, cm, mm, km, in, ft, or its length in metres; None takes it from the format.
 
     Raises:
-        WorldError: If it cannot be read, has no faces, corners that are not numbers, or a scale of 0.
+        WorldError: If it cannot be read, has no faces, has vertices that are not finite numbers, or a scale of 0.
         InputError: If an option is out of range.
         MissingExtraError: If trimesh is not installed.
     """

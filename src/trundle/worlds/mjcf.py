@@ -1,4 +1,4 @@
-"""Worlds in MJCF, MuJoCo's format, and in URDF: what is fixed in them."""
+"""Worlds from MJCF, MuJoCo's format, and from URDF: their fixed geometry."""
 
 from __future__ import annotations
 
@@ -30,32 +30,32 @@ if TYPE_CHECKING:
     import mujoco
 
 PIECE = " / piece "
-"""Between the name of a mesh that is only seen and a number: the name of a convex piece that it collides as."""
+"""Separates a visual mesh's name from a number in the name of one of its convex collision pieces."""
 
 _COLLIDES, _SHOWN = 1, 2
 
 
 def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Folders = ()) -> World:
-    """Read an MJCF or URDF file as a world: the geometry that no joint moves, where it stands in the file.
+    """Read the fixed geometry of an MJCF or URDF file as a world.
 
     Boxes, cylinders, spheres, capsules, ellipsoids, meshes and height fields become solids with their colours. A level
-    plane that faces up is the ground at its height (`worlds.ground.find_ground` says which of several), any other a
-    rectangle of its size; one without a size is left out with a warning, as is what joints move and mocap bodies. A
-    mesh that trundle wrote with convex pieces, which collide in its place, is that mesh again.
+    plane that faces up is the ground at its height (`worlds.ground.find_ground` chooses among several), any other a
+    rectangle of its size. Planes without a size, bodies moved by joints and mocap bodies are left out with a warning.
+    A mesh that trundle exported with convex collision pieces is read back as that mesh.
 
     Args:
         path: The file.
-        geometry: Whether solids are what collides (MJCF: geoms with a contype or conaffinity) or what is seen (MJCF:
-            geoms of the groups 0 to 2, which MuJoCo shows).
-        paths: Folders in which package:// and model:// names are looked for, after those above the file.
+        geometry: Read collision geometry (MJCF: geoms with a contype or conaffinity) or visual geometry (MJCF: geoms
+            of the groups 0 to 2, which MuJoCo shows).
+        paths: Folders to search for package:// and model:// names, after those above the file.
 
     Raises:
-        WorldError: If it cannot be read, or a mesh is not there.
+        WorldError: If it cannot be read, or a mesh is missing.
         InputError: If an option is out of range.
         MissingExtraError: If it has meshes that need trimesh, and that is not installed.
 
     Warns:
-        WorldWarning: Where moving parts were left out.
+        WorldWarning: If moving parts were left out.
     """
     import mujoco
 
@@ -82,7 +82,7 @@ def load_mjcf(path: Path, *, geometry: GeometryChoice = "collision", paths: Fold
         name = _name(model, geom, body)
         matrix = _matrix(data.geom_xpos[geom], data.geom_xmat[geom])
         if not np.isfinite(matrix).all():
-            raise WorldError(f"{path}: geom {name!r}: its place has numbers that are not finite")
+            raise WorldError(f"{path}: geom {name!r}: its pose is not finite")
         parts, pose, color = _parts(model, geom), Pose3D.from_matrix(matrix), _color(model, geom)
         if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
             if planes.take(name, parts, pose, _plane_area(model, geom), color):
@@ -99,19 +99,19 @@ def _warn_of_left_out(path: Path, endless: list[str], moving: list[str]) -> None
     if endless:
         names = ", ".join(endless)
         warnings.warn(
-            f"{path}: planes without an end that are not the floor were left out: {names}; give them a size",
+            f"{path}: infinite planes other than the floor were left out: {names}; give them a size",
             WorldWarning,
             stacklevel=3,
         )
     if moving:
         names = ", ".join(dict.fromkeys(moving))
         warnings.warn(
-            f"{path}: what joints move was left out: {len(moving)} geoms of {names}", WorldWarning, stacklevel=3
+            f"{path}: geometry moved by joints was left out: {len(moving)} geoms of {names}", WorldWarning, stacklevel=3
         )
 
 
 def _simplify(spec: mujoco.MjSpec) -> None:
-    """Keep what matters of geometry that stands still, so that nothing else can fail; note in the groups what it is."""
+    """Keep only the fixed geometry, so that nothing else can fail; store in the groups how it is used."""
     import mujoco
 
     drop_textures(spec)
@@ -129,7 +129,7 @@ def _simplify(spec: mujoco.MjSpec) -> None:
 
 
 def _pieces(model: mujoco.MjModel) -> dict[int, str]:
-    """Geoms that are pieces of others, with the names of those."""
+    """Geoms that are convex pieces of others, mapped to the names of those."""
     hidden = [geom for geom in range(model.ngeom) if not int(model.geom_group[geom]) & _SHOWN]
     named = {geom: model.geom(geom).name.rpartition(PIECE)[0] for geom in hidden}
     wholes = {model.geom(geom).name for geom in range(model.ngeom)} - {""}
@@ -143,7 +143,7 @@ def _matrix(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 
 
 def _name(model: mujoco.MjModel, geom: int, body: int) -> str:
-    """The geom's name; else its body's, else its mesh's, else what it is."""
+    """The geom's name; else its body's, else its mesh's, else its type."""
     import mujoco
 
     own = model.geom(geom).name
@@ -161,7 +161,7 @@ def _color(model: mujoco.MjModel, geom: int) -> Color:
 
 
 def _plane_area(model: mujoco.MjModel, geom: int) -> float:
-    """[m²]; a plane that collides has no end, nor has one without a size."""
+    """[m²]; a plane that collides or has no size is infinite."""
     x, y, _ = model.geom_size[geom].tolist()
     drawn = not int(model.geom_group[geom]) & _COLLIDES and x > 0.0 and y > 0.0
     return 4.0 * x * y if drawn else ENDLESS

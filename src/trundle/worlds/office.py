@@ -2,7 +2,7 @@
 
 The floor is `size` between the outer walls, centred on the origin. Corridors run along x; each has a row of rooms north
 and south of it, and every room has one door of the same clear width. Furniture stands along the walls, meeting tables
-in the middle; a lane of `FREE_LANE` stays free from each door to the middle of its room.
+in the middle; a lane of width `FREE_LANE` stays free from each door to the middle of its room.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ROOM_WIDTH = (3.4, 5.6)
 """Least and usual greatest width of rooms along the corridor [m]."""
 
 FREE_LANE = 1.4
-"""Width that furniture leaves free behind a door [m]."""
+"""Width kept free of furniture behind a door [m]."""
 
 MAX_SIZE = 100.0  # [m]
 
@@ -45,7 +45,7 @@ _LEAF_COLOR: Color = (0.70, 0.53, 0.35, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class _Room:
-    """A room: its floor between its walls [m], and which of its sides the corridor is on (+1 north, −1 south)."""
+    """A room: the floor between its walls [m], and the side of the corridor (+1 north, −1 south)."""
 
     name: str
     x0: float
@@ -74,15 +74,15 @@ def generate_office(
     open_doors: bool = True,
     wall_height: float = 1.4,
 ) -> World:
-    """Make an office floor whose every room Nova Carter can drive into.
+    """Generate an office floor where Nova Carter can drive into every room.
 
     Args:
         seed: The same seed and options make the same office.
         size: Of the floor between the outer walls, along x and y [m], up to 100 each.
         corridor_width: [m], 1 to 6.
         door_width: Clear width of every door [m], 0.6 to 2.
-        furnishing: Part of the places for furniture that are taken, 0 (bare rooms) to 1.
-        open_doors: Whether doors have leaves, standing open into the room, or are openings alone.
+        furnishing: Share of furniture places that are filled, 0 (bare rooms) to 1.
+        open_doors: Whether doors have leaves that stand open into the room, or are plain openings.
         wall_height: [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
 
     Raises:
@@ -122,7 +122,7 @@ def _stack_corridors(length: float, width: float, corridor: float) -> tuple[list
             f"office: size {length:g} x {width:g} m has no room for a corridor of {corridor:g} m with rooms on both "
             f"sides; make it at least {least_length:.1f} x {least_width:.1f} m"
         )
-    # Two rows of rooms, their walls to the corridor, the corridor, and a wall to the next.
+    # Two rows of rooms, their walls to the corridor, the corridor, and a wall to the next storey of rooms.
     count = max(1, round((width + _WALL) / (corridor + 2.0 * ROOM_DEPTH[1] + 3.0 * _WALL)))
     while (depth := (width - count * (corridor + 2.0 * _WALL) - (count - 1) * _WALL) / (2.0 * count)) < ROOM_DEPTH[0]:
         count -= 1
@@ -175,7 +175,7 @@ def _wall(name: str, size: tuple[float, float], centre: tuple[float, float], hei
 def _row_walls(
     rooms: Sequence[_Room], half: float, door: float, height: float, *, behind: bool, leaves: bool
 ) -> list[Solid]:
-    """The walls of a row of rooms: to the corridor, between the rooms, at both ends, and behind where asked for."""
+    """The walls of a row of rooms: to the corridor, between the rooms, at both ends, and optionally behind."""
     first = rooms[0]
     side = first.side
     front = (first.y1 if side > 0 else first.y0) + side * _WALL / 2.0
@@ -218,7 +218,7 @@ def _door(room: _Room, width: float, front: float, height: float, *, leaf: bool)
 
 
 def _furnish(rng: np.random.Generator, room: _Room, door: float, furnishing: float) -> list[Solid]:
-    """Furniture for one room: desks, a meeting table or a lounge, and cabinets and plants in what is left."""
+    """Furniture for one room: desks, a meeting table or a lounge, and cabinets and plants in the remaining space."""
     fit = _Furnisher(room, door, rng, furnishing)
     use = float(rng.random())
     if use < 0.22 and room.width >= 4.2 and room.depth >= 4.0:
@@ -232,7 +232,7 @@ def _furnish(rng: np.random.Generator, room: _Room, door: float, furnishing: flo
 
 
 class _Furnisher:
-    """Puts furniture into one room, in a frame whose origin is the middle of its back wall and whose +y is the door."""
+    """Furnishes one room, in a frame with its origin in the middle of the back wall and +y towards the door."""
 
     def __init__(self, room: _Room, door: float, rng: np.random.Generator, furnishing: float) -> None:
         self._room = room
@@ -247,7 +247,7 @@ class _Furnisher:
         self.solids: list[Solid] = []
 
     def desks(self) -> None:
-        """Desks along the back wall, each with a chair before it."""
+        """Desks along the back wall, each with a chair in front of it."""
         length, depth = furniture.DESK_SIZE
         count = int((self._room.width - 0.2) / (length + 0.15))
         pitch = self._room.width / max(1, count)
@@ -274,7 +274,7 @@ class _Furnisher:
                     self._put("chair", furniture.chair(self._rng), *at, turn + sway, 0.5, 0.3, overlap=True)
 
     def lounge(self) -> None:
-        """A sofa at the back wall, and a low table before it where there is room."""
+        """A sofa at the back wall, and a low table in front of it if there is room."""
         if self._rng.random() >= max(self._furnishing, 0.3):
             return
         length, depth = furniture.SOFA_SIZE
@@ -283,7 +283,7 @@ class _Furnisher:
         self._put("table", low, 0.0, depth + 0.55, 0.0, 0.8, 0.45)
 
     def storage(self) -> None:
-        """Cabinets along the side walls and plants in the corners, where they leave the lane free."""
+        """Cabinets along the side walls and plants in the corners, if they leave the lane free."""
         room, rng = self._room, self._rng
         long, deep = furniture.CABINET_SIZE
         half = room.width / 2.0
@@ -311,7 +311,7 @@ class _Furnisher:
         *,
         overlap: bool = False,
     ) -> None:
-        """Put a thing where it blocks no lane, else leave it out. Extents are along the room's axes."""
+        """Place a piece if it blocks no lane, otherwise skip it. Extents are along the room's axes."""
         rect = (x - extent_x / 2.0, y - extent_y / 2.0, x + extent_x / 2.0, y + extent_y / 2.0)
         blocked = [self._free] if overlap else [self._free, *self._taken]
         if any(_overlap(rect, other) for other in blocked):

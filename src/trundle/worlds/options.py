@@ -1,4 +1,4 @@
-"""Options of generators and loaders: their choices, and what is no option."""
+"""Validation of the options of generators and loaders."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from trundle.errors import InputError
 
 Unknown: TypeAlias = Literal["solid", "free"]
-"""What cells of a map that nobody has seen are in a world."""
+"""How unknown cells of a map are treated in a world."""
 
 
 def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
@@ -23,13 +23,13 @@ def check_choice(option: str, value: object, choices: tuple[str, ...]) -> None:
 
 
 def check_options(where: str, owner: str, given: Iterable[str], known: Sequence[str]) -> None:
-    """Refuse options that are not known, with the nearest that is.
+    """Refuse unknown options, with a hint to the nearest known one.
 
     Args:
-        where: What the message begins with.
+        where: Prefix of the message.
         owner: Whose options they are, "a .sdf file".
         given: Their names.
-        known: Those that there are.
+        known: Names of all options.
 
     Raises:
         InputError: If one is not known.
@@ -38,4 +38,4 @@ def check_options(where: str, owner: str, given: Iterable[str], known: Sequence[
         if name not in known:
             nearest = difflib.get_close_matches(name, known, n=1)
             hint = f" (did you mean {nearest[0]!r}?)" if nearest else ""
-            raise InputError(f"{where}: {name!r} is no option for {owner}{hint}; there are: {', '.join(known)}")
+            raise InputError(f"{where}: {name!r} is not an option of {owner}{hint}; there are: {', '.join(known)}")

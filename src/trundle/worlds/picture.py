@@ -18,7 +18,7 @@ from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, s
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 
 _CEILING_M = 2.0
-"""What starts above this height would hide what is below it, and is left out."""
+"""Solids that start above this height are left out: they would hide everything below."""
 
 _LONG_SIDE = 800
 _STEP_M = 0.08  # a drop in height from one pixel to the next that gets an outline
@@ -29,7 +29,7 @@ _SAME = np.arange(256, dtype=np.uint8)
 def draw_world(
     solids: Sequence[Solid], seeds: Sequence[tuple[float, float]], title: str, lines: Sequence[str]
 ) -> Image.Image:
-    """Draw solids as they are seen from above, and the seed points, with north up."""
+    """Draw solids from above, with the seed points and north up."""
     lows, highs = solids_bounds(solids)
     low_enough = lows[:, 2] < _CEILING_M
     shown = [solid for solid, keep in zip(solids, low_enough, strict=True) if keep]
@@ -44,7 +44,7 @@ def draw_world(
 
 
 def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
-    """Colours of what is seen from above, and where there is anything, at the plan's inner pixels."""
+    """Colours seen from above, and a mask of pixels with a solid, over the plan's inner pixels."""
     meshes = [solid for solid in solids if not isinstance(solid.shape, OccupancyCells)]
     parts = [_triangles(solid) for solid in meshes]
     corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
@@ -57,7 +57,7 @@ def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArra
     heights = top + 1.0 - depths
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # of sheets, too, the upper side is seen
+    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # thin sheets are also lit from above
     lit = colors * (0.62 + 0.38 * np.clip(normals @ _SUN, 0.0, 1.0))[:, None]
     picture = np.zeros((len(y), len(x), 3))
     picture[faces >= 0] = lit[faces[faces >= 0]]
@@ -87,7 +87,7 @@ def _triangles(solid: Solid) -> FloatArray:
 def _lay_cells(
     solid: Solid, cells: OccupancyCells, at: tuple[FloatArray, FloatArray], heights: FloatArray, picture: FloatArray
 ) -> None:
-    """Put the walls of cells where they are higher than what is seen; both arrays are changed."""
+    """Draw the walls of blocked cells where they are the highest surface; changes both arrays."""
     x, y = (grid.ravel() for grid in np.meshgrid(*at))
     top = solid.pose.position[2] + cells.height
     merged = max(1, int((at[0][1] - at[0][0]) / cells.resolution)) if len(at[0]) > 1 else 1
@@ -102,7 +102,7 @@ def _lay_cells(
 
 
 def _outlines(heights: FloatArray) -> npt.NDArray[np.bool_]:
-    """Pixels of a solid beside which it goes down."""
+    """Pixels of a solid next to a drop in height."""
     ground = np.where(np.isfinite(heights), heights, -1e9)
     edges = np.zeros(heights.shape, dtype=np.bool_)
     for axis in (0, 1):

@@ -15,11 +15,11 @@ def triangulate(points: FloatArray, counts: IntArray, indices: IntArray) -> tupl
 
     Args:
         points: Shape (V, 3).
-        counts: Corners of each polygon, shape (P,); below 3 there is nothing of it.
+        counts: Corners of each polygon, shape (P,); polygons with fewer than 3 are skipped.
         indices: Corners of all polygons one after the other, into `points`, shape (sum of counts,).
 
     Returns:
-        Triangles, shape (T, 3), and the polygon of each, shape (T,). Triangles that name a vertex twice are left out.
+        Triangles, shape (T, 3), and the polygon of each, shape (T,). Triangles that use a vertex twice are dropped.
     """
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]) if len(counts) else np.zeros(0, dtype=np.int64)
     triangles: list[IntArray] = [np.zeros((0, 3), dtype=np.int64)]
@@ -43,7 +43,7 @@ def triangulate(points: FloatArray, counts: IntArray, indices: IntArray) -> tupl
 def _fans(polygons: IntArray) -> IntArray:
     """Triangles from each polygon's first corner, shape (P, corners − 2, 3).
 
-    All of them at once: fifty times as fast as a call of earcut for each polygon.
+    Vectorized: fifty times as fast as a call of earcut for each polygon.
     """
     first = np.broadcast_to(polygons[:, :1], (len(polygons), polygons.shape[1] - 2))
     return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=-1)
@@ -60,7 +60,7 @@ def _folded(points: FloatArray, polygons: IntArray, fans: IntArray) -> npt.NDArr
 
 
 def _cut_by_earcut(points: FloatArray, polygon: IntArray) -> IntArray:
-    """Triangles of one polygon, shape (T, 3), cut as it is seen along its normal."""
+    """Triangles of one polygon, shape (T, 3), cut in the projection along its normal."""
     from mapbox_earcut import triangulate_float64
 
     corners = points[polygon] - points[polygon[0]]

@@ -1,4 +1,4 @@
-"""Things that stand about in a warehouse, made of boxes and cylinders: pallets, boxes, barrels, forklifts."""
+"""Warehouse objects made of boxes and cylinders: pallets, boxes, barrels, forklifts."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ _ALONG_Y = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One solid of a thing, in the thing's own frame: origin on the floor, x forward.
+    """One solid of an object, in the object's own frame: origin on the floor, x forward.
 
     Attributes:
-        name: Unique within its thing.
-        shape: What it is.
-        pose: In the thing's frame.
+        name: Unique within its object.
+        shape: Its shape.
+        pose: Pose in the object's frame.
         color: Red, green, blue, alpha, each 0..1.
-        kind: As a solid's.
+        kind: Kind of the solid.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Part:
 
 
 def place(parts: Sequence[Part], prefix: str, x: float, y: float, yaw: float) -> list[Solid]:
-    """Put a thing at (x, y) [m] of the map frame, turned by yaw [rad]; its solids are named `prefix_part`."""
+    """Place an object at (x, y) [m] in the map frame, rotated by yaw [rad]; its solids are named `prefix_part`."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     half_cos, half_sin = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
     solids = []
@@ -93,7 +93,7 @@ def box(
 
 
 def pallet(rng: np.random.Generator) -> list[Part]:
-    """Return a wooden pallet, most often with a stack of cartons on it."""
+    """Return a wooden pallet, usually with a stack of cartons on it."""
     length, width, height = PALLET_SIZE
     deck = 0.022
     parts = [box("deck", (length, width, deck), (0.0, 0.0, height - deck / 2.0), WOOD, "pallet")]
@@ -106,7 +106,7 @@ def pallet(rng: np.random.Generator) -> list[Part]:
 
 
 def _carton_stack(rng: np.random.Generator, base: float) -> list[Part]:
-    """Cartons in layers of two by one or two by two, shrinking a little in number towards the top."""
+    """Cartons in layers of two by one or two by two, slightly fewer towards the top."""
     parts: list[Part] = []
     columns, rows = 2, int(rng.integers(1, 3))
     color = np.asarray(CARTONS[rng.integers(len(CARTONS))])

@@ -1,4 +1,4 @@
-"""Worlds in SDF, Gazebo's format: versions 1.2 to 1.12, read with a parser of our own."""
+"""Worlds in SDF, Gazebo's format: versions 1.2 to 1.12, read with trundle's own parser."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ GeometryChoice: TypeAlias = Literal["collision", "visual"]
 MissingChoice: TypeAlias = Literal["error", "skip"]
 
 MAX_NESTING = 32
-"""Of models and includes inside each other."""
+"""Limit on nested models and includes."""
 
 MAX_INCLUDES = 10_000
-"""Of a world, those in included models counted each time; the largest public worlds have some hundred."""
+"""Limit on included models of a world, nested ones counted each time; large public worlds have about a hundred."""
 
 
 def load_sdf(
@@ -58,21 +58,21 @@ def load_sdf(
     """Read an SDF world, or the models of an SDF file without one.
 
     Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
-    materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` says which of
-    several), any other a rectangle of its size. A <state>, lights and plugins are not looked at, actors are left out
-    with a warning. Nested models, includes by path, merged
-    ones too, and poses in named frames are followed; Gazebo's `Ground Plane` and `Sun` need no files.
+    materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` chooses among
+    several), any other a rectangle of its size. <state>, lights and plugins are ignored; actors are left out with a
+    warning. Nested models, includes by path, merged includes and poses in named frames are resolved; Gazebo's
+    `Ground Plane` and `Sun` need no files.
 
     Args:
         path: The file.
-        geometry: Whether solids are what collides or what is seen.
-        movable: Take models that are not static too, where they stand; else they are left out, with a warning.
-        missing: What to do where a mesh or an included model is not there: "error", or "skip" with a warning.
-        paths: Folders in which model:// and package:// names, and other paths, are looked for, after the file's own
-            and before those that Gazebo's and ROS's environment variables name; see `trundle.files.uris.find_uri`.
-        world: Name of the <world>, where a file has several; none means the first.
-        exclude: What to leave out, see `World.load`. What is missing or wrong in a shape that is left out by its name
-            does not matter, and a missing model can be left out by the name that it would have.
+        geometry: Read collision or visual geometry.
+        movable: Include non-static models, at their initial pose; otherwise they are left out with a warning.
+        missing: What to do about a missing mesh or included model: "error", or "skip" with a warning.
+        paths: Folders to search for model:// and package:// names and other paths, after the file's own folder
+            and before those in Gazebo's and ROS's environment variables; see `trundle.files.uris.find_uri`.
+        world: Name of the <world>, if a file has several; None means the first.
+        exclude: What to leave out, see `World.load`. Errors in a shape that is left out by its name
+            are ignored, and a missing model can be left out by the name that it would have.
 
     Raises:
         WorldError: If the file cannot be used; the message has file, line and model.
@@ -80,7 +80,7 @@ def load_sdf(
         MissingExtraError: If it has a mesh and trimesh is not installed.
 
     Warns:
-        WorldWarning: Where something was left out.
+        WorldWarning: If something was left out.
     """
     check_choice("geometry", geometry, ("collision", "visual"))
     check_choice("missing", missing, ("error", "skip"))
@@ -94,15 +94,15 @@ def load_sdf(
 
 @dataclass(slots=True)
 class _Model:
-    """A model as read: its links with their elements, and the models in it.
+    """A model as read: its links with their elements, and its nested models.
 
     Attributes:
-        name: Its name; nothing for one that is merged into the model around it.
+        name: Its name; empty if it is merged into its parent model.
         scope: Its frames.
-        static: Whether it stands still.
-        frame: The name of its frame in the scope around it.
+        static: Whether it is static.
+        frame: Name of its frame in the enclosing scope.
         links: Names and elements.
-        models: The models in it.
+        models: Nested models.
     """
 
     name: str
@@ -138,7 +138,7 @@ class _Reader:
             worlds = [element for element in worlds if element.get("name") == world]
             if not worlds:
                 there = ", ".join(element.get("name", "") for element in children(root, "world")) or "none"
-                raise WorldError(f"{path}: there is no world {world!r} in it; there are: {there}")
+                raise WorldError(f"{path}: it has no world {world!r}; there are: {there}")
         home = worlds[0] if worlds else root
         scope = Scope(place, own=WORLD_FRAME)
         models = self._read_models(place, home, scope, static=False, nesting=0)
@@ -155,12 +155,12 @@ class _Reader:
         return World(path.stem if name in ("", "default") else name, tuple(solids), ground_z=ground)
 
     def remarks(self) -> list[str]:
-        """What was left out."""
+        """Messages about what was left out."""
         texts: list[str] = []
         if self.moving:
             texts.append(
-                f"{len(self.moving)} models that are not static were left out ({_shorten(self.moving)}); with "
-                "movable=true they are obstacles where they stand"
+                f"{len(self.moving)} non-static models were left out ({_shorten(self.moving)}); with "
+                "movable=true they become fixed obstacles"
             )
         if self.skipped:
             texts.append(f"left out: {_shorten(self.skipped)}")
@@ -169,11 +169,11 @@ class _Reader:
     def _read_models(
         self, place: Place, parent: XmlElement, scope: Scope, *, static: bool, nesting: int
     ) -> list[_Model]:
-        """Read the models and includes below an element, and make them frames of its scope."""
+        """Read the models and includes below an element, and add them as frames to its scope."""
         models: list[_Model] = []
         for element in children(parent, "model", "include"):
             if nesting > MAX_NESTING:
-                place.fail(element, f"more than {MAX_NESTING} models inside each other; does one include itself?")
+                place.fail(element, f"models nested more than {MAX_NESTING} deep; does one include itself?")
             if element.tag == "model":
                 name = read_name(place, element)
                 model = self._read_model(place, element, name, static=static, nesting=nesting)
@@ -185,7 +185,7 @@ class _Reader:
                 model, pose = included
             if element.tag == "include" and read_attribute_flag(place, element, "merge"):
                 if not place.model:
-                    place.fail(element, "<include merge=…> is for models in models, and this is a world's")
+                    place.fail(element, "<include merge=…> is allowed only inside a model, not directly in a world")
                 model.frame = scope.merge(model.name, model.scope, pose, element)
                 model.name, model.static = "", static
             else:
@@ -196,7 +196,7 @@ class _Reader:
 
     def _read_model(self, place: Place, element: XmlElement, name: str, *, static: bool, nesting: int) -> _Model:
         place = replace(place, model=f"{place.model}::{name}" if place.model else name)
-        # A model in a static one is static, whatever it says.
+        # A model inside a static one is static, whatever its own <static> says.
         static = static or read_flag(place, element, "static", default=False)
         scope = Scope(place, placement_frame=element.get("placement_frame", ""))
         model = _Model(name, scope, static, frame=name)
@@ -217,7 +217,7 @@ class _Reader:
     ) -> tuple[_Model, PoseIn] | None:
         self.includes += 1
         if self.includes > MAX_INCLUDES:
-            place.fail(element, f"more than {MAX_INCLUDES} models are included, counted with what is included in them")
+            place.fail(element, f"more than {MAX_INCLUDES} models are included, including nested ones")
         uri = read_text(place, element, "uri")
         file = find_model_file(self.files.find(uri, place.file.parent))
         if file is None and is_plain_floor(uri):
@@ -235,7 +235,7 @@ class _Reader:
         found = child(root, "model")
         if found is None:
             if children(root, "light", "actor"):
-                return None  # nothing that a robot could touch
+                return None  # it has no geometry
             inside.fail(root, "an included file needs a <model>")
         name = (element.findtext("name") or "").strip() or read_name(inside, found)
         static = static or read_flag(place, element, "static", default=False)
@@ -250,7 +250,7 @@ class _Reader:
         return model, own if own.element is not None else replace(read_pose(inside, found), frame="")
 
     def _miss(self, place: Place, element: XmlElement, uri: str) -> None:
-        """An included model that is not there: refuse it, or remember that it was left out."""
+        """Handle a missing included model: raise, or record that it was left out."""
         called = (element.findtext("name") or "").strip() or uri.rstrip("/").rpartition("/")[2]
         if self.leave_out.takes_name(f"{place.model}::{called}" if place.model else called):
             return
@@ -293,20 +293,20 @@ class _Reader:
         except MissingFileError:
             if self.missing == "error":
                 raise
-            found = "a mesh that is not there"
+            found = "a missing mesh"
         if isinstance(found, str):
             self.skipped.append(f"{found} of {name!r}")
             return []
         given = read_pose(scope.place, shape)
         placed = pose @ scope.locate(given) if given.frame else at @ given.pose
         color = _color(link, shape)
-        if child(element, "plane") is not None and self._put_aside(name, found, placed, color):
+        if child(element, "plane") is not None and self._keep_plane(name, found, placed, color):
             return []
         solids = make_solids(self.names, name, found, placed, color=color, kind="model")
         return [solid for solid in solids if not self.leave_out.takes_solid(solid)]
 
-    def _put_aside(self, name: str, plane: Sequence[Part], pose: Pose3D, color: Color | None) -> bool:
-        """Whether a <plane> is level: it may be the ground. Where it collides, it is so without an end."""
+    def _keep_plane(self, name: str, plane: Sequence[Part], pose: Pose3D, color: Color | None) -> bool:
+        """Keep a level <plane>, which may be the ground; return whether it was. A plane that collides is infinite."""
         (part,) = plane
         low, high = Solid(name, part.shape).bounds()
         area = ENDLESS if self.geometry == "collision" else float((high - low)[:2].prod())
@@ -314,7 +314,7 @@ class _Reader:
 
 
 def _color(link: XmlElement, shape: XmlElement) -> Color | None:
-    """The colour of a visual, or of the visual that goes with a collision: of the same name, else the link's first."""
+    """The colour of a visual, or of a collision's visual: the one of the same name, else the link's first."""
     if shape.tag == "visual":
         return read_color(shape)
     visuals = children(link, "visual")

@@ -1,4 +1,4 @@
-"""Frames of SDF: who is placed relative to whom, in a world, its models and the models in them.
+"""Frames of SDF: resolving poses relative to other frames in a world and its nested models.
 
 http://sdformat.org/tutorials?tut=pose_frame_semantics
 """
@@ -22,10 +22,10 @@ class Scope:
     Attributes:
         place: For messages.
         own: Name of its own frame, `__model__` or `world`.
-        frames: Where each named frame is given.
-        scopes: The models in it, which are frames too.
-        placement_frame: The frame of a model that its pose places; nothing means its own.
-        aliases: Full names of the frames of models that are merged into this one, by their plain names.
+        frames: Pose of each named frame, as given.
+        scopes: Scopes of its models, which are frames too.
+        placement_frame: The frame of a model that its pose refers to; empty means its own.
+        aliases: Full names of frames from models merged into this one, by their plain names.
     """
 
     place: Place
@@ -37,12 +37,12 @@ class Scope:
     _resolved: dict[str, Pose3D] = field(default_factory=dict[str, Pose3D])
 
     def add(self, name: str, pose: PoseIn, element: XmlElement) -> None:
-        """Add a frame: a link, a joint, a model, or a frame by that name."""
+        """Add a frame: a link, a joint, a model, or a <frame>."""
         self._check_new(name, element)
         self.frames[name] = pose
 
     def merge(self, model: str, scope: Scope, pose: PoseIn, element: XmlElement) -> str:
-        """Add the frames of a model that is merged into this one under their plain names; return its own frame's."""
+        """Add the frames of a merged model under their plain names; return the name of its own frame."""
         own = f"_merged__{model}__model__"
         self.add(own, pose, element)
         self.scopes[own] = scope
@@ -56,7 +56,7 @@ class Scope:
             self.place.fail(element, f"<{element.tag}>: there are two frames named {name!r}")
 
     def locate(self, given: PoseIn, default: str = "") -> Pose3D:
-        """The pose, in this scope's own frame, of something that is placed as `given`; `default` is its frame else."""
+        """The given pose in this scope's own frame; `default` names its frame if the pose names none."""
         return self.find(given.frame or default, given.element) @ given.pose
 
     def find(self, name: str, element: XmlElement | None, trail: tuple[str, ...] = ()) -> Pose3D:
@@ -69,7 +69,7 @@ class Scope:
         if outer in self.aliases:
             return self.find(self.aliases[outer] + mark + inner, element, trail)
         if name in trail:
-            self.place.fail(element, f"frames are placed in a circle: {' -> '.join((*trail, name))}")
+            self.place.fail(element, f"frames refer to each other in a cycle: {' -> '.join((*trail, name))}")
         given = self.frames.get(name)
         if given is not None:
             asker = element if given.element is None else given.element
@@ -84,5 +84,5 @@ class Scope:
         return self.find(outer, element, trail) @ self.scopes[outer].find(inner, element)
 
     def placement(self) -> Pose3D:
-        """The frame that this model's pose places, in the model's own frame."""
+        """The frame that this model's pose refers to, in the model's own frame."""
         return self.find(self.placement_frame, None)

@@ -1,4 +1,4 @@
-"""Models that an SDF world includes: which file of a folder is the model, and those that need no file."""
+"""Models that an SDF world includes: finding their files, and the built-in models that need none."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _PLAIN_FLOOR = b"""
 <sdf version='1.6'><model name='ground_plane'><static>true</static><link name='link'><collision name='collision'>
 <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model></sdf>
 """
-"""What Gazebo's `Ground Plane` is."""
+"""Definition of Gazebo's `Ground Plane`."""
 
 
 def find_model_file(path: Path | None) -> Path | None:
-    """The SDF file of a model: the file itself, or of a folder the newest that its model.config names and we read."""
+    """The SDF file of a model: the file itself, or the newest supported version listed in the folder's model.config."""
     if path is None or is_file(path):
         return path
     config = path / "model.config"
@@ -30,13 +30,13 @@ def find_model_file(path: Path | None) -> Path | None:
             if is_file(file):
                 named.append((VERSIONS.index(version) if version in VERSIONS else -1, file))
         if named:
-            # Of equally new ones the last, as Gazebo takes it.
+            # The last of equally new ones, as in Gazebo.
             return max(reversed(named), key=lambda entry: entry[0])[1]
     return path / "model.sdf" if is_file(path / "model.sdf") else None
 
 
 def is_plain_floor(uri: str) -> bool:
-    """Whether a URI is that of Gazebo's `Ground Plane`, by model:// or of Fuel."""
+    """Whether a URI is that of Gazebo's `Ground Plane`, by model:// or on Fuel."""
     return _plain_name(uri) == "ground plane"
 
 
@@ -46,12 +46,12 @@ def is_sun(uri: str) -> bool:
 
 
 def read_plain_floor(file: Path) -> XmlElement:
-    """Gazebo's `Ground Plane`, as if it stood in a file."""
+    """Gazebo's `Ground Plane`, as if read from a file."""
     return parse_xml(file, _PLAIN_FLOOR, error=WorldError)
 
 
 def _plain_name(uri: str) -> str:
-    """The name of the model in a URI, in lower case with spaces; nothing where it is no model's."""
+    """The name of the model in a URI, in lower case with spaces; empty if the URI is not a model's."""
     path = re.sub(r"/(\d+|tip)$", "", unquote(uri).strip().rstrip("/"))
     scheme, mark, rest = path.partition("://")
     words = rest.split("/")

@@ -20,7 +20,7 @@ from trundle.worlds.tessellate import cone_mesh, rectangle_mesh
 
 _NOT_READ = ("heightmap", "image", "polyline")
 
-# Gazebo's media/materials/scripts/gazebo.material: the plain colours of worlds that name a script.
+# Gazebo's media/materials/scripts/gazebo.material: plain colours of the material scripts that worlds refer to.
 _SCRIPT_COLORS: dict[str, tuple[float, float, float]] = {
     "Gazebo/Grey": (0.7, 0.7, 0.7),
     "Gazebo/DarkGrey": (0.175, 0.175, 0.175),
@@ -39,22 +39,22 @@ _SCRIPT_COLORS: dict[str, tuple[float, float, float]] = {
 
 
 class MissingFileError(WorldError):
-    """A mesh or a model that a world names and that is not there."""
+    """A mesh or a model that a world refers to is missing."""
 
 
 @dataclass(slots=True)
 class Files:
-    """Finds what a URI means, and keeps the meshes that were read.
+    """Resolves URIs, and caches the meshes that were read.
 
     Attributes:
-        folders: Where models and packages are looked for.
+        folders: Folders to search for models and packages.
     """
 
     folders: tuple[Path, ...]
     _meshes: dict[Path, list[MeshPart]] = field(default_factory=dict[Path, list[MeshPart]])
 
     def find(self, uri: str, base: Path) -> Path | None:
-        """The file or folder that a URI names in a file of the folder `base`; see `find_uri`."""
+        """The file or folder that a URI refers to, relative to the folder `base`; see `find_uri`."""
         return find_uri(uri, base, self.folders)
 
     def mesh(self, path: Path) -> list[MeshPart]:
@@ -65,21 +65,21 @@ class Files:
         return self._meshes[key]
 
     def advise(self) -> str:
-        """Where it looked, and what to do about what was not found, for messages."""
+        """The searched folders and what to do about a missing file, for messages."""
         return (
-            f"searched: {describe_search(self.folders)}. Name its folder with --paths FOLDER (paths=…), or leave out "
-            "what is missing with --set missing=skip"
+            f"searched: {describe_search(self.folders)}. Give its folder with --paths FOLDER (paths=…), or skip "
+            "missing files with --set missing=skip"
         )
 
 
 def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part] | str:
-    """Shapes of a <geometry>; or, as text, what it is that is left out.
+    """Shapes of a <geometry>; or a text that names the geometry that is left out.
 
-    A plane is a rectangle, also where it is the floor.
+    A plane is a rectangle, even if it is the floor.
 
     Raises:
         WorldError: If it cannot be used.
-        MissingFileError: If its mesh is not there.
+        MissingFileError: If its mesh is missing.
     """
     kinds = children(element, *_READERS, "empty", *_NOT_READ)
     if len(kinds) != 1:
@@ -94,7 +94,7 @@ def read_geometry(place: Place, element: XmlElement, files: Files) -> list[Part]
 
 
 def read_color(visual: XmlElement) -> Color | None:
-    """The colour of a visual's material: diffuse, else ambient, else that of a Gazebo script; or none."""
+    """The colour of a visual's material: diffuse, else ambient, else that of a Gazebo script, else None."""
     material = child(visual, "material")
     if material is None:
         return None

@@ -12,22 +12,22 @@ from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
 
 VERSIONS = tuple(f"1.{minor}" for minor in range(2, 13))
-"""Versions of SDF that are read."""
+"""Supported versions of SDF."""
 
 _NOT_LOOKED_AT = ("plugin", "gui", "scene", "physics", "light", "sensor", "actor", "state", "visual")
 _HARMLESS_MACROS = ("xacro:arg", "xacro:property", "xacro:if", "xacro:unless")
 
 FAR = 1e7
-"""Numbers beyond this [m] are mistakes."""
+"""Larger numbers [m] are mistakes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where in a file we are, for messages.
+    """A location in a file, for messages.
 
     Attributes:
         file: The file.
-        model: Name of the model, or nothing above models.
+        model: Name of the model; empty outside models.
     """
 
     file: Path
@@ -42,12 +42,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class PoseIn:
-    """A pose that is given in a frame.
+    """A pose relative to a named frame.
 
     Attributes:
-        frame: Name of the frame; nothing means the default of what has the pose.
+        frame: Name of the frame; empty means the default of the element.
         pose: In that frame.
-        element: Where it stands, or none where it was left out.
+        element: Its element, or None if it was omitted.
     """
 
     frame: str = ""
@@ -66,17 +66,17 @@ def children(element: XmlElement, *tags: str) -> list[XmlElement]:
 
 
 def read_version(place: Place, root: XmlElement) -> None:
-    """Check that a root element is <sdf> of a version that is read."""
+    """Check that a root element is <sdf> of a supported version."""
     if root.tag != "sdf":
-        place.fail(root, f"an SDF file starts with <sdf version=…>, this one with <{root.tag}>")
+        place.fail(root, f"an SDF file must start with <sdf version=…>, got <{root.tag}>")
     version = root.get("version", "").strip()
     if version not in VERSIONS:
         what = f"SDF version {version!r} is not known" if version else "<sdf> has no version"
-        place.fail(root, f"{what}; {VERSIONS[0]} to {VERSIONS[-1]} are read")
+        place.fail(root, f"{what}; {VERSIONS[0]} to {VERSIONS[-1]} are supported")
 
 
 def refuse_macros(place: Place, root: XmlElement) -> None:
-    """Refuse macros of xacro in what is read; conditions on plugins and the like do not matter."""
+    """Refuse xacro macros in the elements that are read; conditions on plugins and the like are ignored."""
     advice = f"expand the file first: xacro {place.file.name} > world.sdf"
     pending = [root]
     while pending:
@@ -84,11 +84,11 @@ def refuse_macros(place: Place, root: XmlElement) -> None:
         if element.tag.startswith("xacro:"):
             used = next((item for item in element.iter() if item.tag in ("model", "include")), None)
             if used is not None or element.tag not in _HARMLESS_MACROS:
-                place.fail(element, f"<{element.tag}> is not read here; {advice}")
+                place.fail(element, f"<{element.tag}> is not supported; {advice}")
         elif element.tag not in _NOT_LOOKED_AT:
             texts = [element.text or "", *element.attrib.values()]
             if any("${" in text or "$(" in text for text in texts):
-                place.fail(element, f"<{element.tag}> has an expression of xacro; {advice}")
+                place.fail(element, f"<{element.tag}> contains a xacro expression; {advice}")
             pending += list(reversed(cast("list[XmlElement]", list(element))))
 
 
@@ -101,7 +101,7 @@ def read_name(place: Place, element: XmlElement) -> str:
 
 
 def read_text(place: Place, parent: XmlElement, tag: str) -> str:
-    """The text of a child that must be there."""
+    """The text of a required child."""
     element = child(parent, tag)
     text = "" if element is None else (element.text or "").strip()
     if not text:
@@ -110,7 +110,7 @@ def read_text(place: Place, parent: XmlElement, tag: str) -> str:
 
 
 def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> bool:
-    """A child that is true or false."""
+    """A boolean child."""
     element = child(parent, tag)
     if element is None:
         return default
@@ -121,7 +121,7 @@ def read_flag(place: Place, parent: XmlElement, tag: str, *, default: bool) -> b
 
 
 def read_attribute_flag(place: Place, element: XmlElement, name: str) -> bool:
-    """An attribute that is true or false, and false where it is left out."""
+    """A boolean attribute, false by default."""
     text = element.get(name, "false").strip().lower()
     if text not in ("1", "0", "true", "false"):
         place.fail(element, f"{name} of <{element.tag}> must be true or false, got {text!r}")
@@ -146,7 +146,7 @@ def read_numbers(place: Place, element: XmlElement, count: int, *, positive: boo
 
 
 def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[float, ...]:
-    """The positive numbers in a child that must be there."""
+    """The positive numbers in a required child."""
     element = child(parent, tag)
     if element is None:
         place.fail(parent, f"<{parent.tag}> needs <{tag}>")
@@ -154,7 +154,7 @@ def read_sizes(place: Place, parent: XmlElement, tag: str, count: int) -> tuple[
 
 
 def read_pose(place: Place, parent: XmlElement) -> PoseIn:
-    """The <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in the frame that it names."""
+    """The <pose> of an element: x y z roll pitch yaw, or with a quaternion (x y z w), in its named frame."""
     element = child(parent, "pose")
     if element is None:
         return PoseIn()
@@ -167,7 +167,7 @@ def read_pose(place: Place, parent: XmlElement) -> PoseIn:
     if form == "quat_xyzw":
         x, y, z, qx, qy, qz, qw = read_numbers(place, element, 7)
         if not 0.5 < math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw) < 2.0:
-            place.fail(element, f"<pose>: {qx:g} {qy:g} {qz:g} {qw:g} is no unit quaternion (x y z w)")
+            place.fail(element, f"<pose>: {qx:g} {qy:g} {qz:g} {qw:g} is not a unit quaternion (x y z w)")
         return PoseIn(frame, Pose3D((x, y, z), (qw, qx, qy, qz)), element)
     x, y, z, *angles = read_numbers(place, element, 6)
     if read_attribute_flag(place, element, "degrees"):

@@ -1,4 +1,4 @@
-"""Shapes of other formats, made of ours: capsules exactly, ellipsoids and height fields as meshes."""
+"""Shapes of other formats converted to trundle's: capsules exactly, ellipsoids and height fields as meshes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from trundle.worlds.tessellate import sphere_mesh
 
 
 class Names:
-    """Gives out names that are unique: a second `table` becomes `table#2`."""
+    """Makes names unique: a second `table` becomes `table#2`."""
 
     def __init__(self) -> None:
         self._count: dict[str, int] = {}
         self._taken: set[str] = set()
 
     def take(self, name: str) -> str:
-        """Take a name, or the first free one with a number behind it."""
+        """Return the name if it is free, else with the first free number appended."""
         number = self._count.get(name, 0)
         while True:
             number += 1
@@ -32,13 +32,13 @@ class Names:
 
 
 class Part(NamedTuple):
-    """One of the shapes that a thing of another format is made of.
+    """One of the shapes that make up an object of another format.
 
     Attributes:
-        shape: What it is.
-        suffix: Of its name, behind that of the thing.
-        pose: In the thing's frame.
-        color: As the file says, or none.
+        shape: Its shape.
+        suffix: Appended to the object's name.
+        pose: Pose in the object's frame.
+        color: Colour from the file, or None.
     """
 
     shape: Shape
@@ -48,9 +48,9 @@ class Part(NamedTuple):
 
 
 def capsule_parts(radius: float, length: float) -> list[Part]:
-    """A capsule along z, centred, whose straight part is `length` [m] long: a cylinder and two balls.
+    """A capsule along z, centred, whose straight part is `length` [m] long: a cylinder and two spheres.
 
-    Together they are exactly the capsule.
+    Together they form the exact capsule.
     """
     if length <= 0.0:
         return [Part(Sphere(radius))]
@@ -60,7 +60,7 @@ def capsule_parts(radius: float, length: float) -> list[Part]:
 
 
 def ellipsoid_mesh(radii: tuple[float, float, float]) -> Mesh:
-    """An ellipsoid of three radii [m] along the axes, as a closed mesh that holds it and is at most 0.5 % larger."""
+    """An ellipsoid of three radii [m] along the axes, as a closed mesh that encloses it and is at most 0.5 % larger."""
     ball = sphere_mesh(1.0)
     return Mesh(ball.vertices * np.asarray(radii), ball.faces)
 
@@ -91,7 +91,7 @@ def height_field_mesh(heights: FloatArray, size: tuple[float, float], floor: flo
 def make_solids(
     names: Names, name: str, parts: Iterable[Part], pose: Pose3D, *, color: Color | None, kind: str
 ) -> list[Solid]:
-    """Solids of one named thing at a pose; `color` goes before the parts' own. The first has the plain name."""
+    """Solids of one named object at a pose; `color` overrides the parts' own. The first has the plain name."""
     solids: list[Solid] = []
     for part in parts:
         shade = color or part.color

@@ -1,7 +1,7 @@
-"""Primitive shapes as closed triangle meshes that hold them.
+"""Primitive shapes as closed triangle meshes that enclose them.
 
-Round ones come out at most 0.5 % larger, never smaller, so that a map made of them misses nothing. All loaders and
-exporters tessellate here; `viewer.triangles` draws from inside, `maps.over_floor` from outside and finer.
+Round shapes come out at most 0.5 % larger, never smaller, so that a map made from them misses nothing. All loaders and
+exporters tessellate here; `viewer.triangles` uses inscribed meshes, `maps.over_floor` finer circumscribed ones.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def cone_mesh(radius: float, length: float) -> Mesh:
 
 
 def frustum_mesh(bottom: float, top: float, length: float) -> Mesh:
-    """A cone without its point along z about the origin: radii at the bottom and the top, full `length` [m]."""
+    """A truncated cone along z about the origin: radii at the bottom and the top, full `length` [m]."""
     angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     circle = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(AROUND)]) / np.cos(np.pi / AROUND)
     half = np.array([0.0, 0.0, length / 2.0])
@@ -87,7 +87,7 @@ def capsule_mesh(radius: float, length: float) -> Mesh:
 
 @cache
 def _unit_ball() -> tuple[FloatArray, npt.NDArray[np.int32]]:
-    """A ball's triangles, with no vertex on the equator, so that a capsule is a ball that is drawn out there."""
+    """Triangles of a unit sphere with no vertex on the equator, so that a capsule is a sphere stretched there."""
     heights = np.linspace(-np.pi / 2.0, np.pi / 2.0, _RINGS + 2)[1:-1]
     angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     rings = np.stack(
@@ -115,12 +115,12 @@ def _unit_ball() -> tuple[FloatArray, npt.NDArray[np.int32]]:
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    # Blown up until the nearest face touches the ball from outside.
+    # Scaled up until the nearest face touches the sphere from outside.
     return vertices / float((normals * corners[:, 0]).sum(axis=1).min()), faces
 
 
 def _closed(vertices: FloatArray, faces: npt.NDArray[np.int64]) -> Mesh:
-    """A mesh without the triangles that a radius of 0 leaves without area, its equal vertices made one."""
+    """A mesh with equal vertices merged, and without the triangles that a radius of 0 leaves without area."""
     places, index = np.unique(vertices, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])

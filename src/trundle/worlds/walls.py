@@ -19,7 +19,7 @@ from trundle.values import check_kind, is_finite_number
 from trundle.worlds.options import Unknown, check_choice
 
 MOST_BOXES = 5_000
-"""Above this many boxes an engine slows down, and one field of blocked cells is used instead."""
+"""Above this many boxes physics engines slow down, and one field of blocked cells is used instead."""
 
 _FREE, _OCCUPIED, _UNKNOWN = 0, 1, 2
 _COLORS: dict[int, Color] = {_OCCUPIED: (0.66, 0.67, 0.70, 1.0), _UNKNOWN: (0.36, 0.38, 0.42, 1.0)}
@@ -39,7 +39,7 @@ class Rectangles(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """What a `World` of walls is made of.
+    """The data of a `World` of walls.
 
     Attributes:
         name: The stem of the map's file, or `map`.
@@ -68,7 +68,7 @@ def extrude(
     Args:
         grid: A grid, or the path of a ROS map YAML.
         height: Of the walls [m].
-        unknown: What unknown cells are: "solid" or "free".
+        unknown: Treat unknown cells as "solid" or "free".
         most_boxes: The largest number of boxes.
 
     Raises:
@@ -79,7 +79,7 @@ def extrude(
     check_choice("unknown", unknown, ("solid", "free"))
     if not (is_finite_number(height) and height > 0.0):
         raise WorldError(f"height must be a positive number of metres, got {height!r}")
-    advice = "OccupancyGrid.load(path) reads one"
+    advice = "OccupancyGrid.load(path) loads one"
     check_kind(grid, (OccupancyGrid, str, os.PathLike), "a world's map", advice)
     name = "map"
     if not isinstance(grid, OccupancyGrid):
@@ -87,7 +87,7 @@ def extrude(
         grid = OccupancyGrid.load(grid)
     classes = _classify(grid, unknown)
     if not (classes == _FREE).any():
-        raise WorldError(f"map {name!r} has no free cell: there is no room for a robot in it")
+        raise WorldError(f"map {name!r} has no free cell, so it has no room for a robot")
     rectangles = merge_cells(classes, most=most_boxes)
     if rectangles is None:
         shape = OccupancyCells(classes != _FREE, grid.resolution, height)
@@ -99,9 +99,9 @@ def extrude(
 
 
 def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | None:
-    """Merge cells that are not 0 into rectangles of one class; None where more than `most` are needed.
+    """Merge cells that are not 0 into rectangles of one class; None if more than `most` are needed.
 
-    Runs of equal cells in a row first, then runs of equal ends and class in rows that follow each other.
+    First merges runs of equal cells in a row, then equal runs in consecutive rows.
     """
     rows, cols = classes.shape
     padded = np.zeros((rows, cols + 2), dtype=np.uint8)
@@ -111,7 +111,7 @@ def merge_cells(classes: npt.NDArray[np.uint8], *, most: int) -> Rectangles | No
     ends = np.flatnonzero(changes[:, 1:] & (classes != 0))
     row, begin, end = begins // cols, begins % cols, ends % cols + 1
     kind = classes.ravel()[begins].astype(np.int64)
-    # The run that begins at the same column in the row below, if there is one and it is equal.
+    # The equal run that begins at the same column in the row below, if any.
     above = np.searchsorted(begins, begins - cols)
     above = np.minimum(above, max(len(begins) - 1, 0))
     grows = (begins[above] == begins - cols) & (end[above] == end) & (kind[above] == kind) & (row > 0)

@@ -1,9 +1,9 @@
-"""The `warehouse` generator: racks in rows, aisles of one exact width, and what stands about in a warehouse.
+"""The `warehouse` generator: racks in rows, aisles of one exact width, and loose objects.
 
 The floor is `size` between the walls, centred on the origin. Rows of racks run along x. West of them is a loading area,
 east of them a cross aisle, and long rows have another cross aisle in the middle; along the north and the south wall
-runs a lane. Loose things stand in the loading area and in the lanes alone, and leave `FREE_BESIDE` on every side that
-is not against a wall, so that a robot of Nova Carter's size reaches, and turns at, every place between them.
+runs a lane. Loose objects are only in the loading area and the lanes, with `FREE_BESIDE` clear on every side that is
+not against a wall, so that a robot of Nova Carter's size can reach every place between them and turn there.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from trundle.worlds.world import World
 
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
 LANE = 2.2  # least width of the lanes along the north and south walls [m]
-FREE_BESIDE = 1.6  # least free width beside loose things [m]
+FREE_BESIDE = 1.6  # least free width beside loose objects [m]
 RACK_DEPTH = 1.0  # [m]
 FLUE = 0.1  # gap between two racks that stand back to back [m]
 BAY = 2.7  # clear pitch of the uprights [m]
@@ -45,7 +45,7 @@ _POST = 0.10  # edge of an upright [m]
 _BEAM = 0.11  # height of a beam [m]
 _FIRST_SHELF = 0.22  # top of the lowest shelf [m]
 _SHELF_PITCH = 1.15  # from shelf to shelf [m]
-_ROWS_SPLIT_AT = 7  # from so many bays on, a row has a cross aisle in its middle
+_ROWS_SPLIT_AT = 7  # rows of at least this many bays have a cross aisle in the middle
 
 _UPRIGHT: Color = (0.13, 0.29, 0.60, 1.0)
 _ORANGE: Color = (0.93, 0.43, 0.09, 1.0)
@@ -67,7 +67,7 @@ class _Rect:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """Where the rows of racks stand.
+    """Positions of the rows of racks.
 
     Attributes:
         floor: The floor between the walls.
@@ -92,15 +92,15 @@ def generate_warehouse(
     clutter: float = 1.0,
     wall_height: float = 4.0,
 ) -> World:
-    """Make a warehouse that Nova Carter can cross everywhere.
+    """Generate a warehouse that Nova Carter can drive through everywhere.
 
     Args:
         seed: The same seed and options make the same warehouse.
         size: Of the floor between the walls, along x and y [m], up to 100 each.
         aisle_width: Between the faces of two rows of racks [m], 1 to 10.
-        levels: Shelves above each other in a rack, 1 to 6.
-        fill: Part of the places in the racks that hold goods, 0 to 1.
-        clutter: How many loose things there are, against the usual; 0 (none) to 3.
+        levels: Shelf levels per rack, 1 to 6.
+        fill: Share of rack places that hold goods, 0 to 1.
+        clutter: Number of loose objects, relative to the default; 0 (none) to 3.
         wall_height: [m].
 
     Raises:
@@ -273,7 +273,7 @@ def _guards(name: str, west: float, bays: int, south: float, racks: int) -> list
 
 
 class _Clutter:
-    """Scatters loose things over the loading area and the lanes, never in an aisle or a cross aisle."""
+    """Scatters loose objects over the loading area and the lanes, never in an aisle or a cross aisle."""
 
     def __init__(self, layout: _Layout, rng: np.random.Generator) -> None:
         self._layout = layout
@@ -281,7 +281,7 @@ class _Clutter:
         self._taken: list[_Rect] = []
 
     def scatter(self, amount: float) -> list[Solid]:
-        """Place forklifts first, then smaller things by the area of the floor."""
+        """Place forklifts first, then smaller objects in proportion to the floor area."""
         if amount == 0.0:
             return []
         floor = self._layout.floor
@@ -302,7 +302,7 @@ class _Clutter:
         return solids
 
     def _try_place(self, parts: list[Part], prefix: str, *, tries: int) -> list[Solid]:
-        """Place a thing where it fits; nothing where no try did."""
+        """Place an object at a random spot where it fits; empty if all tries failed."""
         for _ in range(tries):
             turn = float(self._rng.integers(4)) * math.pi / 2.0 + float(self._rng.uniform(-0.06, 0.06))
             extent = _floor_bounds(place(parts, prefix, 0.0, 0.0, turn))

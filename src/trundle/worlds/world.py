@@ -33,17 +33,17 @@ WORLDS: Registry[World] = Registry(
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What stands on the floor. The floor is the plane z = 0 of the map frame; nothing moves but the robot.
+    """Solids on a floor. The floor is the plane z = 0 of the map frame; only the robot moves.
 
     Attributes:
         name: For messages, pictures and folder names.
-        solids: What there is; names are unique.
+        solids: The solids; names are unique.
         seeds: Points (x, y) [m] that are known to be free and reachable, where a map's flood fill may start.
-        ground_z: Height [m] of the endless level plane that its file declares, which is the lowest floor there is;
-            none where the file declares none. Where it is not 0, `worlds.floors.lower_world` moves it there.
+        ground_z: Height [m] of the infinite ground plane that its file declares, the lowest possible floor; None if the
+            file declares none. If it is not 0, `worlds.floors.lower_world` moves it there.
 
     Raises:
-        WorldError: If two solids have one name.
+        WorldError: If two solids have the same name.
     """
 
     name: str
@@ -61,20 +61,20 @@ class World:
 
     @classmethod
     def generate(cls, name: str, /, *, seed: int = 0, exclude: str | Sequence[str] = (), **options: Any) -> World:
-        """Make a built-in world, e.g. `World.generate("warehouse", seed=7, aisle_width=1.6)`.
+        """Generate a built-in world, e.g. `World.generate("warehouse", seed=7, aisle_width=1.6)`.
 
         Args:
-            name: Of the generator.
-            seed: For everything random in it.
+            name: Name of the generator.
+            seed: Seed of its random numbers.
             exclude: What to leave out, as in `load`.
-            **options: Of the generator.
+            **options: Options of the generator.
 
         Raises:
             UnknownNameError: If there is no such world; the nearest name is offered.
-            InputError: If it does not take an option, the nearest is offered; or a value is out of range.
+            InputError: If an option is unknown (the nearest is offered) or a value is out of range.
 
         Warns:
-            WorldWarning: About words of `exclude` that nothing was left out by.
+            WorldWarning: About words of `exclude` that match nothing.
         """
         from trundle.worlds.leave_out import leave_out
         from trundle.worlds.options import check_options
@@ -83,7 +83,7 @@ class World:
         parameters = inspect.signature(make).parameters.values()
         if not any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
             known = [parameter.name for parameter in parameters if parameter.name != "seed"]
-            check_options(f"world {name!r}", "it", options, [*known, "exclude"])
+            check_options(f"world {name!r}", "this world", options, [*known, "exclude"])
         made = cast("World", make(seed=seed, **options))
         return leave_out(made, exclude, f"world {name!r}") if exclude else made
 
@@ -102,12 +102,12 @@ class World:
     ) -> World:
         """Read a world from a file, by its suffix.
 
-        All but maps are read in a process of their own, which a bad file may crash or keep busy, and handed back.
+        All formats but maps are read in a separate process, because a bad file may crash or block the reader.
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
         | .sdf, .world, .sdf.xacro | Gazebo's SDF 1.2 to 1.12 | `worlds.sdf.load_sdf` |
-        | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; what is fixed | `worlds.mjcf.load_mjcf` |
+        | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; fixed geometry | `worlds.mjcf.load_mjcf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
         | .usd, .usda, .usdc, .usdz | OpenUSD, Isaac Sim's scenes | `worlds.usd.load_usd` |
@@ -115,27 +115,27 @@ class World:
         Args:
             path: The file.
             exclude: What to leave out, as a sequence, or one text with commas: names of solids or of groups above them
-                (`/World/Robot`, `shelf::board`), also with `*` and `?`; kinds, which in USD are semantic labels; and
-                `floor` (what ends within 1 cm above z = 0) and `ceiling` (what starts above 2 m and is wider than
-                high).
+                (`/World/Robot`, `shelf::board`), with `*` and `?` as wildcards; kinds, which in USD are semantic
+                labels; and `floor` (solids that end within 1 cm above z = 0) and `ceiling` (solids that start above
+                2 m and are wider than high).
             floor_z: Height of the floor in the file [m]: the world is moved down by it, so that the floor is at z = 0
-                as in every world. None leaves it where it is; `worlds.floors.find_floor` says what is under a robot.
-            trusted: Read the file in this process, without limits; none means as TRUNDLE_TRUSTED says (0 or 1).
-            time_limit_s: How long reading may take [s]; none means TRUNDLE_READ_SECONDS, or 20.
-            memory_limit_gb: How much memory reading may take, where the system can limit that (Linux) [GB]; none means
+                as in every world. None leaves it where it is; `worlds.floors.find_floor` finds the floor under a robot.
+            trusted: Read the file in this process, without limits; None means TRUNDLE_TRUSTED (0 or 1).
+            time_limit_s: Time limit for reading [s]; None means TRUNDLE_READ_SECONDS, or 20.
+            memory_limit_gb: Memory limit for reading, if the system supports one (Linux) [GB]; None means
                 TRUNDLE_READ_GIGABYTES, or 2.
-            **options: Of the loader.
+            **options: Options of the loader.
 
         Raises:
             WorldError: If the file is missing, of another kind, or cannot be used; the message says which part of it.
-                If it takes too much time or memory, or crashes what reads it.
+                If it takes too much time or memory, or crashes the reader.
             MapError: If a map cannot be used.
-            InputError: If the file's loader does not take an option, or its value is out of range.
+            InputError: If the file's loader does not have an option, or its value is out of range.
             MissingExtraError: If the library that reads this kind of file is not installed.
 
         Warns:
-            WorldWarning: Where parts were left out, or what `exclude` says is not there; where the world is empty, or
-                so large that its unit must be wrong.
+            WorldWarning: If parts were left out, `exclude` matches nothing, or the world is empty or so large that its
+                unit must be wrong.
         """
         from trundle.guard import read_limits
         from trundle.worlds.load import load_world
@@ -152,7 +152,7 @@ class World:
         Args:
             grid: A grid, or the path of a ROS map YAML.
             height: Of the walls [m].
-            unknown: What cells that nobody has seen are: "solid" (a robot must not drive there) or "free".
+            unknown: Treat unknown cells as "solid" (a robot must not drive there) or "free".
         """
         from trundle.worlds.walls import extrude
 
@@ -168,7 +168,7 @@ class World:
         return f"{count} solid{'' if count == 1 else 's'}, {wide} x {deep} x {tall} m"
 
     def _repr_png_(self) -> bytes:
-        """Show a picture from above in notebooks, with north up and without what starts above 2 m."""
+        """Show a picture from above in notebooks, with north up and without solids that start above 2 m."""
         from trundle.pictures.figure import to_png
         from trundle.worlds.picture import draw_world
 

@@ -1,4 +1,4 @@
-"""`WorldLike`: what the readers and editors of worlds need to know of `World`, which is built on them."""
+"""`WorldLike`: the part of `World` that the readers and editors of worlds use; `World` itself imports them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class WorldLike(Protocol):
 
     @property
     def solids(self) -> tuple[Solid, ...]:
-        """What there is; names are unique."""
+        """The solids; names are unique."""
         ...
 
     @property

@@ -1,6 +1,6 @@
-"""Things that stand about outdoors, made of boxes, cylinders and spheres: vans, containers, lamp posts, cones, trees.
+"""Outdoor objects made of boxes, cylinders and spheres: vans, containers, lamp posts, cones, trees.
 
-Each stands on the ground about its own origin, x forward. What a low robot could touch reaches into its height band.
+The origin of each is on the ground, in its middle, x forward. Anything a low robot could touch is in its height band.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def container(rng: np.random.Generator) -> list[Part]:
 
 
 def lamp_post(height: float = 4.5) -> list[Part]:
-    """Return a lamp post of a height [m] whose arm reaches along x."""
+    """Return a lamp post of a height [m] whose arm points along x."""
     return [
         Part("foot", Cylinder(0.16, 0.45), Pose3D((0.0, 0.0, 0.225)), CHARCOAL, "lamp"),
         Part("post", Cylinder(0.06, height - 0.45), Pose3D((0.0, 0.0, (height + 0.45) / 2.0)), STEEL, "lamp"),
@@ -103,7 +103,7 @@ def lamp_post(height: float = 4.5) -> list[Part]:
 
 
 def cone() -> list[Part]:
-    """Return a traffic cone on a foot of 11 cm, which a low robot's map shows."""
+    """Return a traffic cone on a base 11 cm high, so that it shows in a low robot's map."""
     return [
         box("foot", (0.26, 0.26, 0.11), (0.0, 0.0, 0.055), CHARCOAL, "cone"),
         Part("lower", Cylinder(0.12, 0.20), Pose3D((0.0, 0.0, 0.21)), _CONE, "cone"),

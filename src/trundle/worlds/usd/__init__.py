@@ -13,11 +13,11 @@ from trundle.worlds.usd.words import Geometry, Missing, Purpose, UpAxis
 from trundle.worlds.world import World
 
 _MODULES = ("Usd", "Gf", "Sdf", "Tf", "UsdGeom", "UsdPhysics", "UsdShade", "UsdUtils", "Vt")
-"""All that is used of USD, here and in the exporter."""
+"""The USD modules used here and in the exporter."""
 
 
 def need_usd(purpose: str) -> None:
-    """Check that usd-core can be imported; everything that imports `pxr` is imported after this.
+    """Check that usd-core can be imported; call it before importing any module that imports `pxr`.
 
     Raises:
         MissingExtraError: If it is not installed; the message has the install line.
@@ -47,32 +47,32 @@ def load_usd(
     """Load the geometry of a USD stage as a world; nothing in it moves.
 
     Stages in any unit and with either axis up come out in metres with z up. Solids are named by their prims' paths
-    (`/World/Racks[3]/Shelf` inside the fourth instance of a point instancer) and are of the kind that their semantic
-    label says. A level plane prim that faces up is the ground at its height (`worlds.ground.find_ground` says which of
-    several) and makes no solid, any other is a rectangle.
+    (`/World/Racks[3]/Shelf` inside the fourth instance of a point instancer) and take their kind from their
+    semantic label. A level plane prim that faces up is the ground at its height (`worlds.ground.find_ground` chooses
+    among several) and makes no solid, any other is a rectangle.
 
     Lists of words may also be one text with commas between them.
 
     Args:
         path: A .usd, .usda, .usdc or .usdz file.
-        geometry: `"collision"` takes what has UsdPhysics' collision API, in the shape that its approximation says,
-            seen or not; `"visual"` what is seen; `"auto"` the colliders of a stage that has any besides planes, with a
-            warning where something is seen far from all of them.
-        exclude: What to leave out with all that is below it: prim paths (`/World/Robot`, also with `*` and `?`),
-            semantic labels, and the words `floor` (besides the label: what ends within 1 cm above z = 0) and `ceiling`
-            (what starts above 2 m and is wider than high).
-        missing: What to do where a reference, payload or sublayer cannot be had: "skip" it with a warning, or "error".
+        geometry: `"collision"` reads prims with UsdPhysics' collision API, in the shape of their approximation, visible
+            or not; `"visual"` reads visible prims; `"auto"` reads colliders if the stage has any besides planes, with a
+            warning about visible shapes far from all colliders.
+        exclude: What to leave out, with everything below it: prim paths (`/World/Robot`, `*` and `?` as wildcards),
+            semantic labels, and the words `floor` (besides the label: prims that end within 1 cm above z = 0) and
+            `ceiling` (prims that start above 2 m and are wider than high).
+        missing: What to do about a missing reference, payload or sublayer: "skip" it with a warning, or "error".
         purposes: Which visual geometry counts: `default`, `render`, `proxy`, `guide`.
         variants: Selections that replace the file's own, as `/World/Rack{size=large}`.
-        meters_per_unit: Replaces what the stage says.
-        up_axis: Replaces what the stage says.
+        meters_per_unit: Overrides the stage's value.
+        up_axis: Overrides the stage's value.
 
     Raises:
         WorldError: If the file or a prim in it cannot be used; both are named.
         MissingExtraError: If usd-core is not installed.
 
     Warns:
-        WorldWarning: About what is left out, and about what is probably not meant.
+        WorldWarning: About parts that are left out, and about probable mistakes.
     """
     need_usd("reading USD")
     from trundle.worlds.usd.load import Options, load

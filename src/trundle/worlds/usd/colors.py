@@ -19,12 +19,12 @@ _INPUTS = ("diffuseColor", "diffuse_color_constant", "diffuse_tint", "base_color
 
 @dataclass(slots=True)
 class Colors:
-    """Finds colours; remembers those of materials."""
+    """Finds colours; caches those of materials."""
 
     _materials: dict[str, Color | None] = field(default_factory=dict)
 
     def of(self, prim: Any) -> Color:
-        """A prim's colour: the mean, where it has one for every vertex."""
+        """A prim's colour; the mean if it has one per vertex."""
         primvars = UsdGeom.PrimvarsAPI(prim)
         values = primvars.FindPrimvarWithInheritance("displayColor").ComputeFlattened(TIME)
         if values and np.ndim(values) == 2:

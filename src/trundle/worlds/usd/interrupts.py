@@ -11,14 +11,14 @@ from types import FrameType
 
 @contextmanager
 def interrupts_deferred() -> Iterator[None]:
-    """Let Ctrl-C wait until the block has ended.
+    """Defer Ctrl-C until the block has ended.
 
-    USD's modules run Python from C++ while they are imported and drop what that raises, KeyboardInterrupt as well: the
-    program would go on, with half a module.
+    While they are imported, USD's modules run Python from C++ and discard its exceptions, KeyboardInterrupt included:
+    the program would continue with a partly loaded module.
     """
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield  # handlers run in the main thread alone
+        yield  # handlers run only in the main thread
         return
     pending: list[tuple[int, FrameType | None]] = []
     signal.signal(signal.SIGINT, lambda number, frame: pending.append((number, frame)))

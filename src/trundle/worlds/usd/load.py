@@ -28,7 +28,7 @@ MAX_SOLIDS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What `load_usd` takes, checked."""
+    """The options of `load_usd`, checked."""
 
     geometry: str
     exclude: tuple[str, ...]
@@ -50,10 +50,10 @@ class Options:
         meters_per_unit: float | None,
         up_axis: str | None,
     ) -> Self:
-        """Check what a user gave.
+        """Check the options as given.
 
         Raises:
-            InputError: If a word is not one of those that there are.
+            InputError: If a value is not an allowed choice.
         """
         _check("geometry", geometry, get_args(Geometry))
         _check("missing", missing, get_args(Missing))
@@ -83,7 +83,7 @@ def load(path: str, options: Options) -> World:
         for place in walk(path, stage, root, leave_out):
             places.append(place)
             if len(places) > MAX_SOLIDS:
-                raise WorldError(f"{path}: it has more than {MAX_SOLIDS} prims with a shape; leave some out")
+                raise WorldError(f"{path}: it has more than {MAX_SOLIDS} prims with a shape; exclude some")
         colliders = _takes_colliders(places, options.geometry)
         chosen = _choose(path, places, options, colliders)
         _warn_of_robots(path, stage, leave_out)
@@ -103,7 +103,7 @@ def load(path: str, options: Options) -> World:
 
 def _check(what: str, word: str, choices: Sequence[str]) -> None:
     if word not in choices:
-        raise InputError(f"{what} is {word!r}, it must be one of: {', '.join(choices)}")
+        raise InputError(f"{what} is {word!r}; it must be one of: {', '.join(choices)}")
 
 
 def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
@@ -113,7 +113,7 @@ def _takes_colliders(places: Sequence[Place], geometry: str) -> bool:
 
 
 def _choose(path: str, places: Sequence[Place], options: Options, colliders: bool) -> list[Place]:
-    """The places that count, without prims of types that have no solid form."""
+    """The places to load, without prims of types that have no solid shape."""
     if colliders:
         chosen = [place for place in places if place.approximation is not None]
     else:
@@ -121,7 +121,7 @@ def _choose(path: str, places: Sequence[Place], options: Options, colliders: boo
     unknown = [place for place in chosen if place.prim.GetTypeName() not in SHAPES]
     for kind, count in Counter(str(place.prim.GetTypeName()) for place in unknown).items():
         first = next(place.name for place in unknown if place.prim.GetTypeName() == kind)
-        warn(f"{path}: prims of type {kind} have no solid form and are left out: {count}, the first is {first}")
+        warn(f"{path}: prims of type {kind} have no solid shape and are left out: {count}, the first is {first}")
     return [place for place in chosen if place.prim.GetTypeName() in SHAPES]
 
 
@@ -145,7 +145,7 @@ def _solids(path: str, places: Sequence[Place], leave_out: Filter, colliders: bo
 
 
 def _seeds(stage: Any) -> tuple[tuple[float, float], ...]:
-    """The seeds that our exporter keeps, in metres as it writes them."""
+    """The seeds [m] that trundle's exporter stores."""
     prim = stage.GetDefaultPrim()
     values = prim.GetAttribute(SEEDS).Get() if prim else None
     return tuple((float(x), float(y)) for x, y in values or ())
@@ -155,8 +155,8 @@ def _warn_of_robots(path: str, stage: Any, leave_out: Filter) -> None:
     for prim in stage.Traverse():
         if prim.HasAPI(UsdPhysics.ArticulationRootAPI) and not leave_out.takes_name(str(prim.GetPath())):
             warn(
-                f"{path}: {prim.GetPath()} is an articulation, a robot perhaps, and becomes a fixed obstacle; "
-                "leave it out by its path if it is not meant to be one"
+                f"{path}: {prim.GetPath()} is an articulation, probably a robot, and becomes a fixed obstacle; "
+                "exclude its path if that is not intended"
             )
 
 
@@ -168,8 +168,8 @@ def _warn_of_unmatched(
     alone = seen_without_collider(shapes, solids, ground or 0.0)
     if alone:
         warn(
-            f"{path}: colliders are taken, and {len(alone)} shapes that are seen are no colliders and near none: left "
-            f'out; the first is {alone[0].name}. geometry="visual" takes what is seen'
+            f"{path}: only colliders are read; {len(alone)} visible shapes without a collider nearby are left "
+            f'out; the first is {alone[0].name}. Use geometry="visual" to read visible shapes'
         )
 
 
@@ -181,8 +181,8 @@ def _warn_of_emptiness(path: str, places: Sequence[Place], chosen: Sequence[Plac
     if chosen or all(level_plane(place) is not None for place in places):
         return
     if options.geometry == "collision":
-        reason = f'none of its {len(places)} shapes but the floor is a collider; take geometry="visual"'
+        reason = f'none of its {len(places)} shapes except the floor is a collider; use geometry="visual"'
     else:
         purposes = ", ".join(sorted(options.purposes))
-        reason = f"none of its {len(places)} shapes but the floor is visible and of the purposes {purposes}"
+        reason = f"none of its {len(places)} shapes except the floor is visible and has one of the purposes {purposes}"
     warn(f"{path}: the world is empty: {reason}")

@@ -1,4 +1,4 @@
-"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map's."""
+"""USD's geometric prims as shapes, each in its prim's own frame or already scaled to the map frame."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ _TO_AXIS = {
     "Y": np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]),
     "Z": np.eye(4),
 }
-"""From a shape along z to the same along one of USD's axes; acts on columns."""
+"""Rotations from a shape along z to the same shape along one of USD's axes; act on columns."""
 
 
 @dataclass(slots=True)
 class Shapes:
-    """Makes shapes of prims; what instances share is read and scaled once.
+    """Converts prims to shapes; data that instances share is read and scaled once.
 
     Attributes:
         path: The file, for messages.
-        colliders: Whether meshes are taken as their colliders' approximation says.
+        colliders: Whether meshes take the shape of their colliders' approximation.
     """
 
     path: str
@@ -47,8 +47,8 @@ class Shapes:
         """A prim's shape and its pose in the map frame.
 
         Raises:
-            FlattenedError: If there is nothing of it: no faces, or a size or scale of 0.
-            WorldError: If its numbers do not fit together; the prim is named.
+            FlattenedError: If it is empty: no faces, or a size or scale of 0.
+            WorldError: If its numbers are inconsistent; the message names the prim.
         """
         prim = item.prim
         try:
@@ -87,7 +87,7 @@ class Shapes:
 
 
 def level_plane(item: Place) -> LevelPlane | None:
-    """A prim as a level plane that faces up; none where it is not that. One that collides has no end."""
+    """A prim as a level plane that faces up; None if it is not one. A plane that collides is infinite."""
     if item.prim.GetTypeName() != "Plane":
         return None
     turned = item.matrix[:3, :3] @ _TO_AXIS[_axis(item.prim)][:3, :3]
@@ -107,7 +107,7 @@ def level_plane(item: Place) -> LevelPlane | None:
 
 
 def _primitive(prim: Any) -> tuple[Placeable, str]:
-    """A prim's shape along z, and the axis that it lies along."""
+    """A prim's shape along z, and its actual axis."""
     kind = str(prim.GetTypeName())
     if kind == "Cube":
         edge = _number(UsdGeom.Cube(prim).GetSizeAttr())
@@ -118,7 +118,7 @@ def _primitive(prim: Any) -> tuple[Placeable, str]:
         plane = UsdGeom.Plane(prim)
         width, length = _number(plane.GetWidthAttr()), _number(plane.GetLengthAttr())
         axis = _axis(prim)
-        # Across z and y where it faces x: USD's width is then along z.
+        # A plane that faces x lies along z and y: USD's width is then along z.
         if axis == "X":
             width, length = length, width
         return tessellate.rectangle_mesh(width, length), axis
@@ -149,7 +149,7 @@ def _capsule(bottom: float, top: float, height: float) -> Mesh:
     ends.append(np.array([[0.0, 0.0, height / 2.0 if top == 0.0 else -height / 2.0]]))
     hull = convex_hull(np.concatenate(ends))
     if hull is None:
-        raise FlattenedError("there is nothing of it")
+        raise FlattenedError("it is empty")
     return hull
 
 
@@ -180,9 +180,9 @@ def _read_mesh(prim: Any) -> Mesh:
     if not np.isfinite(points).all():
         raise WorldError(f"{int((~np.isfinite(points)).any(axis=1).sum())} of its {len(points)} points are not finite")
     if counts.min() < 0 or counts.sum() != len(indices):
-        raise WorldError(f"its faces have {counts.sum()} corners and faceVertexIndices {len(indices)}")
+        raise WorldError(f"its faces have {counts.sum()} corners, but faceVertexIndices has {len(indices)} entries")
     if len(indices) and (indices.min() < 0 or indices.max() >= len(points)):
-        raise WorldError(f"its faces name points outside 0..{len(points) - 1}")
+        raise WorldError(f"its faces have vertex indices outside 0..{len(points) - 1}")
     faces, owners = triangulate(points, counts, indices)
     holes = _array(mesh.GetHoleIndicesAttr(), np.int64)
     if len(holes):
@@ -199,7 +199,7 @@ def _array(attribute: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
     try:
         return np.array([] if value is None else value, dtype=dtype)
     except (TypeError, ValueError) as error:
-        raise WorldError(f"{attribute.GetName()} is no list of numbers: {error}") from error
+        raise WorldError(f"{attribute.GetName()} is not a list of numbers: {error}") from error
 
 
 def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]:
@@ -207,7 +207,7 @@ def _bounding_sphere(mesh: Mesh, matrix: FloatArray) -> tuple[Placeable, Pose3D]
     centre = (points.min(axis=0) + points.max(axis=0)) / 2.0
     radius = float(np.sqrt(((points - centre) ** 2).sum(axis=1).max()))
     if radius == 0.0:
-        raise FlattenedError("its scale of 0 leaves nothing of it")
+        raise FlattenedError("its scale of 0 flattens it")
     return Sphere(radius), pose_of(centre, np.eye(3))
 
 

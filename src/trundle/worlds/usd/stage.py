@@ -1,4 +1,4 @@
-"""Opening USD stages: what is wrong with them as one clear error, and where they are in metres with z up."""
+"""Opening USD stages: clear errors for bad files, and the conversion to metres with z up."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _VARIANT = re.compile(r"(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<name>[^={}]*)\}"
 
 @contextmanager
 def opened(path: str) -> Iterator[Any]:
-    """Give the stage of a file; what goes wrong in USD while the block reads it becomes a `WorldError`.
+    """Open the stage of a file; USD errors while the block reads it become a `WorldError`.
 
     USD's warnings go to this module's log and not to the terminal.
 
@@ -45,11 +45,11 @@ def opened(path: str) -> Iterator[Any]:
     try:
         yield Usd.Stage.Open(path)
     except Tf.ErrorException as error:
-        raise WorldError(f"{path}: not a USD file that can be read: {_reason(error)}") from None
+        raise WorldError(f"{path}: cannot be read as a USD file: {_reason(error)}") from None
     except (RuntimeError, UnicodeDecodeError) as error:
-        raise WorldError(f"{path}: not a USD file that can be read: {parser_reason(error)}") from error
-    except (TypeError, OverflowError) as error:  # from attributes that a file gives a type of its own
-        raise WorldError(f"{path}: it has a value of another type, or out of range: {error}") from error
+        raise WorldError(f"{path}: cannot be read as a USD file: {parser_reason(error)}") from error
+    except (TypeError, OverflowError) as error:  # from attributes with an unexpected type
+        raise WorldError(f"{path}: it has a value of the wrong type or out of range: {error}") from error
     finally:
         with suppress(UnicodeDecodeError):
             for item in delegate.TakeUncoalescedDiagnostics():
@@ -57,10 +57,10 @@ def opened(path: str) -> Iterator[Any]:
 
 
 def select_variants(path: str, stage: Any, variants: Sequence[str]) -> None:
-    """Select variants, each given as `/prim{set=variant}`, over what the file selects; the file stays as it is.
+    """Select variants, each given as `/prim{set=variant}`, overriding the file's selections; the file is not modified.
 
     Raises:
-        WorldError: If a selection names a prim, a set or a variant that is not there; the message has what is.
+        WorldError: If a selection names an unknown prim, set or variant; the message lists the known ones.
     """
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for text in variants:
@@ -84,7 +84,7 @@ def select_variants(path: str, stage: Any, variants: Sequence[str]) -> None:
 
 
 def report_missing(path: str, stage: Any, *, refuse: bool, is_excluded: Callable[[str], bool]) -> None:
-    """Say which references, payloads and sublayers could not be composed, but for those under excluded prims.
+    """Report references, payloads and sublayers that could not be composed, except under excluded prims.
 
     Raises:
         WorldError: If there is one and `refuse` is set.
@@ -102,7 +102,7 @@ def report_missing(path: str, stage: Any, *, refuse: bool, is_excluded: Callable
     for text in list(found)[:_SHOWN]:
         warn(f"{path}: {text}. It is left out")
     if len(found) > _SHOWN:
-        warn(f"{path}: {len(found) - _SHOWN} more references cannot be had and are left out")
+        warn(f"{path}: {len(found) - _SHOWN} more references are missing and are left out")
 
 
 def to_metres(path: str, stage: Any, meters_per_unit: float | None, up_axis: str | None) -> FloatArray:
@@ -115,7 +115,7 @@ def to_metres(path: str, stage: Any, meters_per_unit: float | None, up_axis: str
         meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(stage))
         if not UsdGeom.StageHasAuthoredMetersPerUnit(stage):
             warn(
-                f"{path}: it does not say its metersPerUnit, so {meters_per_unit:g} m holds, as USD has it; "
+                f"{path}: it does not set metersPerUnit, so USD's default of {meters_per_unit:g} m is used; "
                 "give meters_per_unit=1 if the world comes out a hundredth of its size"
             )
     if not (math.isfinite(meters_per_unit) and meters_per_unit > 0.0):
@@ -130,15 +130,15 @@ def to_metres(path: str, stage: Any, meters_per_unit: float | None, up_axis: str
 
 
 def warn(message: str) -> None:
-    """Warn of something about a world."""
+    """Issue a `WorldWarning`."""
     warnings.warn(message, WorldWarning, stacklevel=2)
 
 
 def _reason(error: Exception) -> str:
-    """What USD says, without its source code's places."""
+    """USD's error message, without source code locations."""
     try:
         text = str(error)
-    except UnicodeDecodeError:  # it quotes the file's bytes
+    except UnicodeDecodeError:  # its message quotes the file's bytes
         return parser_reason(error)
     said = re.findall(r"in file .*? : '(.*?)'\s*$", text, flags=re.MULTILINE | re.DOTALL)
     return _one_line(said[0] if said else text)

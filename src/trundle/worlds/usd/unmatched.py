@@ -1,4 +1,4 @@
-"""What is seen where nothing collides: walls that somebody forgot to make colliders."""
+"""Visible shapes without a collider nearby: walls that somebody forgot to make colliders."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from trundle.solids import Solid, solids_bounds
 from trundle.worlds.usd.walk import TIME, Place
 
 LOW, HIGH = 0.01, 2.0
-"""What ends below or starts above these heights over the ground [m] is floor or ceiling, and no matter."""
+"""Shapes that end below or start above these heights over the ground [m] are floor or ceiling, and ignored."""
 
 _NEAR = 0.01
 _AT_ONCE = 1 << 22
 
 
 def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], ground: float) -> list[Place]:
-    """The shapes between floor and ceiling whose bounds meet those of no solid above the floor.
+    """The shapes between floor and ceiling whose bounds overlap no solid above the floor.
 
     Args:
-        places: Of shapes that are seen and do not collide.
-        solids: What colliders became.
+        places: Visible shapes that do not collide.
+        solids: Solids made from colliders.
         ground: Its height [m].
     """
     bounds = [(place, _bounds(place)) for place in places]
@@ -47,7 +47,7 @@ def seen_without_collider(places: Sequence[Place], solids: Sequence[Solid], grou
 
 
 def _bounds(place: Place) -> FloatArray | None:
-    """Lowest and highest corner [m] of a prim's extent in the map frame, shape (2, 3); none where it has no extent."""
+    """Lowest and highest corner [m] of a prim's extent in the map frame, shape (2, 3); None if it has no extent."""
     try:
         extent = UsdGeom.Boundable(place.prim).ComputeExtent(TIME)
     except Tf.ErrorException:

@@ -1,4 +1,4 @@
-"""Walking a USD stage: every geometric prim with its place, through instances and point instancers."""
+"""Traversing a USD stage: every geometric prim with its transform, through instances and point instancers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from trundle.geometry import FloatArray
 from trundle.worlds.leave_out import Filter
 
 TIME = Usd.TimeCode.EarliestTime()
-"""When attributes are read: what is not animated has one value, and what is counts as it stands at its start."""
+"""Time at which attributes are read: animated ones take the value at their start."""
 
 SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 """The types of prims that become solids."""
@@ -22,15 +22,15 @@ SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule",
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A prim at one of its places, and what it has from the prims above it.
+    """One occurrence of a prim, with the properties inherited from the prims above it.
 
     Attributes:
         prim: The prim.
-        name: Its path; within a point instancer with the number of the instance.
+        name: Its path; inside a point instancer with the number of the instance.
         matrix: From its own frame to the map frame [m], acting on columns, shape (4, 4).
         visible: Whether it and all above it are visible.
         purpose: `default`, `render`, `proxy` or `guide`.
-        approximation: Of its collider, as UsdPhysics names it; none where it is no collider.
+        approximation: Its collider's approximation in UsdPhysics; None if it is not a collider.
         label: Semantic label of the nearest prim that has one, or "".
         within: Paths of the point instancers around it, outermost first.
     """
@@ -46,22 +46,22 @@ class Place:
 
 
 def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator[Place]:
-    """Give all geometric prims of a stage, whether they are seen, collide or neither.
+    """Yield all geometric prims of a stage, whether visible, colliding or neither.
 
     Args:
         path: The file, for messages.
         stage: The stage.
         root: From the stage's frame to the map frame, shape (4, 4).
-        leave_out: What not to walk into.
+        leave_out: What to skip.
 
     Raises:
-        WorldError: If a transform is not finite, or a point instancer does not fit together.
+        WorldError: If a transform is not finite, or a point instancer is inconsistent.
     """
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
-    # What a point instancer places may be kept in a class or an over, so that it is drawn nowhere else.
+    # Prototypes of a point instancer may be in a class or an over, so that they are drawn nowhere else.
     kept = Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
     prototypes = Usd.TraverseInstanceProxies(kept)
-    # Last in, first out: in the file's order.
+    # Last in, first out: this keeps the file's order.
     stack = [Place(prim, str(prim.GetPath()), root) for prim in _children(stage.GetPseudoRoot(), predicate)]
     while stack:
         place = _arrive(path, stack.pop(), root, leave_out)
@@ -78,12 +78,12 @@ def walk(path: str, stage: Any, root: FloatArray, leave_out: Filter) -> Iterator
 
 
 def _children(prim: Any, predicate: Any) -> list[Any]:
-    """Children, last first, as a stack takes them."""
+    """Children in reverse order, for a stack."""
     return list(reversed(prim.GetFilteredChildren(predicate)))
 
 
 def _arrive(path: str, place: Place, root: FloatArray, leave_out: Filter) -> Place | None:
-    """Take a prim's own transform, visibility, purpose, collider and label on top of what is above it."""
+    """Combine a prim's own transform, visibility, purpose, collider and label with those inherited."""
     prim = place.prim
     if leave_out.takes_name(place.name) or leave_out.takes_name(str(prim.GetPath())):
         return None
@@ -114,7 +114,7 @@ def _arrive(path: str, place: Place, root: FloatArray, leave_out: Filter) -> Pla
 
 
 def _approximation(prim: Any, above: str | None) -> str | None:
-    """A collider's approximation; colliders on a group hold for what is in it."""
+    """A collider's approximation; a collider on a group applies to its members."""
     if not prim.HasAPI(UsdPhysics.CollisionAPI):
         return above
     if UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get(TIME) is False:
@@ -127,7 +127,7 @@ def _approximation(prim: Any, above: str | None) -> str | None:
 def semantic_labels(prim: Any) -> list[str]:
     """The semantic labels of a prim itself: of UsdSemantics, or in the older form of Isaac Sim."""
     found: list[str] = []
-    # Not prim.GetAppliedSchemas(), which leaves out what this build of USD does not know.
+    # Not prim.GetAppliedSchemas(), which omits schemas unknown to this build of USD.
     for schema in prim.GetPrimTypeInfo().GetAppliedAPISchemas():
         kind, _, instance = schema.partition(":")
         if kind == "SemanticsLabelsAPI":
@@ -157,16 +157,16 @@ def _instances(path: str, stage: Any, place: Place, leave_out: Filter) -> list[P
     except Tf.ErrorException:
         transforms = []
     if len(transforms) != len(numbers):
-        raise WorldError(f"{path}: {name}: its positions, orientations or scales are not as many as its protoIndices")
+        raise WorldError(f"{path}: {name}: it needs one position, orientation and scale for each of its protoIndices")
     mask = instancer.ComputeMaskAtTime(TIME)
-    # A prototype that is not drawn where it stands is drawn where it is placed.
+    # A prototype that is invisible in place is still drawn by its instances.
     fresh = replace(place, within=within)
     places: list[Place] = []
     for index, (number, transform) in enumerate(zip(numbers, transforms, strict=True)):
         if len(mask) and not mask[index]:
             continue
         if not 0 <= number < len(prototypes) or not prototypes[number]:
-            raise WorldError(f"{path}: {name}: instance {index} is of prototype {number}, which is not there")
+            raise WorldError(f"{path}: {name}: instance {index} refers to prototype {number}, which does not exist")
         prototype = prototypes[number]
         local = np.array(transform).T
         if not np.isfinite(local).all():

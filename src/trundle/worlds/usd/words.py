@@ -1,4 +1,4 @@
-"""The words that choose what is loaded of a USD stage."""
+"""Names and choices of USD stages."""
 
 from typing import Literal, TypeAlias
 
@@ -8,7 +8,7 @@ Purpose: TypeAlias = Literal["default", "render", "proxy", "guide"]
 UpAxis: TypeAlias = Literal["Y", "Z"]
 
 NAME = "trundle:name"
-"""Key of a prim's customData under which our exporter keeps a solid's name."""
+"""Key of a prim's customData in which trundle's exporter stores a solid's name."""
 
 SEEDS = "trundle:seeds"
-"""Attribute of the default prim in which our exporter keeps a world's seeds [m]."""
+"""Attribute of the default prim in which trundle's exporter stores a world's seeds [m]."""
