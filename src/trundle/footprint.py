@@ -16,8 +16,8 @@ class Footprint:
     """The convex outline of a robot on the floor, with base_link inside.
 
     Attributes:
-        outline: Corners in base_link [m], shape (N, 2). They may be given either way round, and become
-            counter-clockwise and read-only.
+        outline: Corners in base_link [m], shape (N, 2). They may be given clockwise or counter-clockwise; the array
+            is counter-clockwise and read-only.
         inscribed_radius: Distance [m] from base_link to the nearest edge.
         circumscribed_radius: Distance [m] from base_link to the farthest corner: the radius of a turn in place.
 

@@ -121,7 +121,7 @@ def test_the_robot_of_the_page_works_in_every_verb(tmp_path, monkeypatch, capsys
     assert called.footprint == robot.footprint
     capsys.readouterr()
     assert run_command(["view", "cart.urdf", "-o", "v.png"]) == 2
-    assert "It turns at: motor_a, motor_b" in capsys.readouterr().err
+    assert "Its revolute joints are: motor_a, motor_b" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", world_names())

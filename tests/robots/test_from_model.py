@@ -183,7 +183,7 @@ def test_a_robot_that_would_tip_over_gets_a_ball_with_a_word(tmp_path):
     (tmp_path / "cart.xml").write_text(text)
     with pytest.warns(RobotWarning) as caught:
         robot = Robot.from_model(tmp_path / "cart.xml", left_joint="l", right_joint="r")
-    assert any("nothing carries the back of the robot" in str(one.message) for one in caught)
+    assert any("nothing supports the back of the robot" in str(one.message) for one in caught)
     assert len(robot.casters) == 1
     assert robot.casters[0].x < robot.body.center_of_mass[0]
 
@@ -191,11 +191,11 @@ def test_a_robot_that_would_tip_over_gets_a_ball_with_a_word(tmp_path):
 @pytest.mark.parametrize(
     ("options", "kind", "message"),
     [
-        ({}, RobotError, "which joints drive the robot? It turns at: l, r, swivel"),
+        ({}, RobotError, "which joints drive the robot? Its revolute joints are: l, r, swivel"),
         ({"left_joint": "l", "right_joint": "rr"}, UnknownNameError, "Did you mean 'r'"),
         ({"left_joint": "l", "right_joint": "l"}, RobotError, "are both 'l'"),
-        ({"left_joint": "r", "right_joint": "l"}, RobotError, "exchange the two"),
-        ({"left_joint": "l", "right_joint": "swivel"}, RobotError, "not level"),
+        ({"left_joint": "r", "right_joint": "l"}, RobotError, "swap the two"),
+        ({"left_joint": "l", "right_joint": "swivel"}, RobotError, "not horizontal"),
         (
             {"left_joint": "l", "right_joint": "r", "track_width": math.nan},
             RobotError,
@@ -217,8 +217,8 @@ WHEEL_GEOM = '<geom type="ellipsoid" size="0.1 0.02 0.1" mass="1"/>'
     ("old", "new", "message"),
     [
         (WHEEL_GEOM, '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', "has no geometry to read its radius from"),
-        (WHEEL_GEOM, WHEEL_GEOM.replace("0.1", "0.2"), "they must be alike"),
-        ('pos="0.1 -0.25 -0.1"', 'pos="-0.2 -0.25 -0.1"', "do not turn about one axle"),
+        (WHEEL_GEOM, WHEEL_GEOM.replace("0.1", "0.2"), "they must be equal"),
+        ('pos="0.1 -0.25 -0.1"', 'pos="-0.2 -0.25 -0.1"', "do not rotate about one axis"),
         ('pos="0.1 -0.25 -0.1"', 'pos="0.1 0.25 -0.1"', "are in one place"),
     ],
 )

@@ -237,7 +237,7 @@ def test_options_out_of_range_are_refused():
 
 def test_a_robot_that_does_not_stand_is_refused():
     falling = CARTER.model_copy(update={"casters": ()})
-    with pytest.raises(RobotError, match="does not stand on its wheels"):
+    with pytest.raises(RobotError, match="wheels and casters do not support it"):
         MujocoSimulator(EMPTY, falling)
 
 

@@ -1,4 +1,4 @@
-"""What carries a robot, and why it tips over where it does."""
+"""Checks that a robot's centre of mass is supported, and explains why it tips over if not."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from trundle.robots.robot import Robot
 
 
 def describe_imbalance(robot: Robot) -> str:
-    """Why a robot that does not stand on its wheels tips over, and what to add."""
+    """Explain why a robot tips over, and what to add."""
     x, y = _center_of_mass(robot)
     carried = [wheel.x for wheel in robot.drive.wheels] + [caster.x - caster.trail for caster in robot.casters]
     first, last = min(carried), max(carried)
-    begin = f"the robot {robot.name!r} does not stand on its wheels"
+    begin = f"the robot {robot.name!r} tips over: its wheels and casters do not support it"
     if first < x < last:
         return f"{begin}: check body.center_of_mass, which is at ({x:.3g}, {y:.3g}) m, and where its casters are"
     front = x >= last

@@ -1,4 +1,4 @@
-"""Differential drive: kinematics both ways, and the clipped wheel command of Isaac Sim's DifferentialController."""
+"""Differential drive: forward and inverse kinematics, and wheel commands clipped as in Isaac Sim's controller."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class WheelSpeeds(NamedTuple):
 
 
 class Axle(Config):
-    """A left and a right wheel of a drive with several.
+    """The left and right wheel of one axle, for drives with several axles.
 
     Attributes:
-        x: Place of the axle in base_link [m].
+        x: Position of the axle in base_link [m].
         left_joint: Name of the left wheel's joint.
         right_joint: Name of the right wheel's joint.
     """
@@ -41,10 +41,10 @@ class DriveWheel(NamedTuple):
 
 
 class DifferentialDrive(Config):
-    """Driven wheels on the left and on the right, with base_link on the ground in the middle of them.
+    """Driven wheels on the left and on the right, with base_link on the ground midway between them.
 
-    Of several on a side, as skid-steer robots have them, all turn alike, and the robot turns about base_link as
-    commanded: it does not skid.
+    With several wheels per side, as on skid-steer robots, all wheels of a side turn at the same speed. The robot turns
+    about base_link as commanded; skid is not modelled.
 
     Attributes:
         wheel_radius: Radius of a wheel [m].
@@ -53,8 +53,8 @@ class DifferentialDrive(Config):
         right_joint: Name of the right wheel's joint.
         wheel_width: Width of a wheel [m], for pictures and masses.
         wheel_mass: Mass of one wheel [kg].
-        axles: The axles of a robot with several; none means one, at x = 0.
-        max_wheel_speed: Largest speed of one wheel [rad/s]; none means that only the robot's limits hold.
+        axles: The axles of a robot with several; none means one axle at x = 0.
+        max_wheel_speed: Maximum speed of one wheel [rad/s]; none means that only the robot's limits apply.
     """
 
     type: Literal["differential"] = "differential"
@@ -71,9 +71,9 @@ class DifferentialDrive(Config):
     def _check_axles(self) -> Self:
         names = [wheel.joint for wheel in self.wheels]
         if self.axles and (len(self.axles) < 2 or self.left_joint not in names or self.right_joint not in names):
-            raise ValueError("axles are two or more, with left_joint and right_joint on one of them; leave out for one")
+            raise ValueError("give at least two axles, one with left_joint and right_joint; leave axles out for one")
         if len(set(names)) < len(names):
-            raise ValueError("each wheel needs a joint of its own")
+            raise ValueError("each wheel needs its own joint")
         return self
 
     @property
@@ -107,7 +107,7 @@ class DifferentialDrive(Config):
     ) -> WheelSpeeds:
         """Wheel speeds [rad/s] with the clipping of Isaac Sim's DifferentialController.
 
-        v and w are clipped on their own, then each wheel on its own at `max_wheel_speed`: the curvature is not kept.
+        v and w are clipped independently, then each wheel at `max_wheel_speed`: the curvature is not preserved.
         """
         clipped = Twist2D(_clip(twist.v, max_linear_speed), _clip(twist.w, max_angular_speed))
         left, right = self.wheel_speeds(clipped)

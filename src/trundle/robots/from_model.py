@@ -1,18 +1,17 @@
-"""A robot from its URDF or MJCF model: what a wheeled robot is, read off its geometry, joints and masses.
+"""A robot from its URDF or MJCF model: its settings are derived from geometry, joints and masses.
 
-The model is read with MuJoCo's MjSpec and looked at as it stands, all joints at 0. Nothing of it is simulated: the
-simulators build their own model of the `Robot` that comes out, so it drives in all of them alike.
+The model is read with MuJoCo's MjSpec, with all joints at 0. It is not simulated: the simulators build their own model
+of the resulting `Robot`, so that it drives alike in all of them.
 
-What is read, in base_link (on the floor, in the middle of the drive wheels, x forward, which is left of the axle turned
-by -90 degrees):
+Derived values, in base_link (on the floor, midway between the drive wheels, x forward, perpendicular to the axle):
 
-- wheel radius, width and mass from the geometry and mass of the wheels' bodies; the track from the wheels' middles;
-- the footprint as the convex hull of all that collides, seen from above, with few corners (`model_shape`);
+- wheel radius, width and mass from the geometry and mass of the wheels' bodies; the track from the wheels' centres;
+- the footprint as the convex hull of the collision geometry from above, with few corners (`model_shape`);
 - height, clearance, mass, centre of mass and inertia of everything but the drive wheels;
 - wheels one behind the other on each side as axles of one drive, with base_link under their middle (`model_wheels`);
-- what else touches the floor as balls that slide without friction; where the robot would tip over without, a ball is
-  put under its front or back, with a warning;
-- the largest speed from the velocity limits of a URDF's wheel joints.
+- other parts that touch the floor as frictionless balls; if the robot would tip over, a ball is added at its front or
+  back, with a warning;
+- the maximum speed from the velocity limits of a URDF's wheel joints.
 """
 
 from __future__ import annotations
@@ -34,14 +33,14 @@ from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
 
 _TOUCHES = 0.006
-"""What comes so near to the floor [m] carries the robot."""
+"""Parts this near to the floor [m] support the robot."""
 
 _BALL_MASS = 0.01
 
 _LARGEST = 1000.0
-"""No robot reaches this far [m]."""
+"""Limit on the size of a robot [m]."""
 
-# Slow and gentle: what a person would walk beside.
+# Slow and gentle: walking pace.
 _ASSUMED_LIMITS: dict[str, Plain] = {
     "linear_speed": 1.0,
     "angular_speed": 2.0,
@@ -51,16 +50,16 @@ _ASSUMED_LIMITS: dict[str, Plain] = {
 
 
 def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -> dict[str, Plain]:
-    """Describe a model as the settings of a `Robot`; what is `given` goes before what is read.
+    """Derive the settings of a `Robot` from a model; `given` settings override derived ones.
 
     Args:
         path: A URDF or MJCF file.
-        given: Settings of a `Robot`, each may be left out; `drive` should name the joints.
-        folders: Where package:// names are looked for, after the folders above the file.
+        given: Settings of a `Robot`, all optional; `drive` should name the joints.
+        folders: Folders to search for package:// names, after those above the file.
 
     Raises:
-        RobotError: If the file cannot be read, or a robot with two drive wheels cannot be made of it.
-        UnknownNameError: If a joint is not there.
+        RobotError: If the file cannot be read, or does not describe a robot with two drive wheels.
+        UnknownNameError: If a joint does not exist.
     """
     try:
         check_regular(path)
@@ -83,8 +82,8 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     if not parts:
         raise RobotError(f"{path}: none of its links has a shape; give the chassis a <collision>, or a <geom> in MJCF")
     everything = np.vstack(parts)
-    if not (np.abs(everything) < _LARGEST).all():  # not a number either
-        raise RobotError(f"{path}: its geometry is not within {_LARGEST:g} m of its wheels: correct its sizes")
+    if not (np.abs(everything) < _LARGEST).all():  # also catches NaN
+        raise RobotError(f"{path}: its geometry must be within {_LARGEST:g} m of its wheels: correct its sizes")
 
     height = float(everything[:, 2].max())
     casters, clearance = _read_underside([part for body in chassis for part in points[body]], radius)
@@ -120,7 +119,7 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
 
 
 def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
-    """The compiled model with what collides, or what is seen where nothing collides."""
+    """The compiled model with its collision geometry, or its visual geometry if it has none."""
     spec = read_spec(path, folders=folders, error=RobotError, geometry="collision")
     if not any(geom.contype or geom.conaffinity for geom in spec.geoms):
         spec = read_spec(path, folders=folders, error=RobotError, geometry="visual")
@@ -133,7 +132,7 @@ def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
 
 
 def _read_underside(parts: list[FloatArray], radius: float) -> tuple[list[Plain], float]:
-    """What touches the floor besides the drive wheels, as balls, and how high the rest is above it [m]."""
+    """Parts that touch the floor besides the drive wheels, as balls, and the clearance of the rest [m]."""
     spots: list[FloatArray] = []
     lowest: list[float] = []
     for points in parts:
@@ -157,7 +156,7 @@ def _ball(x: float, y: float, radius: float) -> dict[str, Plain]:
 def _read_inertia(
     path: Path, model: Any, data: Any, frame: Frame, bodies: list[int]
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, centre of mass in base_link, and moments about it along base_link's axes, of some bodies."""
+    """Mass, centre of mass in base_link, and moments of inertia about it along base_link's axes, of some bodies."""
     masses = np.array([model.body_mass[body] for body in bodies])
     mass = float(masses.sum())
     if mass < 1e-2:
@@ -176,7 +175,7 @@ def _read_inertia(
 def _keep_upright(
     path: Path, casters: list[Plain], center: FloatArray, outline: FloatArray, radius: float, axles: list[float]
 ) -> list[Plain]:
-    """Add a ball in front or behind where the centre of mass would not be carried."""
+    """Add a ball in front or behind if the centre of mass is not supported."""
     ahead = [float(caster["x"]) for caster in casters if isinstance(caster, dict) and isinstance(caster["x"], float)]
     ahead += axles
     added: list[Plain] = []
@@ -189,8 +188,8 @@ def _keep_upright(
             words.append(word)
     if words:
         warnings.warn(
-            f"{path}: nothing carries the {' and the '.join(words)} of the robot; a ball without friction is put "
-            "there. Name casters in a robot's YAML to place them",
+            f"{path}: nothing supports the {' and the '.join(words)} of the robot; a frictionless ball is added "
+            "there. Define casters in a robot's YAML to place them",
             RobotWarning,
             stacklevel=5,
         )
@@ -198,7 +197,7 @@ def _keep_upright(
 
 
 def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: float) -> dict[str, Plain]:
-    """Speeds from the velocity limits of a URDF's wheel joints, where both have one; accelerations are assumed."""
+    """Speeds from the velocity limits of a URDF's wheel joints, if both have one; accelerations are assumed."""
     speeds: list[float] = []
     root = read_xml(path, error=RobotError)
     expand_xacro(path, root, error=RobotError)
@@ -215,11 +214,11 @@ def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: floa
         limits["angular_speed"] = 2.0 * min(speeds) * radius / track
         what = "its accelerations are"
     else:
-        what = "its largest speeds and accelerations are"
+        what = "its maximum speeds and accelerations are"
     warnings.warn(
         f"{path}: the model does not say what {what.replace(' are', '')} may be; assumed: "
         + ", ".join(f"{key} {value:.3g}" for key, value in limits.items() if isinstance(value, float))
-        + ". Give limits to say otherwise",
+        + ". Give limits to override these",
         RobotWarning,
         stacklevel=4,
     )
@@ -227,7 +226,7 @@ def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: floa
 
 
 def _merge(read: dict[str, Plain], given: dict[str, Plain]) -> dict[str, Plain]:
-    """What is given goes before what was read, key by key also in mappings."""
+    """Merge given settings over derived ones, key by key, also within mappings."""
     merged = dict(read)
     for key, value in given.items():
         below = merged.get(key)

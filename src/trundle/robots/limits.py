@@ -1,4 +1,4 @@
-"""What a robot can do at most, in speed and in acceleration."""
+"""Speed and acceleration limits of a robot."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from trundle.robots.sizes import Acceleration, ReverseSpeed, Speed, TurningAccel
 
 
 class Limits(Config):
-    """Largest speeds and accelerations of the base.
+    """Maximum speeds and accelerations of the base.
 
     Attributes:
-        linear_speed: Largest speed forward [m/s].
-        reverse_speed: Largest speed backward [m/s], as a positive number; none means as forward.
-        angular_speed: Largest turning speed, in both directions [rad/s].
-        linear_acceleration: Largest acceleration and deceleration [m/s²].
-        angular_acceleration: Largest angular acceleration and deceleration [rad/s²].
+        linear_speed: Maximum forward speed [m/s].
+        reverse_speed: Maximum reverse speed [m/s], as a positive number; none means the same as forward.
+        angular_speed: Maximum turning speed in both directions [rad/s].
+        linear_acceleration: Maximum acceleration and deceleration [m/s²].
+        angular_acceleration: Maximum angular acceleration and deceleration [rad/s²].
     """
 
     linear_speed: Speed
@@ -25,7 +25,7 @@ class Limits(Config):
     angular_acceleration: TurningAcceleration
 
     def clamp(self, twist: Twist2D) -> Twist2D:
-        """Cut a twist to the largest speeds, each on its own."""
+        """Clamp a twist to the maximum speeds, v and w independently."""
         back = self.linear_speed if self.reverse_speed is None else self.reverse_speed
         return Twist2D(
             min(self.linear_speed, max(-back, twist.v)),
@@ -33,7 +33,7 @@ class Limits(Config):
         )
 
     def approach(self, current: Twist2D, command: Twist2D, dt: float) -> Twist2D:
-        """Return the twist after `dt` [s] of going from `current` towards `command` within all limits."""
+        """Return the twist after `dt` [s] of accelerating from `current` towards `command` within all limits."""
         target = self.clamp(command)
         linear, angular = self.linear_acceleration * dt, self.angular_acceleration * dt
         return Twist2D(

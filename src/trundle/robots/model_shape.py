@@ -10,19 +10,19 @@ import numpy as np
 from trundle.geometry import FloatArray, convex_hull
 
 MOST_CORNERS = 24
-"""Of a footprint."""
+"""Corner limit of a footprint."""
 
 _AROUND = 64
 
 
 def simplify_outline(hull: FloatArray) -> FloatArray:
-    """Drop the corners of a convex outline that hardly turn it, and enclose one of many corners in one of fewer.
+    """Drop nearly straight corners of a convex outline, and enclose it in one with fewer corners if it has many.
 
     Args:
         hull: Corners [m], counter-clockwise, shape (N, 2).
 
     Returns:
-        Corners that enclose all of the hull's but for 0.1 mm, shape (at most `MOST_CORNERS`, 2).
+        Corners that enclose the hull to within 0.1 mm, shape (at most `MOST_CORNERS`, 2).
     """
     outline = _without_flat_corners(hull)
     if len(outline) <= MOST_CORNERS:
@@ -51,7 +51,7 @@ def _without_flat_corners(outline: FloatArray, tolerance: float = 1e-4) -> Float
 
 
 def body_points(model: Any, data: Any, body: int) -> list[FloatArray]:
-    """Points [m] whose hull is a body's colliding geometry, one array of shape (N, 3) for each geom, world frame."""
+    """Points [m] whose hulls are a body's collision geometry, one array of shape (N, 3) per geom, world frame."""
     found: list[FloatArray] = []
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for geom in range(first, first + count):

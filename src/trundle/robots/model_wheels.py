@@ -1,4 +1,4 @@
-"""The wheels that drive a model: which they are, their sizes, and where base_link lies between them."""
+"""Finding the drive wheels of a model, their sizes, and base_link between them."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from trundle.geometry import FloatArray
 from trundle.robots.model_shape import body_points
 
 _ALIKE = 0.02
-"""Wheels of one side have radii that differ by at most this share."""
+"""Largest relative difference between the radii of wheels on one side."""
 
 _BESIDE = 0.05
-"""How far [m] wheels of one side may be apart across it, and in height."""
+"""Largest offset [m] between wheels of one side, laterally and in height."""
 
 _OPPOSITE = 0.02
-"""How far [m] a wheel may be ahead of the one opposite."""
+"""Largest offset [m] of a wheel ahead of the opposite one."""
 
 _HOLONOMIC = re.compile(r"mecanum|swedish|omni", re.IGNORECASE)
 _ROLLERS = 4
-"""A wheel with so many turning parts of its own has rollers around it."""
+"""A wheel with at least this many rotating parts of its own is treated as having rollers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A drive wheel: its joint, its middle [m] and axis in the model's world frame, and its sizes."""
+    """A drive wheel: its joint, its centre [m] and axis in the model's world frame, and its sizes."""
 
     joint: str
     center: FloatArray
@@ -57,11 +57,11 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What drives, and where base_link lies: under the middle of all its wheels.
+    """The drive wheels, and base_link under the middle of them.
 
     Attributes:
         axles: Left and right wheel of each axle, the foremost first.
-        radius: Of the wheels [m].
+        radius: Radius of the wheels [m].
         track: Distance between the wheels of an axle [m].
         frame: base_link.
     """
@@ -73,21 +73,21 @@ class Layout:
 
     @property
     def wheels(self) -> tuple[Wheel, ...]:
-        """All of them."""
+        """All wheels."""
         return tuple(wheel for axle in self.axles for wheel in axle)
 
 
 def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> Layout:
-    """Find the wheels that drive a model. Those of one side, one behind the other, count as one.
+    """Find the drive wheels of a model. Wheels in a row on one side all belong to the drive.
 
     Args:
-        path: Of the file, for messages.
-        model: Compiled.
+        path: Path of the file, for messages.
+        model: The compiled model.
         data: Its state, all joints at 0.
-        drive: Settings of the drive that are given.
+        drive: The given settings of the drive.
 
     Raises:
-        RobotError: If they cannot be identified, do not pair up, or do not roll straight ahead.
+        RobotError: If the wheels cannot be identified, do not form pairs, or do not roll straight ahead.
         UnknownNameError: If a joint is not there.
     """
     names = _name_joints(path, model, drive)
@@ -105,7 +105,7 @@ def read_layout(path: Path, model: Any, data: Any, drive: dict[str, Plain]) -> L
 
 
 def hinge_names(model: Any) -> list[str]:
-    """Names of the joints that turn."""
+    """Names of the revolute joints."""
     import mujoco
 
     return [
@@ -116,12 +116,12 @@ def hinge_names(model: Any) -> list[str]:
 
 
 def root_of(model: Any, joint: str) -> int:
-    """The body that carries all others of the robot that a joint belongs to."""
+    """The root body of the robot that a joint belongs to."""
     return int(model.body_rootid[int(model.jnt_bodyid[model.joint(joint).id])])
 
 
 def wheels_named(joints: Sequence[str], side: str) -> list[str]:
-    """Those of some joints that are plainly named as wheels of a side, "left" or "right"."""
+    """The joints whose names clearly say that they are wheels of a side, "left" or "right"."""
     return [
         joint
         for joint in joints
@@ -130,7 +130,7 @@ def wheels_named(joints: Sequence[str], side: str) -> list[str]:
 
 
 def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[str], list[str]]:
-    """Joints of the left and the right wheels: as given, or those that are plainly named so."""
+    """Joints of the left and right wheels: as given, or found by their names."""
     hinges = hinge_names(model)
     found: list[list[str]] = []
     for side in ("left", "right"):
@@ -142,7 +142,7 @@ def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[
             found.append(matches)
             continue
         if not isinstance(name, str) or name not in hinges:
-            raise UnknownNameError(f"turning joint of {path}:", str(name), hinges)
+            raise UnknownNameError(f"revolute joint of {path}:", str(name), hinges)
         found.append([name])
     left, right = found
     if left == right:
@@ -154,14 +154,14 @@ def _name_joints(path: Path, model: Any, drive: dict[str, Plain]) -> tuple[list[
 
 def _which_joints(path: Path, hinges: list[str]) -> str:
     return (
-        f"{path}: which joints drive the robot? It turns at: {', '.join(hinges) or 'none'}. Name two of "
+        f"{path}: which joints drive the robot? Its revolute joints are: {', '.join(hinges) or 'none'}. Name two of "
         "them: left_joint and right_joint of Robot.from_model, or a robot's YAML with "
         f"model: {path.name} and drive: {{left_joint: …, right_joint: …}}"
     )
 
 
 def _behind(path: Path, model: Any, data: Any, wheel: Wheel, chosen: set[str], given_radius: Plain) -> list[Wheel]:
-    """Wheels like one, before and behind it on the same side."""
+    """Wheels similar to one, in front of it and behind it on the same side."""
     found: list[Wheel] = []
     for joint in hinge_names(model):
         index = int(model.joint(joint).id)
@@ -184,7 +184,7 @@ def _refuse_rollers(path: Path, model: Any, wheel: Wheel) -> None:
     """Refuse mecanum and omni wheels, which roll sideways too.
 
     Raises:
-        RobotError: If it is one, by its names or by the rollers around it.
+        RobotError: If it is one, judged by its name or its rollers.
     """
     names = [wheel.joint, *(str(model.body(body).name) for body in wheel.bodies)]
     first = next((match for name in names if (match := _HOLONOMIC.search(name))), None)
@@ -225,8 +225,8 @@ def _check_axle(path: Path, left: Wheel, right: Wheel) -> None:
         raise RobotError(f"{path}: the wheels of {left.joint!r} and {right.joint!r} are in one place")
     if min(abs(left.axis @ across), abs(right.axis @ across)) < 0.99 * distance:
         raise RobotError(
-            f"{path}: {left.joint!r} and {right.joint!r} do not turn about one axle; a differential drive needs the "
-            "left and the right wheel of one axle"
+            f"{path}: {left.joint!r} and {right.joint!r} do not rotate about one axis; a differential drive needs the "
+            "left and the right wheel on one axle"
         )
 
 
@@ -239,7 +239,7 @@ def _lay_out(
     if given_radius is None and max(radii) - min(radii) > 0.01 * max(radii):
         raise RobotError(
             f"{path}: the wheels have radii of {', '.join(f'{radius:g}' for radius in radii[:-1])} and {radii[-1]:g} "
-            "m; they must be alike: give wheel_radius"
+            "m; they must be equal: give wheel_radius"
         )
     middle_radius = sum(radii) / len(radii)
     radius = middle_radius if given_radius is None else _positive(path, "wheel_radius", given_radius)
@@ -254,15 +254,15 @@ def _lay_out(
     if float(ahead @ rotation[:, 0]) < -0.5:
         raise RobotError(
             f"{path}: {first.joint!r} is on the right side of the model and {second.joint!r} on the left: the robot "
-            "would drive backwards; exchange the two"
+            "would drive backwards; swap the two"
         )
-    # The floor is where the wheels' geometry ends, whatever radius is given for their speeds.
+    # The floor is at the bottom of the wheels' geometry, even if a different radius is given for their speeds.
     floor = np.array([0.0, 0.0, middle_radius])
     return Layout(axles, radius, track, Frame((left + right) / 2.0 - floor, rotation))
 
 
 def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plain) -> Wheel:
-    """Read a wheel off its body's geometry and mass.
+    """Derive a wheel's sizes from its body's geometry and mass.
 
     Raises:
         RobotError: If its joint is not level, or it has no geometry and no radius is given.
@@ -277,7 +277,7 @@ def read_wheel(path: Path, model: Any, data: Any, joint: str, given_radius: Plai
     anchor = np.array(data.xanchor[index], dtype=np.float64)
     parts = [part for member in sorted(bodies) for part in body_points(model, data, member)]
     if abs(axis[2]) > 0.05:
-        raise RobotError(f"{path}: joint {joint!r} turns about {axis.round(3).tolist()}, which is not level: no wheel")
+        raise RobotError(f"{path}: joint {joint!r} is not a wheel: its axis {axis.round(3).tolist()} is not horizontal")
     mass = float(sum(model.body_mass[member] for member in bodies))
     if not parts and given_radius is not None:
         return Wheel(joint, anchor, axis, _positive(path, "wheel_radius", given_radius), 0.05, mass, frozenset(bodies))

@@ -1,4 +1,4 @@
-"""A robot file to edit: of a plain robot, or of what a URDF or MJCF model says."""
+"""Templates of robot files: a simple robot, or the settings derived from a URDF or MJCF model."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ def describe_robot(robot: Robot, model: Path | None = None) -> str:
     """YAML that `Robot.load` reads back as this robot, with a comment on every field.
 
     Args:
-        robot: What is described.
-        model: The URDF or MJCF file that it was read from, for a remark.
+        robot: The robot to describe.
+        model: The URDF or MJCF file that it was derived from, for a comment.
     """
-    remark = "" if model is None else f"# Read from {model.name}; what is written here is what holds.\n"
+    remark = "" if model is None else f"# Derived from {model.name}; the values below override the model.\n"
     plain = robot.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
     return _HEAD + remark + commented_yaml(robot, plain)
 
 
 def check_name(name: str) -> str:
-    """Return a robot's name that can be a file's.
+    """Return a robot's name if it can be a file name.
 
     Raises:
-        InputError: If it is none.
+        InputError: If it cannot.
     """
     if not name or name != Path(name).name or name.startswith((".", "-")):
-        raise InputError(f"{name!r} cannot name a robot: give a plain word, such as my_robot")
+        raise InputError(f"{name!r} cannot name a robot: use a plain name such as my_robot")
     return name

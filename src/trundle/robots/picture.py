@@ -1,4 +1,4 @@
-"""A robot from above as a picture."""
+"""A picture of a robot from above."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LONG_SIDE = 480
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A drive wheel: its middle (x, y), its diameter and its width [m] in base_link."""
+    """A drive wheel: its centre (x, y), its diameter and its width [m] in base_link."""
 
     x: float
     y: float
@@ -36,16 +36,16 @@ def draw_robot(
     title: str,
     lines: Sequence[str],
 ) -> Image.Image:
-    """Draw a robot that drives to the right.
+    """Draw a robot that faces right.
 
     Args:
         outline: Corners of the footprint in base_link [m], shape (N, 2).
         wheels: Its drive wheels.
         casters: (x, y, radius) of each [m].
         lidars: (x, y, yaw) of each [m, m, rad].
-        color: Of the chassis.
-        title: Of the picture.
-        lines: Its caption.
+        color: Colour of the chassis.
+        title: Title of the picture.
+        lines: Lines of the caption.
     """
     reach = float(np.ptp(outline, axis=0).max())
     tips = [(wheel.x + side * wheel.diameter / 2.0, wheel.y) for wheel in wheels for side in (-1.0, 1.0)]

@@ -45,7 +45,7 @@ from trundle.robots.sizes import (
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
-"""Of files that `Robot.from_model` reads."""
+"""Suffixes of files that `Robot.from_model` reads."""
 
 _PLUGINS: Registry[Robot] = Registry("robot", "trundle.robots", {})
 
@@ -78,13 +78,13 @@ class Body(Config):
 
 
 class Caster(Config):
-    """A wheel that only carries: a frictionless ball where no joints are named, a swivel caster where they are.
+    """A passive wheel: a frictionless ball without joint names, a swivel caster with them.
 
     Attributes:
-        x: Of the swivel axis, or of a ball's contact point, in base_link [m].
-        y: Likewise [m].
+        x: Position of the swivel axis, or of a ball's contact point, in base_link [m].
+        y: As x [m].
         radius: Radius of the wheel or ball [m].
-        trail: How far the wheel's axle is behind the swivel axis [m].
+        trail: Distance of the wheel's axle behind the swivel axis [m].
         width: Width of the wheel [m].
         mass: Mass of wheel and fork together [kg].
         swivel_joint: Name of the swivel joint (about z), or none for a ball.
@@ -122,7 +122,7 @@ class Lidar(Config):
         yaw: Yaw of the mount [rad].
         beams: Number of beams.
         fov: Field of view [rad].
-        range_min, range_max: Shortest and longest range [m]; a beam that meets nothing reads infinity.
+        range_min, range_max: Shortest and longest range [m]; a beam without a return reads infinity.
         rate: Scans per second of simulated time [Hz].
         noise: Standard deviation of a range [m].
     """
@@ -140,19 +140,19 @@ class Lidar(Config):
 
 
 class Robot(Config):
-    """A wheeled robot: what planners, controllers and simulators need to know of it.
+    """A wheeled robot, as described to planners, controllers and simulators.
 
     base_link is on the floor, midway between the drive wheels, x forward.
 
     Attributes:
         name: Name of the robot.
-        drive: How it is driven.
-        limits: Largest speeds and accelerations.
-        footprint: Corners of its outline in base_link [m], either way round, convex.
+        drive: The drive.
+        limits: Maximum speeds and accelerations.
+        footprint: Corners of its convex outline in base_link [m], clockwise or counter-clockwise.
         body: The chassis.
         casters: Passive wheels.
         lidars: Planar lidars by name.
-        map_height_band: Heights above the floor between which an obstacle counts for this robot [m, m]; none means
+        map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]; none means
             from 0.05 m to the robot's height.
     """
 
@@ -177,13 +177,13 @@ class Robot(Config):
     ) -> Robot:
         """Load a robot by catalogue name, or from a YAML, URDF or MJCF file.
 
-        A YAML may have a key `model`, the path of a URDF or MJCF file from the YAML's folder: then everything else is
-        read from that, and what the YAML says goes before it. A URDF or MJCF file alone is read as `from_model` reads
-        it, with the wheels' joints found by their names. URDF and MJCF files are read in a process of their own.
+        A YAML may have a key `model`, the path of a URDF or MJCF file relative to the YAML's folder: settings are then
+        derived from the model, and those in the YAML override them. A URDF or MJCF file alone is read as by
+        `from_model`, with the wheels' joints found by their names. URDF and MJCF files are read in a separate process.
 
         Args:
-            name_or_path: Its name, or the file; a robot comes back as it is.
-            paths: Folders in which a file's package:// names are looked for, after those above it.
+            name_or_path: Its name or file; a `Robot` is returned unchanged.
+            paths: Folders to search for a file's package:// names, after those above it.
             trusted: As in `World.load`.
             time_limit_s: As in `World.load`.
             memory_limit_gb: As in `World.load`.
@@ -221,27 +221,27 @@ class Robot(Config):
         time_limit_s: float | None = None,
         memory_limit_gb: float | None = None,
     ) -> Robot:
-        """Make a robot of a URDF or MJCF file; see `robots.from_model` for what is read and how.
+        """Create a robot from a URDF or MJCF file; see `robots.from_model` for how its settings are derived.
 
         Args:
             path: The file.
-            left_joint: Name of the left drive wheel's joint; none means the one that is named so, where it is plain.
+            left_joint: Name of the left drive wheel's joint; none finds it by its name.
             right_joint: As `left_joint`.
-            wheel_radius: [m]; none means that of the wheels' geometry.
-            track_width: Distance between the wheels' middles [m]; none means that of their geometry.
-            limits: Largest speeds and accelerations; none means those of the joints, or assumed ones with a warning.
-            name: Of the robot; none means the model's.
-            paths: Folders in which package:// names are looked for, after those above the file.
+            wheel_radius: [m]; none takes it from the wheels' geometry.
+            track_width: Distance between the wheels' centres [m]; none takes it from their geometry.
+            limits: Maximum speeds and accelerations; none takes them from the joints, or assumes them with a warning.
+            name: Name of the robot; none means the model's.
+            paths: Folders to search for package:// names, after those above the file.
             trusted: As in `World.load`.
             time_limit_s: As in `World.load`.
             memory_limit_gb: As in `World.load`.
 
         Raises:
-            RobotError: If the file cannot be read, or a robot with two drive wheels cannot be made of it.
+            RobotError: If the file cannot be read, or does not describe a robot with two drive wheels.
             UnknownNameError: If it has no such joint; the nearest name is offered.
 
         Warns:
-            RobotWarning: Where limits or supports had to be assumed.
+            RobotWarning: If limits or supports had to be assumed.
         """
         reading = read_limits(trusted=trusted, time_limit_s=time_limit_s, memory_limit_gb=memory_limit_gb)
         drive = {
@@ -268,7 +268,7 @@ class Robot(Config):
         return f"{long:.3g} x {wide:.3g} x {self.body.height:.3g} m, {self.total_mass:.4g} kg"
 
     def _repr_png_(self) -> bytes:
-        """Show a picture from above in notebooks: footprint, wheels, casters and lidars; it drives to the right."""
+        """Show a picture from above in notebooks: footprint, wheels, casters and lidars; the robot faces right."""
         from trundle.pictures.figure import to_png
         from trundle.robots.picture import Wheel, draw_robot
 
@@ -313,12 +313,12 @@ class Robot(Config):
 
     @property
     def circumscribed_radius(self) -> float:
-        """Distance [m] from base_link to the farthest corner of the footprint: the radius of its swing."""
+        """Distance [m] from base_link to the farthest corner of the footprint: the radius of a turn in place."""
         return self.planar.circumscribed_radius
 
     @property
     def z_range(self) -> tuple[float, float]:
-        """Heights [m] between which an obstacle counts for this robot."""
+        """Range of heights [m] in which solids are obstacles to this robot."""
         return self.map_height_band or (0.05, self.body.height)
 
     @property
@@ -351,7 +351,7 @@ def robot_names() -> list[str]:
 
 
 def is_robot_file(text: str) -> bool:
-    """Whether a text names a robot's file, and not a robot of the catalogue; whether it is there is not asked."""
+    """Whether a text names a robot file rather than a robot of the catalogue; the file need not exist."""
     return Path(text).suffix.lower() in (".yaml", ".yml", *MODEL_SUFFIXES) or os.sep in text
 
 
@@ -399,7 +399,7 @@ def _make(settings: dict[str, Plain], where: str, node: yaml.Node | None = None)
 
 
 def _load_plugin(name: str, limits: ReadLimits) -> Robot:
-    """An entry point gives a `Robot`, the path of its YAML, or a function that returns either."""
+    """Load an entry point: a `Robot`, the path of its YAML, or a function that returns either."""
     value = _PLUGINS.load(name)
     if callable(value):
         value = value()
@@ -407,4 +407,6 @@ def _load_plugin(name: str, limits: ReadLimits) -> Robot:
         return value
     if isinstance(value, str | Path):
         return _load_file(Path(value), limits)
-    raise RobotError(f"the entry point of robot {name!r} gives {type(value).__name__}, not a Robot or the path of one")
+    raise RobotError(
+        f"the entry point of robot {name!r} returns {type(value).__name__}, not a Robot or the path of one"
+    )

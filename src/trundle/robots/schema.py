@@ -9,20 +9,20 @@ from trundle.robots.robot import MODEL_SUFFIXES, Robot
 
 
 def robot_schema() -> dict[str, Any]:
-    """What a robot's YAML may hold: the fields of `Robot`, all of which a `model` may stand for."""
+    """The schema of a robot's YAML: the fields of `Robot`, all optional if `model` is given."""
     schema = json_schema(Robot, "trundle robot")
     schema["properties"]["model"] = {
         "type": "string",
-        "description": f"Path of a {', '.join(MODEL_SUFFIXES)} file from this file's folder: what is not written here "
-        "is read from it.",
+        "description": f"Path of a {', '.join(MODEL_SUFFIXES)} file, relative to this file: settings missing here "
+        "are derived from it.",
     }
     schema["properties"]["paths"] = {
         "type": "array",
         "items": {"type": "string"},
-        "description": "Folders in which the model's package:// names are looked for.",
+        "description": "Folders to search for the model's package:// names.",
     }
     required = schema.pop("required")
-    # A model says what is not written, also within the drive and the body.
+    # A model supplies missing fields, also within the drive and the body.
     for part in schema["$defs"].values():
         part.pop("required", None)
     return {**schema, "anyOf": [{"required": ["model"]}, {"required": required}]}

@@ -1,4 +1,4 @@
-"""Types of a robot's numbers, each with the range outside of which it is a slip of the unit or of the point."""
+"""Types of a robot's numbers, each with a plausible range: a value outside is a wrong unit or a misplaced point."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WheelWidth = Annotated[float, Field(gt=0.0, le=5.0, json_schema_extra={"unit": "
 TrackWidth = Annotated[float, Field(ge=0.005, le=20.0, json_schema_extra={"unit": "m"})]
 Trail = Annotated[float, Field(ge=0.0, le=5.0, json_schema_extra={"unit": "m"})]
 Coordinate = Annotated[float, Field(ge=-50.0, le=50.0, json_schema_extra={"unit": "m"})]
-"""In base_link."""
+"""Coordinate in base_link [m]."""
 Height = Annotated[float, Field(gt=0.0, le=50.0, json_schema_extra={"unit": "m"})]
 Clearance = Annotated[float, Field(ge=0.0, le=50.0, json_schema_extra={"unit": "m"})]
 WheelMass = Annotated[float, Field(gt=0.0, le=1e4, json_schema_extra={"unit": "kg"})]
