@@ -3,6 +3,9 @@ from pathlib import Path
 import pytest
 
 from support.command_line import Trundle
+from trundle.cli.shared.given import check_given
+from trundle.errors import InputError
+from trundle.files.kinds import EVALUATION
 
 SCENARIO = "world: warehouse\ngoal: [1, 2]\n"
 ROBOT = "name: mine\ndrive: {}\nlimits: {}\n"
@@ -19,6 +22,8 @@ def things(trundle: Trundle, room_map: Path, tmp_path: Path) -> Trundle:
     (tmp_path / "run" / "episode.json").write_text("{}")
     (tmp_path / "drive").mkdir()
     (tmp_path / "drive" / "drive.csv").write_text("")
+    (tmp_path / "nightly").mkdir()
+    (tmp_path / "nightly" / "evaluation.json").write_text("{}")
     return trundle
 
 
@@ -72,6 +77,15 @@ def things(trundle: Trundle, room_map: Path, tmp_path: Path) -> Trundle:
         ("doctor robot office", "office: this is a world, not a robot"),
         ("compare mujoco map.yaml", "mujoco: this is a simulator, not the folder of a run"),
         ("compare drive map.yaml", "map.yaml: this is a map, not the folder of a run"),
+        (
+            "compare run nightly",
+            "nightly: this is the folder of an evaluation, not the folder of a run, the folder of a drive, a table or "
+            "a file of arrays; compare evaluations with trundle evaluate compare",
+        ),
+        (
+            "run nightly",
+            "nightly: this is the folder of an evaluation, not a scenario, a map or a world; to run one ",
+        ),
         ("export picture.png --to usd", "picture.png: this is a picture, not a world, a robot, a scenario or a map"),
     ],
 )
@@ -87,6 +101,20 @@ def test_what_is_given_in_place_of_another_kind_is_called_what_it_is(
 def test_a_name_is_taken_for_what_is_wanted_also_beside_a_folder_of_that_name(things: Trundle, tmp_path: Path) -> None:
     (tmp_path / "warehouse").mkdir()
     assert things("map", "build", "warehouse", "--resolution", "0.2", "-o", "new.yaml").code == 0
+
+
+@pytest.mark.parametrize(
+    ("folder", "advice"),
+    [
+        ("run", "; compare runs with trundle compare"),
+        ("drive", "; compare drives with trundle compare"),
+        ("maps", "; give the folder that trundle evaluate wrote"),
+    ],
+)
+def test_in_place_of_an_evaluation_the_verb_for_the_folder_is_named(things: Trundle, folder: str, advice: str) -> None:
+    with pytest.raises(InputError, match=advice):
+        check_given(folder, EVALUATION)
+    check_given("nightly", EVALUATION)
 
 
 def test_names_that_nothing_has_are_left_to_the_verb(things: Trundle) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from trundle.errors import InputError
 from trundle.files.yaml_nodes import compose, keys_of
 
-MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE, TABLE, ARRAYS = (
+MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE, EVALUATION, TABLE, ARRAYS = (
     "a map",
     "a robot",
     "a scenario",
@@ -17,6 +17,7 @@ MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE, TABLE, ARRAYS = (
     "a picture",
     "the folder of a run",
     "the folder of a drive",
+    "the folder of an evaluation",
     "a table",
     "a file of arrays",
 )
@@ -34,8 +35,8 @@ _SUFFIXES = {
 }
 _BY_SUFFIX = {suffix: kind for kind, suffixes in _SUFFIXES.items() for suffix in suffixes}
 
-_FILES = {"episode.json": RUN, "drive.csv": DRIVE}
-"""Files that identify the folder of a run or a drive."""
+_FILES = {"episode.json": RUN, "drive.csv": DRIVE, "evaluation.json": EVALUATION}
+"""Files that identify the folder of a run, a drive or an evaluation."""
 
 _ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model"})
 _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})

@@ -117,7 +117,7 @@ def test_the_text_fits_80_columns_and_has_the_commands():
     assert max(map(len, lines)) <= 80
     assert lines[-1] == verdict(comparison) == "B is worse: success, SPL"
     turned = comparison.pairs[0].newly_failing[0]
-    assert f"  trundle run --from 'runs/my b:{turned.second[:8]}'  office: {turned.outcome}" in lines
+    assert f"  trundle run --from 'runs/my b:{turned.second[:12]}'  office: {turned.outcome}" in lines
     assert any("where both" in line for line in lines)
     assert any("Holm" in line for line in lines)
 

@@ -5,7 +5,18 @@ from __future__ import annotations
 import os
 
 from trundle.errors import InputError
-from trundle.files.kinds import DRIVE, MAP, PICTURE, ROBOT, RUN, SCENARIO, WORLD, describe_mismatch, find_kind
+from trundle.files.kinds import (
+    DRIVE,
+    EVALUATION,
+    MAP,
+    PICTURE,
+    ROBOT,
+    RUN,
+    SCENARIO,
+    WORLD,
+    describe_mismatch,
+    find_kind,
+)
 
 _ADVICE = {
     (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
@@ -20,6 +31,14 @@ _ADVICE = {
     (SCENARIO, ROBOT): "give the robot that it names",
     (RUN, SCENARIO): "to repeat it give {text}/scenario.yaml",
     (RUN, MAP): "give the YAML file of a map",
+    (RUN, EVALUATION): "compare runs with trundle compare; the figures and pictures of one are in its folder",
+    ("a folder", EVALUATION): "give the folder that trundle evaluate wrote",
+    (DRIVE, EVALUATION): "compare drives with trundle compare",
+    (EVALUATION, RUN): "compare evaluations with trundle evaluate compare, or run one of its episodes again with "
+    "trundle run --from {text}:ID",
+    (EVALUATION, SCENARIO): "to run one of its episodes again, trundle run --from {text}:ID; to resume it, "
+    "trundle evaluate {text}/suite.yaml -o {text}",
+    (EVALUATION, MAP): "give the YAML file of a map",
     (DRIVE, SCENARIO): "to repeat its commands, trundle drive ROBOT --like {text}",
     (
         "a simulator",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-import shlex
 import textwrap
 from collections.abc import Sequence
 
+from trundle.evaluation.report.commands import replay_command
+from trundle.evaluation.report.table import clean
 from trundle.evaluation.statistics.comparison import Change, Comparison, PairComparison, Turned
 from trundle.evaluation.statistics.figures import write_number, write_share
 
@@ -115,15 +116,10 @@ def _turned_lines(title: str, missions: Sequence[Turned], folder: str, *, of_sec
     lines = [f"{title}: {len(missions)}"]
     for mission in missions[:_SHOWN]:
         command = replay_command(folder, mission.second if of_second else mission.first)
-        lines.append(f"  {command}  {mission.world}: {mission.outcome}")
+        lines.append(f"  {command}  {clean(mission.world)}: {mission.outcome}")
     if len(missions) > _SHOWN:
         lines.append(f"  and {len(missions) - _SHOWN} more; --json has them all")
     return lines
-
-
-def replay_command(folder: str, episode: str) -> str:
-    """The command that runs an episode again; eight digits of its id are enough."""
-    return f"trundle run --from {shlex.quote(f'{folder}:{episode[:8]}')}"
 
 
 def _notes(comparison: Comparison) -> list[str]:
