@@ -8,7 +8,6 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import options, output
-from trundle.errors import InputError
 
 app = App(
     name="robot",
@@ -31,7 +30,7 @@ def new(
     urdf: Annotated[Path | None, Parameter(negative="")] = None,
     paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    overwrite: Annotated[bool, Parameter(negative="", help="Replace the file.")] = False,
+    overwrite: options.OverwriteFile = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -48,13 +47,11 @@ def new(
     from trundle.robots import Robot
     from trundle.robots.new import check_name, describe_robot, plain_robot
 
-    target = options.output_file(out or Path(f"{check_name(name)}.yaml"), f"{name}.yaml", (".yaml", ".yml"))
-    if target.exists() and not overwrite:
-        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+    target = options.new_yaml_file(out or Path(f"{check_name(name)}.yaml"), f"{name}.yaml", overwrite=overwrite)
     robot = plain_robot(name) if urdf is None else Robot.from_model(urdf, name=name, paths=options.join_paths(paths))
     write_text(target, describe_robot(robot, urdf), durable=True)
-    output.print_json({"robot": target}) if json else output.print_facts({"robot": target})
-    output.remark(f"To drive it: trundle run warehouse --robot {target}", quiet=quiet or json)
+    advice = f"To drive it: trundle run warehouse --robot {target}"
+    output.report_written({"robot": target}, advice, json=json, quiet=quiet)
     return 0
 
 

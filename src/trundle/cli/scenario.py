@@ -29,7 +29,7 @@ def scenario(
     *,
     given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
     out: Annotated[Path, Parameter(name=["--out", "-o"])] = Path("scenario.yaml"),
-    overwrite: Annotated[bool, Parameter(negative="", help="Replace the file.")] = False,
+    overwrite: options.OverwriteFile = False,
     schema: Annotated[bool, Parameter(negative="")] = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -51,10 +51,7 @@ def scenario(
         return 0
     if source is None:
         raise InputError("a scenario needs a place: a map, a world by name or file, or another scenario")
-    target = options.output_file(out, "scenario.yaml", (".yaml", ".yml"))
-    if target.exists() and not overwrite:
-        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+    target = options.new_yaml_file(out, "scenario.yaml", overwrite=overwrite)
     given.make(source).save_commented(target)
-    output.print_json({"scenario": target}) if json else output.print_facts({"scenario": target})
-    output.remark(f"To drive it: trundle run {target}", quiet=quiet or json)
+    output.report_written({"scenario": target}, f"To drive it: trundle run {target}", json=json, quiet=quiet)
     return 0

@@ -67,6 +67,7 @@ Overwrite = Annotated[
         help="Replace the run that the folder of --out holds; it is deleted when the new one is there.",
     ),
 ]
+OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file.")]
 Seed = Annotated[Integer, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
 RobotArgument = Annotated[str, Parameter(help=ROBOT_HELP)]
 WorldName = Annotated[
@@ -266,6 +267,19 @@ def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path
     if out.is_file() or (suffix and not suffix[1:].isdigit() and not out.is_dir()):
         raise InputError(f"--out {out}: give a file that ends in {' or '.join(suffixes)}, or a folder")
     return _make_folder(out) / default_name
+
+
+def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
+    """The `output_file` of a verb that writes YAML, and replaces a file only with --overwrite.
+
+    Raises:
+        OutputError: As `output_file`.
+        InputError: As `output_file`, and if the file exists and is not to be replaced.
+    """
+    target = output_file(out, default_name, (".yaml", ".yml"))
+    if target.exists() and not overwrite:
+        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+    return target
 
 
 def _make_folder(folder: Path) -> Path:

@@ -37,6 +37,15 @@ def print_facts(facts: Mapping[str, object]) -> None:
         print(f"{name:<{width}}  {_text(value)}")
 
 
+def report_written(facts: Mapping[str, object], advice: str, *, json: bool, quiet: bool) -> None:
+    """Print what was written, as JSON or as a table; and for people what to do with it, on stderr."""
+    if json:
+        print_json(facts)
+    else:
+        print_facts(facts)
+        remark(advice, quiet=quiet)
+
+
 def shorten(names: Sequence[str], most: int = 5) -> str:
     """The first names, and how many more there are."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
