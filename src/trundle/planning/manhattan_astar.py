@@ -12,7 +12,7 @@ from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.blocked_end import REACH_CELLS
-from trundle.planning.cancellation import Cancellation, check_limits, sooner
+from trundle.planning.cancellation import Cancellation, check_limits
 from trundle.planning.ends import begin_plan
 from trundle.planning.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
@@ -56,8 +56,9 @@ class ManhattanAstarPlanner:
         The path ends with the goal's yaw, even with `goal_yaw_free`. For the arguments and errors see
         `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a `BlockedPoseError`.
         """
-        check_limits(deadline_s, cancel)
-        start, goal, patience = begin_plan(costmap, start, goal, sooner(deadline_s, self._deadline_s), cancel)
+        start, goal, patience = begin_plan(
+            costmap, start, goal, deadline_s, cancel, planner_deadline_s=self._deadline_s
+        )
         first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, goal, "goal")
         _check_free(costmap, start, first, "start")
         if not self._allow_partial:

@@ -8,7 +8,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, Patience, check_limits, sooner
+from trundle.planning.cancellation import Cancellation, Patience, check_limits
 from trundle.planning.ends import End, begin_plan, find_end
 from trundle.planning.query import Query
 from trundle.values import check_flag, check_number
@@ -65,8 +65,9 @@ class PosePlanner(ABC):
             PlanningStoppedError: If planning ended first: out of time, cancelled, or out of expansions.
             InputError: If an argument is invalid.
         """
-        check_limits(deadline_s, cancel)
-        start, goal, patience = begin_plan(costmap, start, goal, sooner(deadline_s, self._deadline_s), cancel)
+        start, goal, patience = begin_plan(
+            costmap, start, goal, deadline_s, cancel, planner_deadline_s=self._deadline_s
+        )
         first = find_end(costmap, start, "start", self._start_tolerance, patience=patience)
         try:
             last = find_end(
