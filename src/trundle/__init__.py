@@ -5,8 +5,9 @@ Every public name has one canonical module; the common ones can also be imported
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
+
+from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap, CostmapSettings
@@ -22,31 +23,34 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Choice": "trundle.navigation",
-    "Costmap": "trundle.costmap",
-    "CostmapSettings": "trundle.costmap",
-    "Episode": "trundle.mission",
-    "Goal": "trundle.geometry",
-    "HeightField": "trundle.maps",
-    "InputError": "trundle.errors",
-    "Navigator": "trundle.navigation",
-    "NavigatorSettings": "trundle.navigation",
-    "OccupancyGrid": "trundle.maps",
-    "Outcome": "trundle.mission",
-    "Path": "trundle.path",
-    "PlanningError": "trundle.errors",
-    "Pose2D": "trundle.geometry",
-    "Robot": "trundle.robots",
-    "RobotState": "trundle.sim",
-    "Scenario": "trundle.mission",
-    "TrundleError": "trundle.errors",
-    "Twist2D": "trundle.geometry",
-    "World": "trundle.worlds",
-    "run": "trundle.mission",
-    "sample_mission": "trundle.mission",
-    "simulate": "trundle.sim",
-}
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Choice": "trundle.navigation",
+        "Costmap": "trundle.costmap",
+        "CostmapSettings": "trundle.costmap",
+        "Episode": "trundle.mission",
+        "Goal": "trundle.geometry",
+        "HeightField": "trundle.maps",
+        "InputError": "trundle.errors",
+        "Navigator": "trundle.navigation",
+        "NavigatorSettings": "trundle.navigation",
+        "OccupancyGrid": "trundle.maps",
+        "Outcome": "trundle.mission",
+        "Path": "trundle.path",
+        "PlanningError": "trundle.errors",
+        "Pose2D": "trundle.geometry",
+        "Robot": "trundle.robots",
+        "RobotState": "trundle.sim",
+        "Scenario": "trundle.mission",
+        "TrundleError": "trundle.errors",
+        "Twist2D": "trundle.geometry",
+        "World": "trundle.worlds",
+        "run": "trundle.mission",
+        "sample_mission": "trundle.mission",
+        "simulate": "trundle.sim",
+    },
+)
 
 __all__ = [
     "Choice",
@@ -74,13 +78,6 @@ __all__ = [
     "sample_mission",
     "simulate",
 ]
-
-
-def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'trundle' has no attribute {name!r}")
-    return getattr(importlib.import_module(home), name)
 
 
 def __dir__() -> list[str]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
+from trundle.lazy import lazy_names
 from trundle.maps.cells import FREE, MAX_CELLS, OCCUPIED, UNKNOWN
 from trundle.maps.grid import OccupancyGrid
 
@@ -16,16 +16,19 @@ if TYPE_CHECKING:
     from trundle.maps.resample import resample_axis_aligned
 
 # Rarely needed, and slower to import.
-_HOMES = {
-    "Conversion": "trundle.maps.convert",
-    "HeightField": "trundle.maps.height_field",
-    "KeepoutMask": "trundle.maps.masks",
-    "Loss": "trundle.maps.losses",
-    "SpeedMask": "trundle.maps.masks",
-    "convert_grid": "trundle.maps.convert",
-    "find_file_losses": "trundle.maps.losses",
-    "resample_axis_aligned": "trundle.maps.resample",
-}
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Conversion": "trundle.maps.convert",
+        "HeightField": "trundle.maps.height_field",
+        "KeepoutMask": "trundle.maps.masks",
+        "Loss": "trundle.maps.losses",
+        "SpeedMask": "trundle.maps.masks",
+        "convert_grid": "trundle.maps.convert",
+        "find_file_losses": "trundle.maps.losses",
+        "resample_axis_aligned": "trundle.maps.resample",
+    },
+)
 
 __all__ = [
     "FREE",
@@ -42,10 +45,3 @@ __all__ = [
     "find_file_losses",
     "resample_axis_aligned",
 ]
-
-
-def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'trundle.maps' has no attribute {name!r}")
-    return getattr(importlib.import_module(home), name)

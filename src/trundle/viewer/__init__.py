@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
+
+from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.viewer.cameras import Camera
     from trundle.viewer.offscreen import Picture, render
 
-_HOMES = {
-    "Camera": "trundle.viewer.cameras",
-    "Picture": "trundle.viewer.offscreen",
-    "render": "trundle.viewer.offscreen",
-}
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Camera": "trundle.viewer.cameras",
+        "Picture": "trundle.viewer.offscreen",
+        "render": "trundle.viewer.offscreen",
+    },
+)
 
 __all__ = ["Camera", "Picture", "render"]
-
-
-def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'trundle.viewer' has no attribute {name!r}")
-    return getattr(importlib.import_module(home), name)
