@@ -36,6 +36,44 @@ def test_padding_moves_every_edge_outwards():
     assert padded.inscribed_radius == pytest.approx(0.15)
 
 
+def test_a_padding_below_zero_is_refused():
+    with pytest.raises(InputError, match=r"0 m or more, got -0\.01"):
+        Footprint(np.array(CORNERS)).padded(-0.01)
+
+
+def test_a_padded_footprint_equals_one_made_of_its_corners():
+    padded = Footprint(np.array(CORNERS)).padded(0.05)
+    again = Footprint(padded.outline)
+    assert np.array_equal(padded.outline, again.outline)
+    assert padded.inscribed_radius == again.inscribed_radius
+    assert padded.circumscribed_radius == again.circumscribed_radius
+    with pytest.raises(ValueError, match="read-only"):
+        padded.outline[0, 0] = 1.0
+
+
+def test_shrinking_may_leave_base_link_outside_or_nothing():
+    footprint = Footprint(np.array(CORNERS))
+    left = footprint.shrink(0.15)
+    assert left is not None
+    np.testing.assert_allclose([left.min(axis=0), left.max(axis=0)], [(0.05, -0.05), (0.15, 0.05)])
+    assert footprint.shrink(0.2) is None
+
+
+def test_its_size_and_its_corners_at_poses():
+    footprint = Footprint(np.array(CORNERS))
+    assert footprint.size == pytest.approx((0.4, 0.4))
+    poses = np.array([[1.0, 2.0, 0.0], [1.0, 2.0, np.pi / 2.0]])
+    placed = footprint.at_poses(poses)
+    assert placed.shape == (2, 4, 2)
+    np.testing.assert_allclose(placed[0, 0], (1.3, 2.2))
+    np.testing.assert_allclose(placed[1, 0], (0.8, 2.3))
+
+
+def test_an_updated_costmap_keeps_the_footprint():
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((40, 40), np.int8), 0.05), CORNERS)
+    assert costmap.update(slice(3, 4), slice(3, 4), 100).planar is costmap.planar
+
+
 @pytest.mark.parametrize(
     ("corners", "words"),
     [
@@ -58,6 +96,7 @@ def test_a_robot_and_its_costmap_have_one_footprint():
     grid = OccupancyGrid(np.zeros((40, 40), np.int8), 0.05)
     for given in (robot, robot.planar, robot.outline):
         costmap = Costmap.from_grid(grid, given)
+        assert (costmap.planar is robot.planar) == (given is not robot.outline)
         assert np.array_equal(costmap.footprint, robot.outline)
         radii = robot.inscribed_radius, robot.circumscribed_radius
         assert (costmap.inscribed_radius, costmap.circumscribed_radius) == radii

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, pad_outline
+from trundle.geometry import FloatArray, pad_outline, shrink_outline
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,17 +42,49 @@ class Footprint:
             )
         if turns[0] < 0:
             outline = outline[::-1].copy()
-        distances = _edge_distances(outline)
-        if not (distances > 0.0).all():
+        self._take(outline)
+        if not self.inscribed_radius > 0.0:
             raise InputError(f"base_link (0, 0) must lie inside the footprint {outline.tolist()}")
-        outline.flags.writeable = False
-        object.__setattr__(self, "outline", outline)
-        object.__setattr__(self, "inscribed_radius", float(distances.min()))
-        object.__setattr__(self, "circumscribed_radius", float(np.hypot(outline[:, 0], outline[:, 1]).max()))
+
+    @classmethod
+    def of(cls, footprint: Footprint | npt.ArrayLike) -> Footprint:
+        """A footprint itself, or one of corners in base_link [m], shape (N, 2)."""
+        return footprint if isinstance(footprint, Footprint) else cls(footprint)  # type: ignore[arg-type]
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Length along x and width along y [m]."""
+        length, width = np.ptp(self.outline, axis=0).tolist()
+        return length, width
 
     def padded(self, padding: float) -> Footprint:
-        """The footprint with every edge moved outwards by `padding` [m]."""
-        return Footprint(pad_outline(self.outline, padding))
+        """The footprint with every edge moved outwards by `padding` [m], 0 or more."""
+        if not padding >= 0.0:
+            raise InputError(f"the padding of a footprint must be 0 m or more, got {padding!r}")
+        wider = object.__new__(Footprint)  # convex around base_link as this one is: nothing to check
+        wider._take(pad_outline(self.outline, padding))
+        return wider
+
+    def shrink(self, margin: float) -> FloatArray | None:
+        """The outline with every edge moved inwards by `margin` [m], shape (M, 2), or None if nothing is left.
+
+        base_link may lie outside of it.
+        """
+        return shrink_outline(self.outline, margin)
+
+    def at_poses(self, poses: FloatArray) -> FloatArray:
+        """Its corners [m] at poses (x, y, yaw) of shape (P, 3), in their frame; shape (P, N, 2)."""
+        cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+        x = poses[:, 0, None] + cos * self.outline[:, 0] - sin * self.outline[:, 1]
+        y = poses[:, 1, None] + sin * self.outline[:, 0] + cos * self.outline[:, 1]
+        return np.stack([x, y], axis=-1)
+
+    def _take(self, outline: FloatArray) -> None:
+        """Keep a convex, counter-clockwise outline, and what follows from it."""
+        outline.flags.writeable = False
+        object.__setattr__(self, "outline", outline)
+        object.__setattr__(self, "inscribed_radius", float(_edge_distances(outline).min()))
+        object.__setattr__(self, "circumscribed_radius", float(np.hypot(outline[:, 0], outline[:, 1]).max()))
 
 
 def _read_corners(corners: npt.ArrayLike) -> FloatArray:

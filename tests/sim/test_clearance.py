@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from trundle.geometry import Pose2D, Pose3D
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_world
-from trundle.sim.distances import place_outline, polygon_distances
+from trundle.sim.distances import polygon_distances
 from trundle.sim.sections import cut_triangles
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
@@ -113,7 +113,7 @@ shapes = st.one_of(
 @example([(mesh(1.5, 1.0, 2.0), Pose3D((0.0, 0.0, 0.4)))], [(0.0, 0.0, 0.0)], 0.05)  # wholly inside a mesh
 def test_it_agrees_with_shapely(found, poses, resolution) -> None:
     solids = [Solid(str(number), shape, pose) for number, (shape, pose) in enumerate(found)]
-    outlines = [shapely.Polygon(outline) for outline in place_outline(CARTER.outline, np.array(poses))]
+    outlines = [shapely.Polygon(outline) for outline in CARTER.planar.at_poses(np.array(poses))]
     expected = min(
         [
             2.0,

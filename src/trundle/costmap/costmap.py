@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -65,8 +65,7 @@ class Costmap(GridFrame):
         unknown: How unknown cells are treated: "blocked", "free" or "costly".
         unknown_cost: Lowest cost of an unknown cell where they are costly, 0 to 252.
         unseen: The unknown cells, where they are free or costly: bool, shape (rows, cols), read-only; else None.
-        inscribed_radius: Distance from base_link to the nearest edge of the footprint [m].
-        circumscribed_radius: Distance from base_link to the farthest corner of the footprint [m].
+        planar: The footprint as a value: its outline, its radii, and how to pad it.
         version: Another object for every costmap, to ask its successors what changed since (`changes_since`).
 
     Raises:
@@ -85,8 +84,7 @@ class Costmap(GridFrame):
     unknown: UnknownPolicy = "blocked"
     unknown_cost: int = DEFAULT_UNKNOWN_COST
     unseen: npt.NDArray[np.bool_] | None = None
-    inscribed_radius: float = field(init=False)
-    circumscribed_radius: float = field(init=False)
+    planar: Footprint = field(init=False, repr=False)
     version: object = field(init=False, repr=False)
     _changes: tuple[tuple[object, tuple[slice, slice]], ...] = field(init=False, repr=False)
 
@@ -110,13 +108,12 @@ class Costmap(GridFrame):
         if self.unseen is not None:
             object.__setattr__(self, "unseen", _frozen(self.unseen))
         data = _frozen(data)
-        footprint = _as_footprint(self.footprint)
+        planar = _as_footprint(self.footprint)
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", Pose2D.of(self.origin))
-        object.__setattr__(self, "footprint", footprint.outline)
-        object.__setattr__(self, "inscribed_radius", footprint.inscribed_radius)
-        object.__setattr__(self, "circumscribed_radius", footprint.circumscribed_radius)
+        object.__setattr__(self, "footprint", planar.outline)
+        object.__setattr__(self, "planar", planar)
         object.__setattr__(self, "version", object())
         object.__setattr__(self, "_changes", ())
         check_inflation(self.inflation_radius, self.cost_scaling_factor, resolution)
@@ -177,9 +174,9 @@ class Costmap(GridFrame):
             MapError: If the mask lies beside the map.
         """
         check_kind(grid, OccupancyGrid, "a costmap's map", "OccupancyGrid.load(path) reads one")
-        base = _as_footprint(footprint)
-        radius = base.circumscribed_radius + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
-        table = cost_table(base.inscribed_radius, radius, cost_scaling_factor, grid.resolution)
+        planar = _as_footprint(footprint)
+        radius = planar.circumscribed_radius + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
+        table = cost_table(planar.inscribed_radius, radius, cost_scaling_factor, grid.resolution)
         floor = None if keepout is None else _costs_of(keepout, grid)
         check_unknown(unknown, unknown_cost)
         cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
@@ -189,11 +186,12 @@ class Costmap(GridFrame):
         for array in (data, unseen):
             if array is not None:
                 array.flags.writeable = False
+        checked: Any = planar
         return cls(
             data,
             grid.resolution,
             grid.origin,
-            base.outline,
+            checked,
             float(radius),
             float(cost_scaling_factor),
             keepout=floor,
@@ -251,7 +249,7 @@ class Costmap(GridFrame):
             changed[0] - window[0] : changed[1] - window[0], changed[2] - window[2] : changed[3] - window[2]
         ]
         data.flags.writeable = False
-        successor = replace(self, data=data, unseen=unseen)
+        successor = replace(self, data=data, footprint=self.planar, unseen=unseen)
         changes = (*self._changes, (self.version, _slices(changed)))
         object.__setattr__(successor, "_changes", changes[-_REMEMBERED_CHANGES:])
         return successor
@@ -271,6 +269,16 @@ class Costmap(GridFrame):
         """(rows, cols)."""
         rows, cols = self.data.shape
         return rows, cols
+
+    @property
+    def inscribed_radius(self) -> float:
+        """Distance [m] from base_link to the nearest edge of the footprint."""
+        return self.planar.inscribed_radius
+
+    @property
+    def circumscribed_radius(self) -> float:
+        """Distance [m] from base_link to the farthest corner of the footprint."""
+        return self.planar.circumscribed_radius
 
     @property
     def unknown_cells(self) -> npt.NDArray[np.bool_]:
@@ -390,9 +398,7 @@ def _slices(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
 
 def _as_footprint(footprint: Robot | Footprint | npt.ArrayLike) -> Footprint:
     """The footprint of a robot, or of corners in base_link [m], shape (N, 2); see `Footprint` for the errors."""
-    if isinstance(footprint, Robot):
-        return footprint.planar
-    return footprint if isinstance(footprint, Footprint) else Footprint(footprint)  # type: ignore[arg-type]
+    return footprint.planar if isinstance(footprint, Robot) else Footprint.of(footprint)
 
 
 def _as_corners(outline: npt.ArrayLike) -> FloatArray:

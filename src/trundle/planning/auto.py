@@ -11,7 +11,8 @@ import numpy as np
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningError, PlanningStoppedError
-from trundle.geometry import FloatArray, Pose2D, pad_outline
+from trundle.footprint import Footprint
+from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
@@ -64,7 +65,7 @@ class AutoPlanner(PosePlanner):
             allow_partial=allow_partial,
             deadline_s=self._least_cost._deadline_s,
         )
-        self._padded: tuple[FloatArray, FloatArray] | None = None
+        self._padded: tuple[Footprint, FloatArray] | None = None
         spacing = {"spacing": options["spacing"]} if "spacing" in options else {}
         self._searches = [HybridAStarPlanner(in_place=in_place, **spacing) for in_place in (True, False)]
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
@@ -119,7 +120,7 @@ class AutoPlanner(PosePlanner):
     def _improve(self, query: Query, goal: Pose2D, path: Path, patience: Patience) -> Path:
         """A path of `least_cost`, or a better one where that has its goal moved, or turns close to something."""
         is_exact = path.goal_snapped_m == query.goal.snapped_m
-        if is_exact and not _turns_tightly(query.costmap, path, self._pad(query.costmap.footprint)):
+        if is_exact and not _turns_tightly(query.costmap, path, self._pad(query.costmap.planar)):
             return path
         try:
             other = self._searches[0]._plan_to(query, goal, patience)
@@ -147,11 +148,11 @@ class AutoPlanner(PosePlanner):
             return path
         return other if other.remaining_m < path.remaining_m - costmap.resolution else path
 
-    def _pad(self, footprint: FloatArray) -> FloatArray:
+    def _pad(self, footprint: Footprint) -> FloatArray:
         """The outline with the distance that `hybrid_astar` keeps where it can, kept for the next plan."""
         kept = self._padded
         if kept is None or kept[0] is not footprint:
-            kept = self._padded = (footprint, pad_outline(footprint, PADDING_M))
+            kept = self._padded = (footprint, footprint.padded(PADDING_M).outline)
         return kept[1]
 
 

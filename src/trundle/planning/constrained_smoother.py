@@ -13,7 +13,8 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
-from trundle.geometry import FloatArray, pad_outline, wrap_angles
+from trundle.footprint import Footprint
+from trundle.geometry import FloatArray, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M
 from trundle.planning.path_check import PathCheck
@@ -140,7 +141,7 @@ class ConstrainedSmoother:
         """The same for a planner's path: it is known to be free, and its yaws point along its legs."""
         settings = self.settings
         padding = float(settings.padding)
-        checked = CheckedOutline.of(costmap.footprint, padding)
+        checked = CheckedOutline.of(costmap.planar, padding)
         on_grid = _on_grid(costmap, path.poses)
         poses, backward, source, kept, prices = self._curves.smooth(
             costmap.data,
@@ -192,12 +193,12 @@ class CheckedOutline:
     inner: FloatArray | None
 
     @classmethod
-    def of(cls, footprint: FloatArray, padding: float) -> CheckedOutline:
+    def of(cls, footprint: Footprint, padding: float) -> CheckedOutline:
         """By the footprint and the padding [m]."""
         if padding >= LEAST_PADDING_M:
-            return cls(pad_outline(footprint, padding), 2.0 * PADDING_SHARE * padding, None)
-        inner = pad_outline(footprint, (1.0 - PADDING_SHARE) * padding)
-        return cls(pad_outline(inner, 0.5 * LEAST_STEP_M), LEAST_STEP_M, inner)
+            return cls(footprint.padded(padding).outline, 2.0 * PADDING_SHARE * padding, None)
+        inner = footprint.padded((1.0 - PADDING_SHARE) * padding)
+        return cls(inner.padded(0.5 * LEAST_STEP_M).outline, LEAST_STEP_M, inner.outline)
 
 
 def pose_spacing(spacing: float, radius: float, padding: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle import _core
 from trundle.costmap import Costmap
-from trundle.geometry import FloatArray, Pose2D, shrink_outline
+from trundle.geometry import FloatArray, Pose2D
 from trundle.planning.cancellation import Patience
 from trundle.planning.ends import End
 from trundle.planning.query import Query
@@ -80,13 +80,13 @@ def find_enclosure(query: Query, patience: Patience, most: int = max(_MOST_BOXES
 
 def _sizes(costmap: Costmap) -> Iterator[_Boxes]:
     """Boxes from coarse to fine, from the first size on that leaves anything of the outline."""
-    radius = float(np.hypot(*costmap.footprint.T).max())
+    radius = costmap.circumscribed_radius
     cell, cells = 0.5 * costmap.resolution, 4.0 * math.prod(costmap.shape)
     while cells <= _MOST_CELLS:
         headings = min(max(16, math.ceil(2.0 * math.pi * radius / (math.sqrt(2.0) * cell))), _MOST_HEADINGS)
         # A point moves by half a diagonal of the cell at most, and by what half a step of yaw turns it.
         moves = math.sqrt(0.5) * cell + 2.0 * radius * math.sin(0.5 * math.pi / headings)
-        outline = shrink_outline(costmap.footprint, moves + _ROUNDING_M)
+        outline = costmap.planar.shrink(moves + _ROUNDING_M)
         if outline is not None:
             yield _Boxes(cell, headings, outline)
         cell, cells = 0.5 * cell, 4.0 * cells

@@ -148,14 +148,14 @@ def place_to_turn(costmap: Costmap, end: End, direction: float) -> End:
 def _check_size(costmap: Costmap, pose: Pose2D, cell: tuple[int, int], what: str) -> None:
     """Raise `BlockedPoseError` if not even the robot's inscribed circle has room between the map's edges."""
     rows, cols = costmap.shape
-    height, width = rows * costmap.resolution, cols * costmap.resolution
-    if 2.0 * costmap.inscribed_radius <= min(height, width):
+    map_height, map_width = rows * costmap.resolution, cols * costmap.resolution
+    if 2.0 * costmap.inscribed_radius <= min(map_height, map_width):
         return
-    length, breadth = costmap.footprint.max(axis=0) - costmap.footprint.min(axis=0)
+    length, width = costmap.planar.size
     raise BlockedPoseError(
         f"the robot fits nowhere on the map, nor at the {what} ({pose.x:.2f}, {pose.y:.2f}): its footprint of "
-        f"{length:.2f} x {breadth:.2f} m is larger than the map of {width:g} x {height:g} m; check the units of the "
-        "footprint and the map's resolution",
+        f"{length:.2f} x {width:.2f} m is larger than the map of {map_width:g} x {map_height:g} m; check the units of "
+        "the footprint and the map's resolution",
         pose=pose.as_tuple(),
         cell=cell,
     )

@@ -229,7 +229,7 @@ class HybridAStarPlanner(PosePlanner):
 
     def _find_padded(self, query: Query, patience: Patience, padding: float, *, thorough: bool = False) -> _Answer:
         costmap, settings = query.costmap, self.settings
-        checked = CheckedOutline.of(costmap.footprint, padding)
+        checked = CheckedOutline.of(costmap.planar, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
             costmap.data,
             costmap.resolution,

@@ -264,7 +264,7 @@ class Robot(Config):
         return repr(self)
 
     def _size_text(self) -> str:
-        long, wide = np.ptp(self.outline, axis=0)
+        long, wide = self.planar.size
         return f"{long:.3g} x {wide:.3g} x {self.body.height:.3g} m, {self.total_mass:.4g} kg"
 
     def _repr_png_(self) -> bytes:

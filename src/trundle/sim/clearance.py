@@ -12,7 +12,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.rasterise import HeightBand, SolidRaster
 from trundle.robots import Robot
-from trundle.sim.distances import disc_distances, place_outline, polygon_distances
+from trundle.sim.distances import disc_distances, polygon_distances
 from trundle.sim.sections import Disc, Polygon, cut_triangles, slab_section
 from trundle.solids import Mesh, OccupancyCells, Solid, solids_bounds
 from trundle.worlds import World
@@ -47,7 +47,7 @@ def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: flo
     cells = np.zeros((rows, cols), dtype=np.int8)
     band = HeightBand(robot.body.clearance, robot.body.height)
     SolidRaster(cells, edge, (float(corner[0]), float(corner[1])), band).add(world.solids)
-    return Costmap.from_grid(OccupancyGrid(cells, edge, Pose2D(float(corner[0]), float(corner[1]))), robot.outline)
+    return Costmap.from_grid(OccupancyGrid(cells, edge, Pose2D(float(corner[0]), float(corner[1]))), robot)
 
 
 def least_clearance(world: World, robot: Robot, poses: FloatArray, true_map: Costmap, *, cap: float) -> float:
@@ -88,7 +88,7 @@ def least_clearance(world: World, robot: Robot, poses: FloatArray, true_map: Cos
         close = reach[index] < least
         if not close.any():
             break
-        outlines = place_outline(robot.outline, near[close])
+        outlines = robot.planar.at_poses(near[close])
         least = min(least, _solid_clearance(flat[int(level[index])], outlines, low, high, least))
     return least
 

@@ -15,14 +15,6 @@ _CHUNK = 2_000_000
 """Pairs of edges at a time."""
 
 
-def place_outline(outline: FloatArray, poses: FloatArray) -> FloatArray:
-    """Outlines (P, N, 2) at poses (P, 3)."""
-    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
-    x = poses[:, 0, None] + cos * outline[:, 0] - sin * outline[:, 1]
-    y = poses[:, 1, None] + sin * outline[:, 0] + cos * outline[:, 1]
-    return np.stack([x, y], axis=-1)
-
-
 def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
     """Distances [m] from convex outlines to the nearest of some convex polygons; 0 where they overlap.
 

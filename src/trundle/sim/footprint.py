@@ -12,7 +12,6 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
-from trundle.sim.distances import place_outline
 from trundle.sim.sections import Disc, Polygon, piece_section, slab_section
 from trundle.sim.simulator import Contact
 from trundle.solids import OccupancyCells, Solid
@@ -60,8 +59,7 @@ class FootprintChecker:
     """
 
     def __init__(self, world: World, robot: Robot) -> None:
-        self._outline = robot.outline
-        self._reach = robot.circumscribed_radius
+        self._footprint = robot.planar
         low, high = robot.body.clearance, robot.body.height
         pieces = take_apart(world.solids, ceiling=high)
         self._names: list[str] = []
@@ -88,10 +86,11 @@ class FootprintChecker:
 
     def find(self, poses: FloatArray) -> tuple[Contact, ...]:
         """Return what is touched at any of the poses (x, y, yaw), map frame, shape (P, 3), once each."""
-        low, high = poses[:, :2].min(axis=0) - self._reach, poses[:, :2].max(axis=0) + self._reach
+        reach = self._footprint.circumscribed_radius
+        low, high = poses[:, :2].min(axis=0) - reach, poses[:, :2].max(axis=0) + reach
         box = self._bounds
         near = (box[:, 0] < high[0]) & (box[:, 2] > low[0]) & (box[:, 1] < high[1]) & (box[:, 3] > low[1])
-        outlines = place_outline(self._outline, poses) if near.any() or self._fields else None
+        outlines = self._footprint.at_poses(poses) if near.any() or self._fields else None
         contacts: list[Contact] = []
         if outlines is None:
             return ()
@@ -117,7 +116,7 @@ class FootprintChecker:
         """A contact for each blocked cell under the footprint, the deepest first."""
         local = field.frame.inverse()
         placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
-        outlines = place_outline(self._outline, placed)
+        outlines = self._footprint.at_poses(placed)
         rows, cols = field.blocked.shape
         low = np.floor(outlines.min(axis=(0, 1)) / field.resolution).astype(int)
         high = np.floor(outlines.max(axis=(0, 1)) / field.resolution).astype(int) + 1

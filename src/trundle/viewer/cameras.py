@@ -109,7 +109,7 @@ def _sides(robot: Robot, pose: Pose2D) -> list[tuple[float, float, float]]:
 
 def _reach(robot: Robot) -> float:
     """Size of a robot [m], by which views of it scale."""
-    return max(float(np.ptp(robot.outline, axis=0).max()), robot.body.height)
+    return max(*robot.planar.size, robot.body.height)
 
 
 def _chase_views(robot: Robot, pose: Pose2D) -> list[Camera]:

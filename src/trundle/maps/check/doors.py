@@ -34,7 +34,7 @@ def check_doors(chart: Chart, robot: Robot) -> list[Finding]:
 
     A gap with a detour near it, as between a pillar and a wall, is not a door.
     """
-    width = float(np.ptp(robot.outline[:, 1]))
+    width = robot.planar.size[1]
     limit = width / chart.grid.resolution * _SLACK
     # A gap beside a hole in the map is not a door.
     free = chart.free | chart.holes
