@@ -20,8 +20,8 @@ from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
-from trundle.planning.footprint_planner import cell_weights
-from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
+from trundle.planning.grid_planners.footprint_planner import cell_weights
+from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
 
 FOOTPRINT = np.array([(0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)])
 

@@ -36,8 +36,8 @@ import trundle
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.planning import cost_field
-from trundle.planning.footprint_planner import cell_weights
-from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST
+from trundle.planning.grid_planners.footprint_planner import cell_weights
+from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST
 
 WEIGHTS = cell_weights(NEUTRAL_COST, COST_WEIGHT)
 WHOLE = np.floor(WEIGHTS).astype(np.uint16)

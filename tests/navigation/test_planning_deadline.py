@@ -13,8 +13,8 @@ from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation import navigator as module
 from trundle.planning import create_planner
-from trundle.planning.least_cost import LeastCostPlanner
-from trundle.planning.manhattan_astar import ManhattanAstarPlanner
+from trundle.planning.grid_planners.least_cost import LeastCostPlanner
+from trundle.planning.grid_planners.manhattan_astar import ManhattanAstarPlanner
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World

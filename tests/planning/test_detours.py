@@ -10,9 +10,9 @@ from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import PathCheck, create_planner
 from trundle.planning.cancellation import Patience
-from trundle.planning.detours import Detours
+from trundle.planning.grid_planners.detours import Detours
+from trundle.planning.grid_planners.tight_places import TightPlaces
 from trundle.planning.motions import fit_motions, motions_along
-from trundle.planning.tight_places import TightPlaces
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")

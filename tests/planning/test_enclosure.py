@@ -12,9 +12,9 @@ from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Cancellation, create_planner
 from trundle.planning.cancellation import Patience
 from trundle.planning.enclosure import Enclosure, find_enclosure
-from trundle.planning.ends import End
 from trundle.planning.hybrid_astar import HybridAStarPlanner
-from trundle.planning.query import Query, cell_at
+from trundle.planning.queries.ends import End
+from trundle.planning.queries.query import Query, cell_at
 from trundle.robots import Robot
 from trundle.worlds import World
 

@@ -19,8 +19,8 @@ from trundle.errors import (
 from trundle.geometry import Pose2D, pad_outline
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Planner, create_planner, planner_names
-from trundle.planning.astar import AStarPlanner
-from trundle.planning.least_cost import LeastCostPlanner
+from trundle.planning.grid_planners.astar import AStarPlanner
+from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter").outline

@@ -14,8 +14,8 @@ from trundle.errors import PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import Cancellation, GridSearch, cost_field, create_planner
-from trundle.planning.footprint_planner import cell_weights
-from trundle.planning.grid_paths import STATUSES
+from trundle.planning.grid.grid_paths import STATUSES
+from trundle.planning.grid_planners.footprint_planner import cell_weights
 
 SIZE = 3000
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="needs a signal of one's own")

@@ -5,7 +5,7 @@ from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
-from trundle.planning.manhattan_astar import ManhattanAstarPlanner
+from trundle.planning.grid_planners.manhattan_astar import ManhattanAstarPlanner
 
 SQUARE = ((0.4, 0.4), (-0.4, 0.4), (-0.4, -0.4), (0.4, -0.4))
 

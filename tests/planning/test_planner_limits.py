@@ -13,7 +13,7 @@ from trundle.errors import BlockedPoseError, InputError, NoPathError, OutsideMap
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Cancellation, create_planner, planner_names
-from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner
+from trundle.planning.grid_planners.footprint_planner import FootprintOptions, FootprintPlanner
 from trundle.planning.motions import sample
 
 NAMES = [name for name in planner_names() if name != "straight_line"]
@@ -116,7 +116,7 @@ def test_one_deadline_holds_for_all_attempts_together(monkeypatch):
         index = int(np.argmin(np.abs(poses[:, 0] - 2.5)))
         return motions, poses[index : index + 1], [int(owners[index])]
 
-    monkeypatch.setattr("trundle.planning.footprint_planner.fit_motions", collide_each_time)
+    monkeypatch.setattr("trundle.planning.grid_planners.footprint_planner.fit_motions", collide_each_time)
     with pytest.raises(PlanningStoppedError, match="the deadline of 50 s passed"):
         create_planner("astar", max_replans=1000).plan(costmap_of(rooms(30)), START, GOAL, deadline_s=50.0)
     assert 2 <= len(attempts) <= 25

@@ -12,7 +12,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import Navigator
 from trundle.path import Path
 from trundle.planning import Cancellation, create_planner, plan_many, planner_names
-from trundle.planning.least_cost import LeastCostPlanner
+from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.planning.older_planner import OlderPlanner
 from trundle.robots import Robot
 

@@ -6,7 +6,7 @@ import pytest
 
 from trundle.errors import InputError, UnknownNameError
 from trundle.planning import create_planner, planner_names
-from trundle.planning.removed import refuse_removed
+from trundle.planning.grid.removed import refuse_removed
 
 REMOVED = {
     "jps": "was removed; use astar with method='jps'",

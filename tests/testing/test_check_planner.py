@@ -8,7 +8,7 @@ from trundle.errors import NoPathError, PlanningStoppedError
 from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning import create_planner
-from trundle.planning.least_cost import LeastCostPlanner
+from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.testing import ConformanceError, check_planner
 
 

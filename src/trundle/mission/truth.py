@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import FloatArray
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.grid_search import GridSearch
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_world
 from trundle.worlds import World

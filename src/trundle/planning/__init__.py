@@ -1,13 +1,13 @@
 """Planners: from a costmap, a start and a goal to a `Path`; and searches over cells."""
 
 from trundle.planning.cancellation import Cancellation
-from trundle.planning.fields import cost_field
-from trundle.planning.grid_paths import GridPath, GridPaths, PointPath, PointPaths
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.fields import cost_field
+from trundle.planning.grid.grid_paths import GridPath, GridPaths, PointPath, PointPaths
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.planning.grid.point_path import any_angle_path
 from trundle.planning.many import plan_many
 from trundle.planning.path_check import PathCheck, PathHit
 from trundle.planning.planner import Planner, create_planner, planner_names
-from trundle.planning.point_path import any_angle_path
 from trundle.planning.smoother import Smoother, create_smoother, smoother_names
 
 __all__ = [

@@ -15,13 +15,13 @@ from trundle.footprint import Footprint
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
-from trundle.planning.ends import End
-from trundle.planning.footprint_planner import FootprintOptions
+from trundle.planning.grid_planners.footprint_planner import FootprintOptions
+from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
 from trundle.planning.hybrid_astar import PADDING_M, HybridAStarPlanner
-from trundle.planning.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
 from trundle.planning.path_check import PathCheck
-from trundle.planning.pose_planner import PosePlanner
-from trundle.planning.query import Query
+from trundle.planning.queries.ends import End
+from trundle.planning.queries.pose_planner import PosePlanner
+from trundle.planning.queries.query import Query
 from trundle.values import check_flag
 
 

@@ -12,8 +12,8 @@ from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Pose2D
 from trundle.planning.cancellation import Patience
-from trundle.planning.ends import End
-from trundle.planning.query import Query
+from trundle.planning.queries.ends import End
+from trundle.planning.queries.query import Query
 
 _MOST_BOXES = (500_000, 100_000, 100_000, 100_000)
 """Boxes that one flood fills at most, by size of box: a small room of the largest, a tight place of the others."""

@@ -22,10 +22,10 @@ from trundle.planning.constrained_smoother import (
     pose_spacing,
 )
 from trundle.planning.enclosure import Enclosure, find_enclosure, on_grid
-from trundle.planning.ends import End
-from trundle.planning.grid_search import GridSearch
-from trundle.planning.pose_planner import PosePlanner
-from trundle.planning.query import Query, no_path
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.planning.queries.ends import End
+from trundle.planning.queries.pose_planner import PosePlanner
+from trundle.planning.queries.query import Query, no_path
 from trundle.values import check_flag
 
 MOTION_MODELS = ("dubins", "reeds_shepp")

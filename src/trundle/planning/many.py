@@ -10,9 +10,9 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
-from trundle.planning.cells import check_threads
+from trundle.planning.grid.cells import check_threads
 from trundle.planning.planner import Planner, create_planner
-from trundle.planning.question import check_question
+from trundle.planning.queries.question import check_question
 
 PoseLike = Pose2D | Sequence[float]
 

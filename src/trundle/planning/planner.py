@@ -16,11 +16,11 @@ PLANNERS: Registry[Planner] = Registry(
     "trundle.planners",
     {
         "auto": "trundle.planning.auto:AutoPlanner",
-        "least_cost": "trundle.planning.least_cost:LeastCostPlanner",
-        "astar": "trundle.planning.astar:AStarPlanner",
+        "least_cost": "trundle.planning.grid_planners.least_cost:LeastCostPlanner",
+        "astar": "trundle.planning.grid_planners.astar:AStarPlanner",
         "hybrid_astar": "trundle.planning.hybrid_astar:HybridAStarPlanner",
-        "any_angle": "trundle.planning.any_angle:AnyAnglePlanner",
-        "manhattan_astar": "trundle.planning.manhattan_astar:ManhattanAstarPlanner",
+        "any_angle": "trundle.planning.grid_planners.any_angle:AnyAnglePlanner",
+        "manhattan_astar": "trundle.planning.grid_planners.manhattan_astar:ManhattanAstarPlanner",
     },
     removed={
         "blog": "was renamed; use manhattan_astar",

@@ -9,12 +9,12 @@ import numpy as np
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.planning.blocked_end import blocked_end
 from trundle.planning.cancellation import Cancellation, Patience, check_limits, sooner
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import CHECK_STEP_RAD
-from trundle.planning.places import cells_near, footprint_fits
-from trundle.planning.question import check_question
+from trundle.planning.queries.blocked_end import blocked_end
+from trundle.planning.queries.places import cells_near, footprint_fits
+from trundle.planning.queries.question import check_question
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import Costmap
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.grid_search import GridSearch
 
 _SMALL = 8
 """A search is updated if at most this share of the map changes, and rebuilt otherwise."""

@@ -11,12 +11,12 @@ from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
-from trundle.planning.blocked_end import REACH_CELLS
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.ends import begin_plan
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
-from trundle.planning.places import cells_near
+from trundle.planning.queries.blocked_end import REACH_CELLS
+from trundle.planning.queries.ends import begin_plan
+from trundle.planning.queries.places import cells_near
 from trundle.values import check_flag
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)

@@ -12,9 +12,9 @@ from trundle import _core
 from trundle.errors import InputError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.cells import CellLike, Span, as_bytes, as_span, check_threads
-from trundle.planning.grid_ends import GridEnds, Moved
-from trundle.planning.grid_paths import (
+from trundle.planning.grid.cells import CellLike, Span, as_bytes, as_span, check_threads
+from trundle.planning.grid.grid_ends import GridEnds, Moved
+from trundle.planning.grid.grid_paths import (
     PARTIAL,
     STATUSES,
     CellArray,
@@ -24,7 +24,7 @@ from trundle.planning.grid_paths import (
     PointPaths,
     Status,
 )
-from trundle.planning.removed import refuse_removed
+from trundle.planning.grid.removed import refuse_removed
 
 METHODS = ("auto", "jps", "astar")
 

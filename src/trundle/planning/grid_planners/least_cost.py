@@ -11,9 +11,15 @@ from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Patience
-from trundle.planning.ends import End
-from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner, cell_weights, to_grid, to_map
-from trundle.planning.grid_paths import STATUSES
+from trundle.planning.grid.grid_paths import STATUSES
+from trundle.planning.grid_planners.footprint_planner import (
+    FootprintOptions,
+    FootprintPlanner,
+    cell_weights,
+    to_grid,
+    to_map,
+)
+from trundle.planning.queries.ends import End
 
 NEUTRAL_COST = 50.0
 """Weight of a free cell: `COST_NEUTRAL` of Nav2's NavFn planner."""

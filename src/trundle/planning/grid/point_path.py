@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from trundle.planning.grid_paths import PointPath
+from trundle.planning.grid.grid_paths import PointPath
 
 if TYPE_CHECKING:
-    from trundle.planning.cells import CellLike
-    from trundle.planning.grid_search import GridSearch
+    from trundle.planning.grid.cells import CellLike
+    from trundle.planning.grid.grid_search import GridSearch
 
 
 def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: CellLike) -> PointPath:
@@ -32,7 +32,7 @@ def any_angle_path(blocked: npt.ArrayLike | GridSearch, start: CellLike, goal: C
         BlockedPoseError: If an end is blocked.
         InputError: If an argument is invalid.
     """
-    from trundle.planning.grid_search import GridSearch
+    from trundle.planning.grid.grid_search import GridSearch
 
     search = blocked if isinstance(blocked, GridSearch) else GridSearch(blocked, method="jps")
     return search.any_angle_path(start, goal)

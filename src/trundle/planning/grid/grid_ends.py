@@ -11,7 +11,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningError
 from trundle.geometry import FloatArray
-from trundle.planning.cells import CellLike, Cells, as_cells, as_pair
+from trundle.planning.grid.cells import CellLike, Cells, as_cells, as_pair
 from trundle.values import check_flag, check_number
 
 _Distance = TypeVar("_Distance", float, FloatArray)

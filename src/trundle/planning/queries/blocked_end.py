@@ -7,7 +7,7 @@ import numpy as np
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.planning.places import cells_near, footprint_fits
+from trundle.planning.queries.places import cells_near, footprint_fits
 
 REACH_CELLS = 256
 """How far to search for the nearest place where the robot fits."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError, PlanningStoppedError
 from trundle.planning.cancellation import Cancellation, check_limits
-from trundle.planning.cells import as_array, check_threads
+from trundle.planning.grid.cells import as_array, check_threads
 
 CostArray = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 

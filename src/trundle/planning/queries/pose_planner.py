@@ -9,8 +9,8 @@ from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience, check_limits
-from trundle.planning.ends import End, begin_plan, find_end
-from trundle.planning.query import Query
+from trundle.planning.queries.ends import End, begin_plan, find_end
+from trundle.planning.queries.query import Query
 from trundle.values import check_flag, check_number
 
 

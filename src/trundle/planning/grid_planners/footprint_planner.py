@@ -32,13 +32,13 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
-from trundle.planning.detours import Detours
-from trundle.planning.ends import End, place_to_turn, place_with_room
-from trundle.planning.grid_search import GridSearch
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.planning.grid_planners.detours import Detours
+from trundle.planning.grid_planners.tight_places import TightPlaces
 from trundle.planning.motions import Motion, fit_motions, motions_before, poses_of
-from trundle.planning.pose_planner import PosePlanner
-from trundle.planning.query import Query, no_path, none_found
-from trundle.planning.tight_places import TightPlaces
+from trundle.planning.queries.ends import End, place_to_turn, place_with_room
+from trundle.planning.queries.pose_planner import PosePlanner
+from trundle.planning.queries.query import Query, no_path, none_found
 from trundle.values import check_count, check_number
 
 

@@ -10,11 +10,11 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.costmap import Costmap
 from trundle.geometry import FloatArray
-from trundle.planning.binary_planner import BinaryPlanner
 from trundle.planning.cancellation import Patience
-from trundle.planning.ends import End
-from trundle.planning.footprint_planner import FootprintOptions, to_grid, to_map
-from trundle.planning.grid_search import check_method
+from trundle.planning.grid.grid_search import check_method
+from trundle.planning.grid_planners.binary_planner import BinaryPlanner
+from trundle.planning.grid_planners.footprint_planner import FootprintOptions, to_grid, to_map
+from trundle.planning.queries.ends import End
 
 _SHORTCUT_STEP_CELLS = 8
 """The shortcut may turn where the grid path turns, and at every this many cells of it."""

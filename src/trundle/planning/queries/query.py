@@ -12,8 +12,8 @@ from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.errors import NoPathError, PlanningStoppedError
 from trundle.geometry import FloatArray
 from trundle.planning.cancellation import Patience
-from trundle.planning.ends import End, place_to_turn
 from trundle.planning.motions import Motion, motions_along
+from trundle.planning.queries.ends import End, place_to_turn
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.planning.footprint_planner import FootprintOptions, FootprintPlanner
-from trundle.planning.grid_search import GridSearch
-from trundle.planning.kept_search import KeptSearch
-from trundle.planning.tight_places import TightPlaces
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.planning.grid.kept_search import KeptSearch
+from trundle.planning.grid_planners.footprint_planner import FootprintOptions, FootprintPlanner
+from trundle.planning.grid_planners.tight_places import TightPlaces
 
 
 class BinaryPlanner(FootprintPlanner):

@@ -1,0 +1,1 @@
+"""Searches over the cells of a grid: shortest paths, reachable cells and fields of costs."""
