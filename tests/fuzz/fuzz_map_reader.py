@@ -19,7 +19,7 @@ import numpy as np
 from fuzz import mutation
 from trundle.errors import MapError, MapWarning
 from trundle.maps import OccupancyGrid
-from trundle.maps.image import read_image
+from trundle.maps.images.image import read_image
 from trundle.maps.movingai import load_scenarios
 from trundle.maps.occupancy import MODES, PixelRule, compute_cells
 

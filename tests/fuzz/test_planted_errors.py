@@ -22,7 +22,7 @@ from fuzz.loop import play
 from fuzz.targets import TARGETS
 from trundle import _core
 from trundle.costmap import Costmap
-from trundle.maps import pnm
+from trundle.maps.images import pnm
 from trundle.maps.rasterise import SolidRaster
 from trundle.planning import GridSearch
 from trundle.planning.constrained_smoother import ConstrainedSmoother

@@ -230,7 +230,7 @@ def test_memory_for_an_image_is_that_of_its_file(tmp_path, monkeypatch):
         asked.append((most, len(content)))
         return content
 
-    monkeypatch.setattr("trundle.maps.image.read_up_to", read)
+    monkeypatch.setattr("trundle.maps.images.image.read_up_to", read)
     with pytest.raises(MapError, match="truncated"):
         OccupancyGrid.load(write(tmp_path, "m.yaml", YAML.format(0.05, [0, 0, 0])))
     assert asked == [(20_000 * 20_000 * 2 + 21 - 65536, 70_021 - 65536)]

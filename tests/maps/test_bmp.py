@@ -7,7 +7,7 @@ import pytest
 
 from trundle.errors import MapError
 from trundle.maps import OccupancyGrid
-from trundle.maps.bmp import decode_bmp
+from trundle.maps.images.bmp import decode_bmp
 
 GREYS = np.array([[0, 255, 205, 0, 255], [255, 254, 0, 205, 205], [0, 0, 255, 255, 254]], dtype=np.uint8)
 """Top row first; 5 pixels are no whole word in any depth."""

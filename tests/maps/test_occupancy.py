@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
+from trundle.maps.images.pixels import Pixels, compute_greys
 from trundle.maps.occupancy import PixelRule, compute_cells
-from trundle.maps.pixels import Pixels, compute_greys
 
 MODES = ("trinary", "scale", "raw")
 THRESHOLDS = [(0.65, 0.196), (0.65, 0.25), (0.5, 0.5), (1.0, 0.0), (0.2, 0.1), (0.9999, 0.6)]

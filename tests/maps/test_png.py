@@ -10,7 +10,7 @@ from PIL import Image
 
 from support import png_samples as samples_of
 from trundle.errors import MapError
-from trundle.maps.png import decode_png, encode_png
+from trundle.maps.images.png import decode_png, encode_png
 
 KINDS = [(1, 0), (2, 0), (4, 0), (8, 0), (16, 0), (8, 2), (16, 2), (8, 4), (16, 4), (8, 6), (16, 6)]
 

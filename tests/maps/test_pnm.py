@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from trundle.errors import MapError
-from trundle.maps.pixels import compute_greys
-from trundle.maps.pnm import decode_pnm, encode_pgm
+from trundle.maps.images.pixels import compute_greys
+from trundle.maps.images.pnm import decode_pnm, encode_pgm
 
 NOISE = np.random.default_rng(0).integers(0, 256, (5, 7))
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
-from trundle.maps.pixels import Pixels, compute_channel_means, compute_greys, compute_transparent
+from trundle.maps.images.pixels import Pixels, compute_channel_means, compute_greys, compute_transparent
 
 Mode: TypeAlias = Literal["trinary", "scale", "raw"]
 Compat: TypeAlias = Literal["humble"]

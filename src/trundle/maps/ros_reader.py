@@ -16,9 +16,9 @@ from trundle.errors import MapError, MapWarning
 from trundle.files.opening import is_file
 from trundle.geometry import Pose2D
 from trundle.maps.cells import FREE, PlacedCells
-from trundle.maps.image import read_image
+from trundle.maps.images.image import read_image
+from trundle.maps.images.pixels import Pixels, compute_greys
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
-from trundle.maps.pixels import Pixels, compute_greys
 from trundle.maps.ros_yaml import RosMapDescription, load_description
 from trundle.values import as_path
 

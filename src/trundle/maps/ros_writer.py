@@ -55,11 +55,11 @@ def save_map(
         raise MapError("mode scale needs transparency for unknown cells, which PGM lacks; save as png")
     samples = compute_samples(grid, mode)
     if image_format == "pgm":
-        from trundle.maps.pnm import encode_pgm
+        from trundle.maps.images.pnm import encode_pgm
 
         content = encode_pgm(samples)
     else:
-        from trundle.maps.png import encode_png
+        from trundle.maps.images.png import encode_png
 
         content = encode_png(samples)
     save_pair(target, f".{image_format}", content, lambda image: _compose_yaml(grid, image, mode))

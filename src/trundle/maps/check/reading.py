@@ -13,9 +13,9 @@ from trundle.errors import MapError
 from trundle.maps.cells import FREE
 from trundle.maps.check.finding import Finding, Kind
 from trundle.maps.grid import OccupancyGrid
-from trundle.maps.image import read_image
+from trundle.maps.images.image import read_image
+from trundle.maps.images.pixels import Pixels, compute_greys
 from trundle.maps.occupancy import UNKNOWN_GREY, Compat, PixelRule, compute_cells, compute_table
-from trundle.maps.pixels import Pixels, compute_greys
 from trundle.maps.ros_reader import find_image
 from trundle.maps.ros_writer import FREE_THRESH
 from trundle.maps.ros_yaml import RosMapDescription

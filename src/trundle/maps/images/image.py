@@ -6,9 +6,9 @@ from pathlib import Path
 
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
-from trundle.maps import bmp, png_chunks, pnm
 from trundle.maps.cells import MAX_CELLS
-from trundle.maps.pixels import Pixels
+from trundle.maps.images import bmp, png_chunks, pnm
+from trundle.maps.images.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16
 _PNG_EXTRA_BYTES = 16_000_000
@@ -41,7 +41,7 @@ def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
         return pnm.decode_pnm(content, str(path))
     if head.startswith(bmp.SIGNATURE):
         return bmp.decode_bmp(content, str(path))
-    from trundle.maps import png
+    from trundle.maps.images import png
 
     return png.decode_png(content, str(path))
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import MapError
-from trundle.maps.pixels import FULL_SCALE, Pixels, SampleArray
+from trundle.maps.images.pixels import FULL_SCALE, Pixels, SampleArray
 
 PLAIN_MAGIC = (b"P1", b"P2", b"P3")
 BINARY_MAGIC = (b"P4", b"P5", b"P6")

@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle.errors import MapError
 from trundle.files.parser_errors import parser_reason
-from trundle.maps.pixels import Pixels
+from trundle.maps.images.pixels import Pixels
 
 SIGNATURE = b"BM"
 

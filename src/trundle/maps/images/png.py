@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from trundle.errors import MapError
 from trundle.files.parser_errors import parser_reason
-from trundle.maps.pixels import Pixels, SampleArray
-from trundle.maps.png16 import unpack_samples
-from trundle.maps.png_chunks import (
+from trundle.maps.images.pixels import Pixels, SampleArray
+from trundle.maps.images.png16 import unpack_samples
+from trundle.maps.images.png_chunks import (
     GREY,
     GREY_ALPHA,
     PALETTE,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from trundle._core import png_unfilter
 from trundle.errors import MapError
-from trundle.maps.png_chunks import PngFile, truncated
+from trundle.maps.images.png_chunks import PngFile, truncated
 
 
 def unpack_samples(file: PngFile, name: str) -> npt.NDArray[np.uint16]:

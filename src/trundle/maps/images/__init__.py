@@ -1,0 +1,1 @@
+"""The images of maps: PNG, BMP and PNM, read and written."""
