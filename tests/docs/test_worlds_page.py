@@ -20,9 +20,9 @@ from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.worlds import World, world_names
 from trundle.worlds.from_map import load_map
+from trundle.worlds.gazebo.load import load_sdf
 from trundle.worlds.meshes import load_mesh
 from trundle.worlds.mjcf import load_mjcf
-from trundle.worlds.sdf import load_sdf
 from trundle.worlds.usd import load_usd
 from trundle.worlds.world import WORLDS
 

@@ -12,7 +12,7 @@ from trundle.solids import Box, Solid
 from trundle.viewer.cameras import Camera, aim
 from trundle.viewer.stage import Stage
 from trundle.worlds import World
-from trundle.worlds.warehouse import generate_warehouse
+from trundle.worlds.generators.warehouse import generate_warehouse
 
 CARTER = Robot.load("nova_carter")
 EMPTY = World("empty", ())

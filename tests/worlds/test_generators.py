@@ -10,7 +10,7 @@ from trundle.errors import InputError, WorldError
 from trundle.maps import OccupancyGrid
 from trundle.robots import Robot
 from trundle.worlds import World, world_names
-from trundle.worlds.cylinders import RADIUS, RUN_IN
+from trundle.worlds.generators.cylinders import RADIUS, RUN_IN
 
 BAND = (0.10, 0.62)
 GENERATED = ["corridors", "cylinders", "lot", "maze", "office"]

@@ -7,7 +7,7 @@ import pytest
 from trundle.errors import InputError, WorldError
 from trundle.solids import Solid
 from trundle.worlds import World
-from trundle.worlds.warehouse import CROSS_AISLE, FREE_BESIDE, LANE, generate_warehouse
+from trundle.worlds.generators.warehouse import CROSS_AISLE, FREE_BESIDE, LANE, generate_warehouse
 
 BAND = (0.10, 0.62)
 VARIANTS = [

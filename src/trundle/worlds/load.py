@@ -23,9 +23,9 @@ from trundle.worlds.world_like import WorldLike
 _MAPS = "trundle.worlds.from_map:load_map"
 
 LOADERS = {
-    ".sdf": "trundle.worlds.sdf:load_sdf",
-    ".world": "trundle.worlds.sdf:load_sdf",
-    ".xacro": "trundle.worlds.sdf:load_sdf",
+    ".sdf": "trundle.worlds.gazebo.load:load_sdf",
+    ".world": "trundle.worlds.gazebo.load:load_sdf",
+    ".xacro": "trundle.worlds.gazebo.load:load_sdf",
     ".xml": "trundle.worlds.mjcf:load_mjcf",
     ".mjcf": "trundle.worlds.mjcf:load_mjcf",
     ".urdf": "trundle.worlds.mjcf:load_mjcf",
@@ -46,7 +46,7 @@ LOADERS = {
 """Suffix → `"module:function"`; the function takes the path and options by keyword, and returns a `World`."""
 
 _LIBRARIES = {
-    "trundle.worlds.sdf:load_sdf": ("trundle.worlds.sdf",),
+    "trundle.worlds.gazebo.load:load_sdf": ("trundle.worlds.gazebo.load",),
     "trundle.worlds.mjcf:load_mjcf": ("trundle.worlds.mjcf", "mujoco"),
     "trundle.worlds.meshes:load_mesh": ("trundle.worlds.meshes", "trimesh"),
     "trundle.worlds.usd:load_usd": ("trundle.worlds.usd.load",),

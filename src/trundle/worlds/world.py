@@ -21,12 +21,12 @@ WORLDS: Registry[World] = Registry(
     "world",
     "trundle.worlds",
     {
-        "corridors": "trundle.worlds.corridors:generate_corridors",
-        "cylinders": "trundle.worlds.cylinders:generate_cylinders",
-        "lot": "trundle.worlds.lot:generate_lot",
-        "maze": "trundle.worlds.maze:generate_maze",
-        "office": "trundle.worlds.office:generate_office",
-        "warehouse": "trundle.worlds.warehouse:generate_warehouse",
+        "corridors": "trundle.worlds.generators.corridors:generate_corridors",
+        "cylinders": "trundle.worlds.generators.cylinders:generate_cylinders",
+        "lot": "trundle.worlds.generators.lot:generate_lot",
+        "maze": "trundle.worlds.generators.maze:generate_maze",
+        "office": "trundle.worlds.generators.office:generate_office",
+        "warehouse": "trundle.worlds.generators.warehouse:generate_warehouse",
     },
 )
 
@@ -106,7 +106,7 @@ class World:
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
-        | .sdf, .world, .sdf.xacro | Gazebo's SDF 1.2 to 1.12 | `worlds.sdf.load_sdf` |
+        | .sdf, .world, .sdf.xacro | Gazebo's SDF 1.2 to 1.12 | `worlds.gazebo.load.load_sdf` |
         | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; fixed geometry | `worlds.mjcf.load_mjcf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |

@@ -14,9 +14,9 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.solids import Color, Solid
-from trundle.worlds import yard
-from trundle.worlds.checks import check_number, check_seed, check_size, check_whole
-from trundle.worlds.props import Part, box, place
+from trundle.worlds.generators import yard
+from trundle.worlds.generators.checks import check_number, check_seed, check_size, check_whole
+from trundle.worlds.generators.props import Part, box, place
 from trundle.worlds.world import World
 
 DRIVE = 5.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Cylinder, Sphere
-from trundle.worlds.props import CHARCOAL, RUBBER, STEEL, WOOD, Part, box
+from trundle.worlds.generators.props import CHARCOAL, RUBBER, STEEL, WOOD, Part, box
 
 DESK_SIZE = (1.6, 0.8)
 """Of a desk, along the wall and into the room [m]."""

@@ -13,13 +13,10 @@ from trundle.files.uris import Folders, split_folders
 from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
-from trundle.worlds.ground import ENDLESS, LevelPlanes
-from trundle.worlds.leave_out import Filter, warn_of_unmet
-from trundle.worlds.options import check_choice
-from trundle.worlds.sdf_frames import WORLD_FRAME, Scope
-from trundle.worlds.sdf_models import find_model_file, is_plain_floor, is_sun, read_plain_floor
-from trundle.worlds.sdf_shapes import Files, MissingFileError, read_color, read_geometry
-from trundle.worlds.sdf_values import (
+from trundle.worlds.gazebo.frames import WORLD_FRAME, Scope
+from trundle.worlds.gazebo.models import find_model_file, is_plain_floor, is_sun, read_plain_floor
+from trundle.worlds.gazebo.shapes import Files, MissingFileError, read_color, read_geometry
+from trundle.worlds.gazebo.values import (
     Place,
     PoseIn,
     child,
@@ -32,6 +29,9 @@ from trundle.worlds.sdf_values import (
     read_version,
     refuse_macros,
 )
+from trundle.worlds.ground import ENDLESS, LevelPlanes
+from trundle.worlds.leave_out import Filter, warn_of_unmet
+from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
 

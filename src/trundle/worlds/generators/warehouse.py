@@ -17,8 +17,8 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.solids import Color, Solid
-from trundle.worlds.checks import check_number, check_seed, check_size, check_whole
-from trundle.worlds.props import (
+from trundle.worlds.generators.checks import check_number, check_seed, check_size, check_whole
+from trundle.worlds.generators.props import (
     CARTONS,
     SAFETY_YELLOW,
     TOTES,

@@ -15,9 +15,9 @@ import numpy as np
 
 from trundle.errors import WorldError
 from trundle.solids import Color, Solid
-from trundle.worlds import furniture
-from trundle.worlds.checks import check_number, check_seed, check_size
-from trundle.worlds.props import Part, box, place
+from trundle.worlds.generators import furniture
+from trundle.worlds.generators.checks import check_number, check_seed, check_size
+from trundle.worlds.generators.props import Part, box, place
 from trundle.worlds.world import World
 
 ROOM_DEPTH = (3.4, 4.6)

@@ -11,8 +11,8 @@ import numpy as np
 
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Cylinder, Sphere
-from trundle.worlds.furniture import LEAVES
-from trundle.worlds.props import CHARCOAL, DARK_WOOD, RUBBER, STEEL, Part, box
+from trundle.worlds.generators.furniture import LEAVES
+from trundle.worlds.generators.props import CHARCOAL, DARK_WOOD, RUBBER, STEEL, Part, box
 
 VAN_SIZE = (5.0, 2.0)
 """Length and width [m]."""

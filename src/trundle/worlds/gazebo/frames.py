@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from trundle.files.xml_elements import XmlElement
 from trundle.geometry import Pose3D
-from trundle.worlds.sdf_values import Place, PoseIn
+from trundle.worlds.gazebo.values import Place, PoseIn
 
 MODEL_FRAME = "__model__"
 WORLD_FRAME = "world"

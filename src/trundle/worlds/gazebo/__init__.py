@@ -1,0 +1,1 @@
+"""Worlds in SDF, Gazebo's format."""

@@ -1,0 +1,1 @@
+"""Generated worlds, and the props that stand in them."""
