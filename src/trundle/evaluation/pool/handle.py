@@ -1,0 +1,146 @@
+"""The pool's view of one worker."""
+
+from __future__ import annotations
+
+import enum
+import os
+import pickle
+import socket
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from trundle.evaluation.pool import framing
+
+_TAIL_BYTES = 4096
+_DUMP_BYTES = 1 << 18
+_CHUNK = 1 << 16
+
+
+class State(enum.Enum):
+    """What a worker is at."""
+
+    STARTING = enum.auto()
+    IDLE = enum.auto()
+    BUSY = enum.auto()
+    LATE = enum.auto()
+    """Past its deadline: it is asked where it is, and then killed."""
+    LOST = enum.auto()
+    """Its socket has ended."""
+    KILLED = enum.auto()
+
+
+class Handle:
+    """One worker.
+
+    Attributes:
+        number: The pool's; no two workers have the same.
+        sock: To the worker; does not block.
+        output: Pipe of what it prints.
+        dump: Pipe of what faulthandler writes.
+        state: What it is at.
+        job: The job that it has, if any, as the pool keeps it.
+        has_served: Whether it has done a job.
+        main_thread: Its identifier, once the worker is ready.
+        base_bytes: Its resident memory when it was first looked at.
+        tail: End of what it printed during this job.
+        dumped: What faulthandler wrote.
+    """
+
+    def __init__(self, number: int, sock: socket.socket, output: int, dump: int) -> None:
+        self.number = number
+        self.sock = sock
+        self.output = output
+        self.dump = dump
+        self.state = State.STARTING
+        self.job: Any = None
+        self.has_served = False
+        self.main_thread = 0
+        self.base_bytes: int | None = None
+        self.tail = b""
+        self.dumped = b""
+        self._inbox = framing.Inbox(sock)
+        self._note: bytes | None = None
+        sock.setblocking(False)
+        os.set_blocking(output, False)
+        os.set_blocking(dump, False)
+
+    def send(self, job: Any) -> None:
+        """Send it a job; it must have none.
+
+        Raises:
+            Exception: If the job cannot be pickled.
+        """
+        content = framing.pack(framing.JOB, pickle.dumps(job))
+        if self.tail:
+            self.read_output()
+        self._note, self.tail, self.dumped = None, b"", b""
+        try:
+            sent = self.sock.send(content)
+            while sent < len(content):  # a job larger than the socket's buffer
+                self.sock.settimeout(60.0)
+                self.sock.sendall(content[sent:])
+                sent = len(content)
+        except OSError:
+            pass  # it has ended, as will be found
+        finally:
+            self.sock.setblocking(False)
+
+    def receive(self) -> tuple[list[tuple[bytes, bytes]], int | None]:
+        """Read some bytes. Of notes the last is kept.
+
+        Returns:
+            The other messages that are complete now, and how many bytes there were; None at the end of the stream.
+        """
+        size = self._inbox.take()
+        messages: list[tuple[bytes, bytes]] = []
+        for kind, content in self._inbox.messages():
+            if kind == framing.NOTE:
+                self._note = content
+            else:
+                messages.append((kind, content))
+        return messages, size
+
+    def noted(self) -> Mapping[str, Any] | None:
+        """The last note."""
+        return None if self._note is None else pickle.loads(self._note)
+
+    def read_output(self) -> bool:
+        """Keep the end of what it has printed; False at the end of the stream."""
+        return _read_all(self.output, self._keep_output)
+
+    def read_dump(self) -> bool:
+        """Keep what faulthandler has written; False at the end of the stream."""
+        return _read_all(self.dump, self._keep_dump)
+
+    def describe_output(self) -> str:
+        """End of what it printed, as text."""
+        return self.tail.decode(errors="replace")
+
+    def describe_dump(self) -> str:
+        """What faulthandler wrote, as text."""
+        return self.dumped.decode(errors="replace")
+
+    def close(self) -> None:
+        """Close socket and pipes."""
+        self.sock.close()
+        os.close(self.output)
+        os.close(self.dump)
+
+    def _keep_output(self, part: bytes) -> None:
+        self.tail = (self.tail + part)[-_TAIL_BYTES:]
+
+    def _keep_dump(self, part: bytes) -> None:
+        self.dumped = (self.dumped + part)[:_DUMP_BYTES]
+
+
+def _read_all(number: int, keep: Callable[[bytes], None]) -> bool:
+    """Read what is there; False at the end of the stream. One that never stops printing is left for the next time."""
+    for _ in range(16):
+        try:
+            part = os.read(number, _CHUNK)
+        except BlockingIOError:
+            return True
+        keep(part)
+        if len(part) < _CHUNK:
+            return bool(part)
+    return True

@@ -1,0 +1,320 @@
+"""Starting and killing worker processes: forked from a warm server, or each started on its own."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any, Protocol
+
+from trundle.evaluation.pool import child as code
+from trundle.evaluation.pool.outcome import PoolSetupError
+
+logger = logging.getLogger(__name__)
+
+CAN_FORK = sys.platform == "linux"
+"""Whether workers are forked from a warm server; elsewhere system libraries do not survive a fork."""
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "BLIS_NUM_THREADS": "1",
+    "NUMEXPR_NUM_THREADS": "1",
+    "VECLIB_MAXIMUM_THREADS": "1",
+    "PXR_WORK_THREAD_LIMIT": "1",
+    "TRUNDLE_THREADS": "1",
+    "MALLOC_ARENA_MAX": "2",
+}
+"""Set before anything is imported: there is a worker for each core already."""
+
+_SAME_HASHES = {"PYTHONHASHSEED": "0"}
+"""So that code which depends on the order of a set does the same in every worker."""
+
+_END_S = 1.5
+_TAIL = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerEnds:
+    """A worker's ends of its socket and pipes."""
+
+    sock: socket.socket
+    output: int
+    dump: int
+
+    def numbers(self) -> tuple[int, int, int]:
+        """Their descriptors."""
+        return self.sock.fileno(), self.output, self.dump
+
+    def close(self) -> None:
+        """Close them here."""
+        self.sock.close()
+        os.close(self.output)
+        os.close(self.dump)
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """A worker process that has ended: its exit code, or minus the signal that killed it."""
+
+    worker: int
+    status: int
+
+
+class LauncherGoneError(Exception):
+    """The server has ended, and all workers with it; a new one has to be started."""
+
+
+class Launcher(Protocol):
+    """Starts and kills worker processes."""
+
+    def fileno(self) -> int | None:
+        """What becomes readable when there is something to `collect`; None if it has to be asked now and then."""
+        ...
+
+    def start(self, worker: int, ends: WorkerEnds) -> None:
+        """Start a worker, which takes over its ends."""
+        ...
+
+    def send_signal(self, worker: int, number: int) -> None:
+        """Signal a worker; if it is to be killed, then with its process group."""
+        ...
+
+    def collect(self) -> list[Ended]:
+        """Those that have ended since."""
+        ...
+
+    def processes(self) -> Mapping[int, int]:
+        """Process numbers by worker, where they are known here."""
+        ...
+
+    def close(self) -> None:
+        """Kill everything at once."""
+        ...
+
+
+def describe_start(
+    task: bytes, preload: Sequence[str], memory_bytes: int | None, ends_itself_s: float | None
+) -> dict[str, Any]:
+    """What a child is sent first."""
+    return {
+        "path": [entry or os.getcwd() for entry in sys.path],  # noqa: PTH109 - a string is what the path holds
+        "parent": os.getpid(),
+        "preload": list(preload),
+        "task": task,
+        "memory_bytes": memory_bytes,
+        "ends_itself_s": ends_itself_s,
+    }
+
+
+class ForkServer:
+    """A process that only imports, and forks workers from what it has imported."""
+
+    def __init__(self, start: Mapping[str, Any], environment: Mapping[str, str]) -> None:
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._said: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the server
+        try:
+            with theirs:
+                keep = (theirs.fileno(),)
+                self._process = _popen(["serve", str(keep[0])], keep, environment, self._said.fileno())
+        except BaseException:
+            self._control.close()
+            self._said.close()
+            raise
+        self._ready = False
+        _send_start(self._process, start)
+
+    def fileno(self) -> int:
+        """Of the socket to the server."""
+        return self._control.fileno()
+
+    def start(self, worker: int, ends: WorkerEnds) -> None:
+        """Fork a worker; it comes once the server has imported everything."""
+        try:
+            self._request({"do": "start", "worker": worker}, ends.numbers())
+        finally:
+            ends.close()
+
+    def send_signal(self, worker: int, number: int) -> None:
+        """Have the server signal it; nothing happens if it has ended."""
+        self._request({"do": "signal", "worker": worker, "signal": int(number)}, ())
+
+    def collect(self) -> list[Ended]:
+        """Those that have ended since.
+
+        Raises:
+            LauncherGoneError: If the server itself has.
+            PoolSetupError: If it cannot import what it should.
+        """
+        found: list[Ended] = []
+        while True:
+            try:
+                content = self._control.recv(1 << 16, socket.MSG_DONTWAIT)
+            except (BlockingIOError, InterruptedError):
+                return found
+            except OSError:
+                content = b""
+            if not content:
+                self._judge_end()
+                raise LauncherGoneError
+            message = json.loads(content)
+            if "failed" in message:
+                raise PoolSetupError(f"the workers cannot be started: {message['failed']}")
+            if "ended" in message:
+                found.append(Ended(message["ended"], message["status"]))
+            elif message["threads"] > 1:
+                logger.warning("preloading started %d threads, which forked workers lack", message["threads"] - 1)
+            self._ready = True
+
+    def processes(self) -> Mapping[int, int]:
+        """None: the server knows them."""
+        return {}
+
+    def close(self) -> None:
+        """Have the server kill all workers, and what they started, and end."""
+        self._control.close()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()  # the workers end with it
+            self._process.wait()
+        self._said.close()
+
+    def _request(self, request: Mapping[str, Any], descriptors: tuple[int, ...]) -> None:
+        # A server that is gone is found by collect.
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            socket.send_fds(self._control, [json.dumps(request).encode()], descriptors)
+
+    def _judge_end(self) -> None:
+        """Raise an error if the server ended by what it imported."""
+        if self._ready:
+            return
+        try:
+            status = self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            return
+        if status == -signal.SIGKILL:  # by somebody else: a new one may do better
+            return
+        self._said.seek(0)
+        said = self._said.read()[-_TAIL:].decode(errors="replace").strip().splitlines()[-1:]
+        reason = ": ".join([f"their server ended with {describe_status(status)} while it imported", *said])
+        raise PoolSetupError(f"the workers cannot be started: {reason}")
+
+
+class Spawner:
+    """Starts each worker as a process of its own, which imports what it needs."""
+
+    def __init__(self, start: Mapping[str, Any], environment: Mapping[str, str]) -> None:
+        self._start = start
+        self._environment = environment
+        self._workers: dict[int, subprocess.Popen[bytes]] = {}
+
+    def fileno(self) -> None:
+        """Processes that have ended are found by asking."""
+        return
+
+    def start(self, worker: int, ends: WorkerEnds) -> None:
+        """Start a process."""
+        numbers = ends.numbers()
+        try:
+            process = _popen(["work", *map(str, numbers)], numbers, self._environment, ends.output)
+        finally:
+            ends.close()
+        _send_start(process, self._start, close=False)  # the worker ends when its input does
+        self._workers[worker] = process
+
+    def send_signal(self, worker: int, number: int) -> None:
+        """Signal it, if it has not ended."""
+        process = self._workers.get(worker)
+        if process is None or process.poll() is not None:
+            return
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            if number == signal.SIGKILL:
+                os.killpg(process.pid, number)
+            else:
+                process.send_signal(number)
+
+    def collect(self) -> list[Ended]:
+        """Those that have ended since."""
+        ended = [Ended(worker, process.returncode) for worker, process in self._workers.items() if _has_ended(process)]
+        for each in ended:
+            _close_input(self._workers.pop(each.worker))
+        return ended
+
+    def processes(self) -> Mapping[int, int]:
+        """Process numbers by worker."""
+        return {worker: process.pid for worker, process in self._workers.items()}
+
+    def close(self) -> None:
+        """Kill all."""
+        for worker, process in self._workers.items():
+            self.send_signal(worker, signal.SIGKILL)
+            process.wait()
+            _close_input(process)
+        self._workers.clear()
+
+
+def describe_status(status: int) -> str:
+    """An exit code in words."""
+    if status >= 0:
+        return f"status {status}"
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        return f"signal {-status}"
+    return f"{name} ({(signal.strsignal(-status) or name).lower()})"
+
+
+def _popen(
+    arguments: list[str], keep: tuple[int, ...], environment: Mapping[str, str], output: int
+) -> subprocess.Popen[bytes]:
+    if not sys.executable:
+        raise PoolSetupError("the workers cannot be started: this Python does not say where it is (sys.executable)")
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-P", os.fspath(Path(code.__file__)), *arguments],
+            stdin=subprocess.PIPE,
+            stdout=output,
+            stderr=output,
+            pass_fds=keep,
+            env={**os.environ, **ONE_THREAD, **_SAME_HASHES, **environment},
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise PoolSetupError(f"the workers cannot be started: {error.strerror or error}") from error
+
+
+def _send_start(process: subprocess.Popen[bytes], start: Mapping[str, Any], *, close: bool = True) -> None:
+    if process.stdin is None:
+        raise RuntimeError("the child has no standard input")
+    with contextlib.suppress(BrokenPipeError):  # it has ended, as will be found
+        process.stdin.write(pickle.dumps(dict(start)))
+        process.stdin.flush()
+        if close:
+            process.stdin.close()
+
+
+def _has_ended(process: subprocess.Popen[bytes]) -> bool:
+    if process.poll() is None:
+        return False
+    # What it started may be left in its group.
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    return True
+
+
+def _close_input(process: subprocess.Popen[bytes]) -> None:
+    if process.stdin is not None:
+        with contextlib.suppress(OSError):
+            process.stdin.close()

@@ -1,0 +1,96 @@
+"""Memory of processes: what they take, a limit on it, and whether the system killed one for it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+
+HAS_LIMIT = sys.platform == "linux"
+"""Whether the system keeps RLIMIT_AS; elsewhere the pool watches resident memory."""
+
+_SIGNS = ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate")
+
+
+def limit_growth(size: int) -> None:
+    """Let this process take only so many bytes of address space more, where the system has such a limit."""
+    taken = _address_space()
+    if taken is None:
+        return
+    import resource
+
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    most = taken + size if hard == resource.RLIM_INFINITY else min(taken + size, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+
+
+@contextlib.contextmanager
+def lifted_limit() -> Iterator[None]:
+    """Without the limit for a while, so that an error can be reported."""
+    if not HAS_LIMIT:
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def is_exhaustion(error: BaseException) -> bool:
+    """Whether an exception, or what caused it, means that there was no memory left."""
+    return any(
+        isinstance(each, MemoryError) or says_exhausted(f"{type(each).__name__}: {each}") for each in _chain(error)
+    )
+
+
+def says_exhausted(text: str) -> bool:
+    """Whether what a library says means that it got no memory."""
+    return any(sign in text for sign in _SIGNS)
+
+
+def count_oom_kills() -> int | None:
+    """How many processes the kernel has killed for want of memory; None where it does not say."""
+    with contextlib.suppress(OSError), open("/proc/vmstat", encoding="ascii") as lines:  # noqa: PTH123 - of the system
+        for line in lines:
+            if line.startswith("oom_kill "):
+                return int(line.split()[1])
+    return None
+
+
+def resident_bytes(pids: Iterable[int]) -> dict[int, int]:
+    """Resident memory of processes [bytes], by number; those that have ended are left out."""
+    wanted = ",".join(str(pid) for pid in pids)
+    if not wanted:
+        return {}
+    try:
+        said = subprocess.run(
+            ["ps", "-o", "pid=,rss=", "-p", wanted], capture_output=True, text=True, timeout=10, check=False
+        ).stdout
+    except (OSError, subprocess.TimeoutExpired):
+        return {}
+    rows = [line.split() for line in said.splitlines()]
+    return {int(row[0]): int(row[1]) * 1024 for row in rows if len(row) == 2}
+
+
+def _address_space() -> int | None:
+    """Bytes of address space that this process takes; None where the system does not limit that."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - of the system
+            return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return None
+
+
+def _chain(error: BaseException) -> Iterator[BaseException]:
+    seen: set[int] = set()
+    link: BaseException | None = error
+    while link is not None and id(link) not in seen:
+        seen.add(id(link))
+        yield link
+        link = link.__cause__ or link.__context__

@@ -1,0 +1,91 @@
+"""Places in the code, as a traceback or faulthandler names them."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+import sys
+import sysconfig
+import traceback
+from collections.abc import Sequence
+from types import TracebackType
+
+Frame = tuple[str, int, str]
+"""File, line and function."""
+
+_LINE = re.compile(r'^  File "(.*)", line (\d+|\?\?\?) in (.*)$')
+_THREAD = re.compile(r"^(Current thread|Thread) 0x([0-9a-f]+)")
+_PACKAGE = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "")  # noqa: PTH118, PTH120, PTH100
+_POOL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")  # noqa: PTH118, PTH120, PTH100
+
+
+def frames_of(trace: TracebackType | None) -> list[Frame]:
+    """Frames of a traceback, the innermost first."""
+    return [(frame.filename, frame.lineno or 0, frame.name) for frame in reversed(traceback.extract_tb(trace))]
+
+
+def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:
+    """Frames of the thread that failed in what faulthandler wrote, else those of the main thread; innermost first."""
+    threads: dict[str, list[Frame]] = {}
+    current = "current"  # where only one thread is named
+    for line in dump.splitlines():
+        if head := _THREAD.match(line):
+            current = "current" if head[1] == "Current thread" else f"{int(head[2], 16)}"
+            if int(head[2], 16) == main_thread:
+                threads["main"] = threads.setdefault(current, [])
+            threads.setdefault(current, [])
+        elif found := _LINE.match(line):
+            threads.setdefault(current, []).append((found[1], int(found[2]) if found[2].isdigit() else 0, found[3]))
+    return threads.get("current") or threads.get("main") or []
+
+
+def describe_place(frames: Sequence[Frame]) -> str | None:
+    """Where that is: the innermost frame outside the standard library, and the code that trundle called, if another.
+
+    Args:
+        frames: The innermost first.
+
+    Returns:
+        For example "trundle/path.py:12 in length, called from my_planner.py:7 in plan"; None without a frame.
+    """
+    frames = [frame for frame in frames if not frame[0].startswith("<frozen")]
+    own = [frame for frame in frames if not frame[0].startswith(_POOL)]
+    if not own:
+        return None
+    first = next((frame for frame in own if not _is_of_python(frame[0])), own[0])
+    if not (first[0].startswith(_PACKAGE) or _is_installed(first[0])):
+        return _format(first)
+    plugin = _find_plugin([frame for frame in frames if not _is_of_python(frame[0])])
+    if plugin is None or plugin == first:
+        return _format(first)
+    return f"{_format(first)}, called from {_format(plugin)}"
+
+
+def _find_plugin(frames: Sequence[Frame]) -> Frame | None:
+    """The innermost frame of other code that trundle called."""
+    for frame, caller in itertools.pairwise(frames):
+        if caller[0].startswith(_PACKAGE) and not frame[0].startswith(_PACKAGE):
+            return frame
+    return None
+
+
+def _format(frame: Frame) -> str:
+    return f"{_shorten(frame[0])}:{frame[1]} in {frame[2]}"
+
+
+def _shorten(file: str) -> str:
+    """As it is imported: without the entry of the search path that it is in."""
+    roots = [os.path.join(os.path.abspath(root), "") for root in sys.path if root]  # noqa: PTH118, PTH100
+    inside = [root for root in roots if file.startswith(root)]
+    return file.removeprefix(max(inside, key=len)) if inside else file
+
+
+def _is_of_python(file: str) -> bool:
+    if _is_installed(file):
+        return False
+    return any(file.startswith(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib"))
+
+
+def _is_installed(file: str) -> bool:
+    return "site-packages" in file or "dist-packages" in file

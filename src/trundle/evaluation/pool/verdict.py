@@ -1,0 +1,92 @@
+"""What the end of a worker means for its job."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from trundle.evaluation.pool import memory
+from trundle.evaluation.pool.launch import describe_status
+from trundle.evaluation.pool.outcome import Kind
+from trundle.evaluation.pool.places import describe_place, frames_of_dump
+
+MOST_KILLS = 3
+"""How often a job is repeated after somebody killed its worker: that is not the job's fault."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Why a job failed.
+
+    Attributes:
+        kind: As in `Failed`.
+        text: In one line.
+        place: Where in the code; None if that is not known.
+        killed: Whether somebody else killed the worker.
+    """
+
+    kind: Kind
+    text: str
+    place: str | None = None
+    killed: bool = False
+
+
+class Judge:
+    """Tells why workers ended; knows how many processes the kernel has killed for want of memory.
+
+    Args:
+        deadline_s: Of a job.
+        memory_mb: By how much a worker may grow.
+    """
+
+    def __init__(self, deadline_s: float | None, memory_mb: float | None) -> None:
+        self._deadline_s = deadline_s
+        self._memory_mb = memory_mb
+        self._oom_kills = memory.count_oom_kills()
+
+    def of_exception(self, text: str, frames: Sequence[tuple[str, int, str]], *, exhausted: bool) -> Verdict:
+        """Of an exception that the worker has sent."""
+        if exhausted:
+            return Verdict("out_of_memory", f"{self.describe_limit()} ({text})", describe_place(frames))
+        return Verdict("error", text, describe_place(frames))
+
+    def of_hang(self, dump: str, main_thread: int) -> Verdict:
+        """Of a job that was not done by its deadline."""
+        place = describe_place(frames_of_dump(dump, main_thread))
+        return Verdict("hung", f"took longer than {self._deadline_s:g} s", place)
+
+    def of_growth(self) -> Verdict:
+        """Of a worker whose resident memory was above the limit."""
+        return Verdict("out_of_memory", self.describe_limit())
+
+    def of_end(self, status: int | None, dump: str, main_thread: int, output: str) -> Verdict:
+        """Of a worker process that ended during a job; the status is None if its server ended too."""
+        place = describe_place(frames_of_dump(dump, main_thread))
+        if status is None:
+            return Verdict("crashed", "the worker was killed with the server that it was forked from", killed=True)
+        if status == -signal.SIGKILL:
+            if self._has_system_killed():
+                return Verdict("out_of_memory", "killed by the system, which was out of memory", place)
+            return Verdict("crashed", "killed from outside (SIGKILL)", place, killed=True)
+        words = _last_words(output)
+        if status >= 0:
+            return Verdict("crashed", f"the process ended by itself with {describe_status(status)}{words}", place)
+        if memory.says_exhausted(output):
+            return Verdict("out_of_memory", f"{self.describe_limit()} ({describe_status(status)}{words})", place)
+        return Verdict("crashed", f"{describe_status(status)}{words}", place)
+
+    def describe_limit(self) -> str:
+        """The memory limit in words."""
+        if self._memory_mb is None:
+            return "out of memory"
+        return f"needed more than {self._memory_mb:g} MB above the worker's size at its start"
+
+    def _has_system_killed(self) -> bool:
+        before, self._oom_kills = self._oom_kills, memory.count_oom_kills()
+        return before is None or self._oom_kills is None or self._oom_kills > before
+
+
+def _last_words(output: str) -> str:
+    lines = output.strip().splitlines()
+    return f": {lines[-1].strip()[:200]}" if lines else ""
