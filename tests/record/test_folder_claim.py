@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from trundle.errors import OutputError
-from trundle.record.folder_claim import LOCK, PREVIOUS, RUN_FILES, FolderClaim, check_free
+from trundle.files.folder_lock import LOCK
+from trundle.record.folder_claim import PREVIOUS, RUN_FILES, FolderClaim, check_free
 
 OLD = {"episode.json": "old", "trajectory.npz": "old", "overlay.png": "old"}
 NEW = {"trajectory.npz": "new", "episode.json": "new", "video.mp4": "new"}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -114,6 +116,29 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
     return folder
+
+
+def new_folder(root: str | os.PathLike[str], name: str) -> Path:
+    """Create a folder `<time>-<name>` in `root` that no one else has.
+
+    Raises:
+        OutputError: If it cannot be created.
+    """
+    parent = make_folder(root)
+    tidy = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "run"
+    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{tidy}"
+    number = 1
+    while True:
+        folder = parent / (stem if number == 1 else f"{stem}-{number}")
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            number += 1
+            continue
+        except OSError as error:
+            raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
+        sync_folder(parent)
+        return folder
 
 
 def output_path(target: str | os.PathLike[str]) -> Path:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import logging
 import os
-import re
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
 from trundle.errors import OutputError
-from trundle.files.writing import make_folder, sync_folder
+from trundle.files.folder_lock import FolderLock
+from trundle.files.writing import make_folder, new_folder, sync_folder
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -31,8 +29,6 @@ RUN_FILES = (
 
 PREVIOUS = "previous-run"
 """The folder, within a run's, that keeps the run that is being replaced."""
-
-LOCK = ".lock"
 
 
 def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, extra: Sequence[str] = ()) -> None:
@@ -88,8 +84,8 @@ class FolderClaim:
         self._files = (*RUN_FILES, *extra)
         self._is_new = out is None or not Path(out).exists()
         try:
-            self.path = _new_folder(Path(root), name) if out is None else make_folder(out)
-            self._lock = _lock(self.path)
+            self.path = new_folder(root, name) if out is None else make_folder(out)
+            self._lock = FolderLock(self.path, "run")
         except OutputError as error:
             raise OutputError(f"{error}; give another folder with -o") from error
         except OSError as error:
@@ -128,9 +124,7 @@ class FolderClaim:
         if not self._is_open:
             return
         self._is_open = False
-        if self._lock is not None:
-            (self.path / LOCK).unlink(missing_ok=True)
-            os.close(self._lock)
+        self._lock.release()
         if self._is_new:
             with suppress(OSError):  # it is not empty: it stays
                 self.path.rmdir()
@@ -176,48 +170,3 @@ class FolderClaim:
         for path in self._previous.iterdir():
             path.unlink()
         self._previous.rmdir()
-
-
-def _new_folder(root: Path, name: str) -> Path:
-    make_folder(root)
-    tidy = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "run"
-    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{tidy}"
-    number = 1
-    while True:
-        folder = root / (stem if number == 1 else f"{stem}-{number}")
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            number += 1
-            continue
-        except OSError as error:
-            raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
-        sync_folder(root)
-        return folder
-
-
-def _lock(folder: Path) -> int | None:
-    """Lock a folder by a file in it; the lock ends with its process. None where files cannot be locked."""
-    path = folder / LOCK
-    while True:
-        folder.mkdir(parents=True, exist_ok=True)  # Whoever held the lock may have removed it, and the folder.
-        with suppress(FileNotFoundError):
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                if os.path.samestat(os.fstat(descriptor), path.stat()):
-                    os.ftruncate(descriptor, 0)
-                    os.write(descriptor, f"{os.getpid()}\n".encode())
-                    return descriptor
-            except BlockingIOError:
-                owner = os.read(descriptor, 20).decode(errors="replace").strip() or "?"
-                os.close(descriptor)
-                raise OutputError(f"another run (process {owner}) is writing into {folder}") from None
-            except FileNotFoundError:
-                pass
-            except OSError as error:
-                os.close(descriptor)
-                path.unlink(missing_ok=True)
-                _LOGGER.info("%s cannot be locked: %s", folder, error)
-                return None
-            os.close(descriptor)
