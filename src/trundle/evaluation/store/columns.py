@@ -1,0 +1,75 @@
+"""The columns of a row as JSON and in SQL, and lines of JSON that hold one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields
+from operator import attrgetter
+from typing import Any
+
+from trundle.evaluation.row import Row
+
+_NUMBER = (int, float)
+_KINDS: Mapping[str, tuple[str, tuple[type, ...]]] = {
+    "str": ("VARCHAR", (str,)),
+    "str | None": ("VARCHAR", (str, type(None))),
+    "int": ("BIGINT", (int,)),
+    "int | None": ("BIGINT", (int, type(None))),
+    "float": ("DOUBLE", _NUMBER),
+    "float | None": ("DOUBLE", (*_NUMBER, type(None))),
+    "tuple[float, ...]": ("DOUBLE[]", (list,)),
+    "Mapping[str, float] | None": ("MAP(VARCHAR, DOUBLE)", (dict, type(None))),
+}
+"""By annotation: the type in SQL, and the types in JSON."""
+
+SQL_TYPES = {field.name: _KINDS[str(field.type)][0] for field in fields(Row)}
+"""Type of each column in SQL and Parquet."""
+
+_JSON_TYPES = {field.name: _KINDS[str(field.type)][1] for field in fields(Row)}
+_NEEDED = ("id", "mission", "index", "world", "robot", "planner", "controller", "backend", "seed", "outcome")
+_PLAIN = tuple(name for name in Row.columns() if name != "trail")
+_values = attrgetter(*_PLAIN)
+_encode = json.JSONEncoder(separators=(",", ":")).encode
+
+
+def encode_row(row: Row) -> bytes:
+    """A row as a line of JSON; its trail is written with two decimals, to which it is rounded."""
+    trail = ",".join(["%.2f"] * len(row.trail)) % row.trail
+    if "n" in trail:  # nan and inf, which JSON's reader knows by other names
+        trail = _encode(row.trail)[1:-1]
+    return f'{_encode(dict(zip(_PLAIN, _values(row), strict=True)))[:-1]},"trail":[{trail}]}}\n'.encode()
+
+
+def decode_row(line: bytes) -> dict[str, Any]:
+    """The values that a line holds.
+
+    Raises:
+        ValueError: If it is not a row; the message says why.
+    """
+    try:
+        values = json.loads(line)
+    except RecursionError as error:
+        raise ValueError("not JSON") from error
+    if not isinstance(values, dict):
+        raise ValueError("not a JSON object")
+    missing = [name for name in _NEEDED if name not in values]
+    if missing:
+        raise ValueError(f"no {', '.join(missing)}")
+    for name, value in values.items():
+        kinds = _JSON_TYPES.get(name)
+        if kinds is not None and type(value) not in kinds:
+            raise ValueError(f"{name} is {value!r:.40}")
+    to_key(values["id"])
+    return values
+
+
+def to_key(identity: str) -> int:
+    """An id as a number of 64 bits.
+
+    Raises:
+        ValueError: If it is not 16 hexadecimal digits.
+    """
+    if len(identity) != 16:
+        raise ValueError(f"the id {identity!r:.40} is not 16 hexadecimal digits")
+    return int(identity, 16)

@@ -1,0 +1,115 @@
+"""The journal of an evaluation: one line of JSON for each row, written when the row arrives."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from trundle.errors import OutputError
+from trundle.evaluation.store.columns import decode_row
+from trundle.evaluation.store.layout import JOURNAL
+from trundle.files.writing import atomic_path, write_bytes
+
+
+class Journal:
+    """Appends lines to the journal in a folder. A line survives the process as soon as `append` returns.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / JOURNAL
+        self._open()
+
+    def append(self, line: bytes) -> None:
+        """Write a line whole, or leave the journal as it was.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        try:
+            written = os.write(self._descriptor, line)
+        except OSError as error:
+            raise self._error(error) from error
+        if written != len(line):
+            self._take_back(written)
+            self._finish_short(line)
+
+    def sync(self) -> None:
+        """Put it on the disk, so that a power cut does not undo it."""
+        os.fsync(self._descriptor)
+
+    def renew(self) -> None:
+        """Replace the journal by an empty one."""
+        write_bytes(self.path, b"", durable=True)
+        os.close(self._descriptor)
+        self._open()
+
+    def close(self) -> None:
+        """Close it."""
+        os.close(self._descriptor)
+
+    def _open(self) -> None:
+        try:
+            self._descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def _take_back(self, written: int) -> None:
+        """Remove the part of a line that was written."""
+        os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - written)
+
+    def _finish_short(self, line: bytes) -> None:
+        """A write comes back short where the disk has just become full; the next one says so."""
+        try:
+            written = os.write(self._descriptor, line)
+        except OSError as error:
+            raise self._error(error) from error
+        if written != len(line):
+            self._take_back(written)
+            raise OutputError(f"cannot write {self.path}: the disk is full")
+
+    def _error(self, error: OSError) -> OutputError:
+        return OutputError(f"cannot write {self.path}: {error.strerror or error}")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line of the journal that holds a row."""
+
+    line: bytes
+    values: dict[str, Any]
+    offset: int
+
+
+def read_journal(path: Path, damage: list[str]) -> Iterator[Entry]:
+    """Read the rows of a journal.
+
+    Args:
+        path: The journal; a missing one is empty.
+        damage: Gets a message for each line that holds no row.
+    """
+    try:
+        stream = path.open("rb")
+    except FileNotFoundError:
+        return
+    offset = 0
+    with stream:
+        for number, line in enumerate(stream, 1):
+            try:
+                if not line.endswith(b"\n"):
+                    raise ValueError("it is cut off")
+                yield Entry(line, decode_row(line), offset)
+            except ValueError as error:
+                damage.append(f"{path}:{number}: this line holds no row ({error})")
+            offset += len(line)
+
+
+def rewrite_journal(path: Path, entries: Iterable[Entry]) -> None:
+    """Replace a journal by these lines."""
+    with atomic_path(path, durable=True) as temporary, temporary.open("wb") as stream:
+        stream.writelines(entry.line for entry in entries)

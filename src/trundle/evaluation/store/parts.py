@@ -1,0 +1,168 @@
+"""The Parquet files of an evaluation: written from the journal in bulk, and checked by the digest in their name."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trundle.errors import MissingExtraError, OutputError
+from trundle.evaluation.store.columns import SQL_TYPES
+from trundle.evaluation.store.ids import Keys
+from trundle.evaluation.store.layout import PARTS
+from trundle.files.writing import sync_folder
+
+if TYPE_CHECKING:
+    import duckdb
+
+_NAME = re.compile(r"\d{6,}(-\w+)?-(?P<digest>[0-9a-f]{16})\.parquet")
+_NEEDED = ("id", "index", "outcome")
+INSTALL = 'pip install "trundle[evaluate]"'
+
+
+def has_duckdb() -> bool:
+    """Whether DuckDB is installed."""
+    return find_spec("duckdb") is not None
+
+
+def connect(purpose: str) -> duckdb.DuckDBPyConnection:
+    """Start DuckDB in memory, on one thread.
+
+    Args:
+        purpose: What needs it, for the message where it is missing.
+
+    Raises:
+        MissingExtraError: If it is not installed.
+    """
+    try:
+        import duckdb
+    except ImportError as error:
+        raise MissingExtraError(purpose, "DuckDB", INSTALL) from error
+    return duckdb.connect(":memory:", config={"threads": 1, "memory_limit": "1GB", "temp_directory": ""})
+
+
+def list_parts(folder: Path) -> list[Path]:
+    """The Parquet files of an evaluation's folder, in order."""
+    return sorted((folder / PARTS).glob("[!.]*.parquet"))
+
+
+def write_part(database: duckdb.DuckDBPyConnection, rows: Path, folder: Path, tag: str = "") -> int:
+    """Write a file of lines as the next part of a folder, onto the disk.
+
+    Args:
+        database: A connection of `connect`.
+        rows: The lines of JSON, all of them rows.
+        folder: Of the evaluation.
+        tag: Who writes it, where several do.
+
+    Returns:
+        The number of its rows.
+
+    Raises:
+        OutputError: If it cannot be written. Nothing is left behind.
+    """
+    import duckdb
+
+    parts = folder / PARTS
+    temporary = parts / f".writing{tag}.parquet"
+    try:
+        count = _copy(database, rows, temporary)
+        digest = digest_file(temporary)
+        _sync(temporary)
+        taken = (int(path.name.split("-")[0]) for path in list_parts(folder) if _NAME.fullmatch(path.name))
+        number = max(taken, default=0)
+        temporary.replace(parts / f"{number + 1:06d}{tag}-{digest}.parquet")
+        sync_folder(parts)
+    except (OSError, duckdb.Error) as error:
+        text = error.strerror if isinstance(error, OSError) else str(error).splitlines()[0]
+        raise OutputError(f"cannot write into {parts}: {text or error}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+    return count
+
+
+def _copy(database: duckdb.DuckDBPyConnection, rows: Path, target: Path) -> int:
+    result = database.execute(
+        f"COPY ({select_lines(rows)}) TO {quote(target)} (FORMAT parquet, COMPRESSION zstd, USE_TMP_FILE false)"
+    ).fetchone()
+    return 0 if result is None else int(result[0])
+
+
+def find_fault(database: duckdb.DuckDBPyConnection, part: Path) -> str | None:
+    """Say why a part cannot be used; None where it can."""
+    import duckdb
+
+    match = _NAME.fullmatch(part.name)
+    if match is None:
+        return "trundle did not write it"
+    try:
+        if digest_file(part) != match["digest"]:
+            return "it is damaged: its content is not what was written"
+        columns = database.execute(f"DESCRIBE SELECT * FROM read_parquet({quote(part)})").fetchall()
+    except (OSError, duckdb.Error) as error:
+        return f"it cannot be read ({str(error).splitlines()[0]})"
+    found = {name: kind for name, kind, *_ in columns}
+    wrong = [name for name, kind in SQL_TYPES.items() if name in found and found[name] != kind]
+    wrong += [name for name in _NEEDED if name not in found]
+    return f"its columns {', '.join(wrong)} are not those of a row" if wrong else None
+
+
+def digest_file(path: Path) -> str:
+    """Sixteen digits of a file's content."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=8)).hexdigest()
+
+
+def select_lines(rows: Path) -> str:
+    """SQL that gives the rows of a file of lines of JSON, which must not be empty."""
+    columns = ", ".join(f"{quote_name(name)}: {quote(kind)}" for name, kind in SQL_TYPES.items())
+    return (
+        f"SELECT * FROM read_json({quote(rows)}, format = 'newline_delimited', columns = {{{columns}}}, "
+        "maximum_object_size = 16777216)"
+    )
+
+
+def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES)) -> str:
+    """SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL."""
+    names = list(columns)
+    typed = ", ".join(f"NULL::{SQL_TYPES[name]} AS {quote_name(name)}" for name in names)
+    empty = f"(SELECT {typed} LIMIT 0)"
+    if not parts:
+        return empty
+    files = ", ".join(quote(path) for path in parts)
+    wanted = ", ".join(quote_name(name) for name in names)
+    return (
+        f"SELECT {wanted} FROM ({empty} UNION ALL BY NAME SELECT * FROM read_parquet([{files}], union_by_name = true))"
+    )
+
+
+def read_keys(database: duckdb.DuckDBPyConnection, parts: Sequence[Path]) -> tuple[Keys, NDArray[np.int64]]:
+    """Ids, as numbers, and indices of the rows of all parts."""
+    rows = select_parts(parts, ("id", "index"))
+    found = database.execute(f"""SELECT ('0x' || id)::UBIGINT AS key, "index" FROM ({rows})""").fetchnumpy()
+    return np.asarray(found["key"], np.uint64), np.asarray(found["index"], np.int64)
+
+
+def quote(text: str | os.PathLike[str]) -> str:
+    """A text as SQL writes it."""
+    return "'" + str(text).replace("'", "''") + "'"
+
+
+def quote_name(name: str) -> str:
+    """A name as SQL writes it."""
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,244 @@
+"""The rows of an evaluation's folder as a table: in DuckDB, or from the journal alone."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trundle.errors import InputError
+from trundle.evaluation.store.columns import SQL_TYPES, decode_row, to_key
+from trundle.evaluation.store.ids import Keys
+from trundle.evaluation.store.journal import read_journal
+from trundle.evaluation.store.layout import JOURNAL
+from trundle.evaluation.store.parts import (
+    connect,
+    find_fault,
+    list_parts,
+    quote,
+    quote_name,
+    select_lines,
+    select_parts,
+)
+
+Column = NDArray[Any]
+_BATCH = 1000
+
+
+class Table(Protocol):
+    """Rows, by index, without duplicates; only those of the selection where there is one."""
+
+    def __len__(self) -> int:
+        """How many there are."""
+        ...
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Their values, one after the other."""
+        ...
+
+    def columns(self, names: Sequence[str]) -> dict[str, Column]:
+        """Columns as arrays."""
+        ...
+
+    def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
+        """The first rows whose id starts so."""
+        ...
+
+    def close(self) -> None:
+        """Free what it holds."""
+        ...
+
+
+class JournalTable:
+    """The rows of a journal, read where they lie."""
+
+    def __init__(self, folder: Path, selection: Keys | None, damage: list[str]) -> None:
+        places: dict[int, int] = {}
+        ids: list[str] = []
+        offsets: list[int] = []
+        indices: list[int] = []
+        wanted = None if selection is None else _first_places(selection)
+        path = folder / JOURNAL
+        for entry in read_journal(path, damage):
+            key = to_key(entry.values["id"])
+            if key in places or (wanted is not None and key not in wanted):
+                continue
+            places[key] = len(ids)
+            ids.append(entry.values["id"])
+            offsets.append(entry.offset)
+            indices.append(entry.values["index"] if wanted is None else wanted[key])
+        self._stream = path.open("rb") if ids else BytesIO()
+        order = np.argsort(np.array(indices, np.int64), kind="stable")
+        self._ids = [ids[place] for place in order]
+        self._offsets = np.array(offsets, np.int64)[order]
+        self._indices = np.array(indices, np.int64)[order]
+
+    def __len__(self) -> int:
+        return len(self._ids)
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Their values, one after the other."""
+        return self._read(range(len(self._ids)))
+
+    def columns(self, names: Sequence[str]) -> dict[str, Column]:
+        """Columns as arrays."""
+        gathered: dict[str, list[Any]] = {name: [] for name in names}
+        for values in self.rows():
+            for name, column in gathered.items():
+                column.append(values.get(name))
+        return {name: _as_array(name, column) for name, column in gathered.items()}
+
+    def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
+        """The first rows whose id starts so."""
+        places = [place for place, identity in enumerate(self._ids) if identity.startswith(prefix)]
+        return list(self._read(places[:limit]))
+
+    def close(self) -> None:
+        """Free what it holds."""
+        self._stream.close()
+
+    def _read(self, places: Sequence[int]) -> Iterator[dict[str, Any]]:
+        for place in places:
+            self._stream.seek(int(self._offsets[place]))
+            yield {**decode_row(self._stream.readline()), "index": int(self._indices[place])}
+
+
+class SqlTable:
+    """The rows of parts and journal, in DuckDB as the view `episodes`.
+
+    In the view, what was varied has a column of its own for each name (`vary_friction`).
+    """
+
+    def __init__(self, folder: Path, selection: Keys | None, damage: list[str]) -> None:
+        self.database = connect("reading Parquet files")
+        # The journal first: a row that becomes part of a Parquet file meanwhile is then in both, rather than in none.
+        self._load_journal(folder, damage)
+        parts = []
+        for part in list_parts(folder):
+            fault = find_fault(self.database, part)
+            if fault is None:
+                parts.append(part)
+            else:
+                damage.append(f"{part}: {fault}; its episodes run again when the evaluation is continued")
+        self._make_view(parts, selection)
+
+    def __len__(self) -> int:
+        return int(self._fetch('SELECT count("index") FROM rows')[0][0])
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Their values, one after the other."""
+        names = list(SQL_TYPES)
+        cursor = self.database.cursor()
+        cursor.execute(f'SELECT {_list(names)} FROM rows ORDER BY "index"')
+        while batch := cursor.fetchmany(_BATCH):
+            for values in batch:
+                yield dict(zip(names, values, strict=True))
+
+    def columns(self, names: Sequence[str]) -> dict[str, Column]:
+        """Columns as arrays."""
+        nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", "BIGINT", "DOUBLE")]
+        flat = [name for name in names if name not in nested]
+        result: dict[str, Column] = {}
+        if flat:
+            found: dict[str, Any] = self.database.execute(
+                f'SELECT {_list(flat)} FROM rows ORDER BY "index"'
+            ).fetchnumpy()
+            result = {name: _unmask(name, found[name]) for name in flat}
+        for name in nested:
+            values = self._fetch(f'SELECT {quote_name(name)} FROM rows ORDER BY "index"')
+            result[name] = _as_array(name, [value for (value,) in values])
+        return {name: result[name] for name in names}
+
+    def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
+        """The first rows whose id starts so."""
+        names = list(SQL_TYPES)
+        found = self._fetch(f"SELECT {_list(names)} FROM rows WHERE starts_with(id, {quote(prefix)}) LIMIT {limit}")
+        return [dict(zip(names, values, strict=True)) for values in found]
+
+    def close(self) -> None:
+        """Free what it holds."""
+        self.database.close()
+
+    def _load_journal(self, folder: Path, damage: list[str]) -> None:
+        with tempfile.NamedTemporaryFile(suffix=".jsonl") as copy:
+            copy.writelines(entry.line for entry in read_journal(folder / JOURNAL, damage))
+            copy.flush()
+            source = select_lines(Path(copy.name)) if Path(copy.name).stat().st_size else select_parts([])
+            self._fetch(f"CREATE TABLE journal AS {source}")
+
+    def _make_view(self, parts: Sequence[Path], selection: Keys | None) -> None:
+        every = f"{select_parts(parts)} UNION ALL SELECT * FROM journal"
+        self._fetch(f"CREATE VIEW every_row AS {every}")
+        count, unique = self._fetch("SELECT count(*), count(DISTINCT id) FROM every_row")[0]
+        source = "every_row"
+        if count != unique:  # by a kill, or by shards that ran twice
+            source = "(SELECT * FROM every_row QUALIFY row_number() OVER (PARTITION BY id) = 1)"
+        if selection is not None:
+            keys, first = np.unique(selection, return_index=True)
+            self.database.register("given", {"key": keys, "number": first})
+            self._fetch("CREATE TABLE selection AS SELECT * FROM given")
+            self.database.unregister("given")
+            source = (
+                f'(SELECT every.* REPLACE (number AS "index") FROM {source} AS every '
+                "JOIN selection ON ('0x' || id)::UBIGINT = key)"
+            )
+        self._fetch(f"CREATE VIEW rows AS SELECT * FROM {source}")
+        varied = self._fetch(
+            "SELECT DISTINCT unnest(map_keys(vary)) AS name FROM rows WHERE vary IS NOT NULL ORDER BY 1"
+        )
+        plain = _list([name for name in SQL_TYPES if name != "vary"])
+        own = "".join(f", vary[{quote(name)}] AS {quote_name(f'vary_{name}')}" for (name,) in varied)
+        self._fetch(f"CREATE VIEW episodes AS SELECT {plain}{own} FROM rows")
+
+    def _fetch(self, sql: str) -> list[tuple[Any, ...]]:
+        return self.database.execute(sql).fetchall()
+
+
+def _first_places(selection: Keys) -> dict[int, int]:
+    keys, first = np.unique(selection, return_index=True)
+    return dict(zip(keys.tolist(), first.tolist(), strict=True))
+
+
+def _list(names: Sequence[str]) -> str:
+    return ", ".join(quote_name(name) for name in names)
+
+
+def check_columns(names: Sequence[str]) -> None:
+    """Refuse names that are no columns."""
+    unknown = [name for name in names if name not in SQL_TYPES]
+    if unknown:
+        raise InputError(f"no column {', '.join(unknown)}; there are: {', '.join(SQL_TYPES)}")
+
+
+def _as_array(name: str, values: Sequence[Any]) -> Column:
+    """An array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
+    kind = SQL_TYPES[name]
+    if kind in ("DOUBLE", "BIGINT"):
+        is_missing = any(value is None for value in values)
+        if kind == "DOUBLE" or is_missing:
+            return np.array([np.nan if value is None else value for value in values], float)
+        return np.array(values, np.int64)
+    column = np.empty(len(values), object)
+    for place, value in enumerate(values):
+        column[place] = value
+    return column
+
+
+def _unmask(name: str, column: Column) -> Column:
+    """What `_as_array` gives, of an array in which missing values are masked."""
+    if not isinstance(column, np.ma.MaskedArray):
+        return column
+    is_missing = np.ma.getmaskarray(column)
+    values = column.data
+    if SQL_TYPES[name] == "VARCHAR":
+        values = values.astype(object)
+        values[is_missing] = None
+    elif is_missing.any():
+        values = values.astype(float)
+        values[is_missing] = np.nan
+    return values
