@@ -317,3 +317,12 @@ def test_figures_that_are_not_finite_survive(tmp_path: Path) -> None:
         assert read_rows(tmp_path) == [row]
     assert read_rows(tmp_path) == [row]
     assert isinstance(store, Store)
+
+
+def test_seeds_have_up_to_64_bits(tmp_path: Path) -> None:
+    row = make_row(1, seed=2**64 - 1)
+    with open_store(tmp_path) as store:
+        store.append(row)
+        with pytest.raises(InputError, match="64 bits"):
+            store.append(make_row(2, seed=2**64))
+    assert read_rows(tmp_path) == [row]

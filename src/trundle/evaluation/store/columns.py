@@ -23,7 +23,7 @@ _KINDS: Mapping[str, tuple[str, tuple[type, ...]]] = {
 }
 """By annotation: the type in SQL, and the types in JSON."""
 
-SQL_TYPES = {field.name: _KINDS[str(field.type)][0] for field in fields(Row)}
+SQL_TYPES = {**{field.name: _KINDS[str(field.type)][0] for field in fields(Row)}, "seed": "UBIGINT"}
 """Type of each column in SQL and Parquet."""
 
 _JSON_TYPES = {field.name: _KINDS[str(field.type)][1] for field in fields(Row)}

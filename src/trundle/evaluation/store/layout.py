@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from trundle.errors import InputError, OutputError
-from trundle.files.kinds import find_kind
+from trundle.files.kinds import DRIVE, RUN, find_kind
 from trundle.files.opening import exists
 
 SUITE = "suite.yaml"
@@ -17,7 +17,7 @@ SELECTION = "selection.npy"
 
 WRITTEN_AFTERWARDS = ("report.html", "junit.xml", "summary.json")
 
-HOLDS_RUN = ("the folder of a run", "the folder of a drive")
+HOLDS_RUN = (RUN, DRIVE)
 
 
 def check_free_for_evaluation(folder: Path) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from trundle.errors import OutputError
+from trundle.errors import InputError, OutputError
 from trundle.evaluation.row import Row
 from trundle.evaluation.store.columns import encode_row
 from trundle.evaluation.store.continuing import check_continues
@@ -149,12 +149,15 @@ class Store:
         """Write a row; it survives this process as soon as this returns. A row of an id that is there is left out.
 
         Raises:
+            InputError: If its seed has more than 64 bits.
             OutputError: If it cannot be written, for example on a full disk. Nothing more can be written then.
         """
         if self._failed is not None:
             raise OutputError(self._failed)
         if row.id in self.done:
             return
+        if row.seed >= 1 << 64:
+            raise InputError(f"episode {row.id}: seed {row.seed} has more than 64 bits")
         with self._keeping_failure():
             self._journal.append(encode_row(row))
             self.done.add(row.id)

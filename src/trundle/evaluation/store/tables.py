@@ -28,6 +28,7 @@ from trundle.evaluation.store.parts import (
 
 Column = NDArray[Any]
 _BATCH = 1000
+_NUMBERS = {"DOUBLE": np.float64, "BIGINT": np.int64, "UBIGINT": np.uint64}
 
 
 class Table(Protocol):
@@ -141,7 +142,7 @@ class SqlTable:
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
         """Columns as arrays."""
-        nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", "BIGINT", "DOUBLE")]
+        nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", *_NUMBERS)]
         flat = [name for name in names if name not in nested]
         result: dict[str, Column] = {}
         if flat:
@@ -218,11 +219,11 @@ def check_columns(names: Sequence[str]) -> None:
 def _as_array(name: str, values: Sequence[Any]) -> Column:
     """An array of a column's values; a number that is missing is NaN, and makes whole numbers floats."""
     kind = SQL_TYPES[name]
-    if kind in ("DOUBLE", "BIGINT"):
+    if kind in _NUMBERS:
         is_missing = any(value is None for value in values)
         if kind == "DOUBLE" or is_missing:
             return np.array([np.nan if value is None else value for value in values], float)
-        return np.array(values, np.int64)
+        return np.array(values, _NUMBERS[kind])
     column = np.empty(len(values), object)
     for place, value in enumerate(values):
         column[place] = value
