@@ -101,3 +101,16 @@ def test_what_cannot_be_asked_is_refused(arguments, options, kind, message):
         plan_many(planner, make_costmap(), starts, goals, **options)
     with pytest.raises(InputError, match="a planner's costmap must be of type Costmap"):
         plan_many("astar", np.zeros((3, 3)), [(0, 0)], [(1, 1)])
+
+
+def test_the_number_of_threads_can_be_limited_by_a_variable(monkeypatch):
+    monkeypatch.setenv("TRUNDLE_THREADS", "1")
+    monkeypatch.setattr("trundle.planning.many.ThreadPoolExecutor", None)
+    assert len(plan_many(create_planner("astar"), make_costmap(), *make_queries(3))) == 3
+
+
+@pytest.mark.parametrize("text", ["0", "many", "-1", "1.5"])
+def test_a_bad_number_of_threads_is_refused_with_its_variable(monkeypatch, text):
+    monkeypatch.setenv("TRUNDLE_THREADS", text)
+    with pytest.raises(InputError, match="TRUNDLE_THREADS must be an integer from 1 to 1024"):
+        plan_many(create_planner("astar"), make_costmap(), *make_queries(1))

@@ -37,7 +37,7 @@ def plan_many(
         costmap: What to stay clear of.
         starts: Poses, (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goals: As many.
-        threads: How many to use; none means as many as there are processors, up to 8.
+        threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
         deadline_s: Give up after this time for all [s].
         cancel: Give up once this is cancelled.
 

@@ -45,15 +45,22 @@ def as_bytes(values: npt.ArrayLike, what: str) -> npt.NDArray[np.uint8]:
     return array
 
 
+THREADS_VARIABLE = "TRUNDLE_THREADS"
+"""For programs that use every processor already, as the workers of an evaluation do."""
+
+
 def check_threads(threads: int | None) -> int:
-    """How many threads to use; none means as many as there are processors, up to 8.
+    """How many threads to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
 
     Raises:
         InputError: If it is not an integer from 1 to 1024.
     """
-    if threads is None:
-        return min(8, os.cpu_count() or 1)
-    return check_count("threads", threads, 1, 1024)
+    if threads is not None:
+        return check_count("threads", threads, 1, 1024)
+    given = os.environ.get(THREADS_VARIABLE, "").strip()
+    if given:
+        return check_count(THREADS_VARIABLE, int(given) if given.isdecimal() else given, 1, 1024)
+    return min(8, os.cpu_count() or 1)
 
 
 def as_pair(cell: CellLike, what: str) -> tuple[int, int]:

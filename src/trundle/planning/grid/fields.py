@@ -42,7 +42,7 @@ def cost_field(
             used as they are; bool arrays (True is a wall, free cells cost 1) and others are converted once.
         goals: (row, col), or several of them in shape (N, 2).
         connectivity: 8, or 4 for straight steps alone.
-        threads: How many to use; none means as many as there are processors, up to 8.
+        threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
         deadline_s: Give up after this time [s].
         cancel: Give up once this is cancelled.
 

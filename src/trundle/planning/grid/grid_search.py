@@ -200,7 +200,7 @@ class GridSearch:
             start_tolerance: As of `shortest_path`.
             goal_tolerance: As of `shortest_path`.
             partial: As of `shortest_path`.
-            threads: How many to use; none means as many as there are processors, up to 8.
+            threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
             deadline_s: Give up after this time for all [s]; those not found have the status "timeout".
             cancel: Give up once this is cancelled; those not found have the status "cancelled".
 
