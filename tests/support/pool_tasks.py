@@ -85,6 +85,14 @@ class Ask(Echo):
     def do_hold_gil(self, note):
         ctypes.PyDLL(None).sleep(1000)
 
+    def do_announce(self, note, folder, number, with_child):
+        """Says which process this is and which child it has, and hangs."""
+        pids = f"{os.getpid()} {self.do_leave_child(note) if with_child else ''}"
+        part = Path(folder, f"{number}.part")
+        part.write_text(pids)
+        part.rename(part.with_suffix(".pids"))
+        time.sleep(1000)
+
     def do_stop(self, note):
         os.kill(os.getpid(), signal.SIGSTOP)
 
