@@ -15,6 +15,8 @@ from trundle.geometry import FloatArray
 from trundle.path import Path
 from trundle.planning.constrained_smoother import Smoothing, SmoothingSettings
 
+SMALL = ((0.2, 0.12), (-0.3, 0.12), (-0.3, -0.12), (0.2, -0.12))
+
 
 def wrapped(angles: FloatArray) -> FloatArray:
     return np.remainder(angles + np.pi, 2 * np.pi) - np.pi
@@ -112,3 +114,27 @@ def assert_contract(
     assert next(dearest) <= 1 + beside * max(next(dearest), rim)
     # No stop is added.
     assert all(after <= earlier for after, earlier in zip(stops(path), stops(before), strict=True))
+
+
+def polyline(*corners, start_yaw=None, goal_yaw=None, backward=False):
+    """A path along corners (x, y), with turns in place at each."""
+    points = [np.array(corner, dtype=float) for corner in corners]
+    headings = [math.atan2(*(b - a)[::-1]) + (math.pi if backward else 0) for a, b in itertools.pairwise(points)]
+    poses = [] if start_yaw is None else [(*points[0], start_yaw)]
+    for (a, b), heading in zip(itertools.pairwise(points), headings, strict=True):
+        count = max(1, math.ceil(math.dist(a, b) / 0.1))
+        poses += [(*(a + k / count * (b - a)), heading) for k in range(count + 1)]
+    if goal_yaw is not None:
+        poses.append((*points[-1], goal_yaw))
+    return Path(np.array(poses), backward=np.full(len(poses) - 1, backward))
+
+
+def turning(path):
+    """Total change of yaw [rad]."""
+    return np.abs(wrapped(np.diff(path.poses[:, 2]))).sum()
+
+
+def tightest_bend(path):
+    """Largest curvature [1/m]."""
+    curvature, lengths = leg_curvatures(path.poses)
+    return curvature[lengths > 1e-9].max()
