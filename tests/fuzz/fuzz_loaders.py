@@ -191,8 +191,8 @@ def play(
         seed: Of the files.
         until: When to end, by time.monotonic() [s].
         keep: A folder for files that were found.
-        progress: A file that gets the number of each file before it is read; this process is then one of its own,
-            which ends where a file takes too long and prints nothing of what trundle logs.
+        progress: A file that gets the number of each file before it is read; this process is then a separate one
+            that ends where a file takes too long and prints nothing of what trundle logs.
     """
     if progress is not None:
         logging.getLogger("trundle").addHandler(logging.NullHandler())

@@ -73,8 +73,8 @@ def test_long_paths_through_many_tiles_are_exact(threads: int) -> None:
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
 def test_long_maps_of_uneven_costs_are_exact(dtype: type[np.generic]) -> None:
-    # Tiles are settled several times, and more of them in a row than their numbers are kept of; ways of uint16 costs
-    # leave 32 bits.
+    # Tiles are settled several times, and more of them in a row than the kernel keeps numbers of; costs of paths over
+    # uint16 cells exceed 32 bits.
     random = np.random.default_rng(7)
     costs = random.integers(1, 200 if dtype == np.uint8 else 60_000, (45, 1500)).astype(dtype)
     costs[random.random(costs.shape) < 0.2] = np.inf if dtype == np.float32 else np.iinfo(dtype).max
