@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -64,8 +63,8 @@ class JournalTable:
         offsets: list[int] = []
         indices: list[int] = []
         wanted = None if selection is None else _first_places(selection)
-        path = folder / JOURNAL
-        for entry in read_journal(path, damage):
+        self._path = folder / JOURNAL
+        for entry in read_journal(self._path, damage):
             key = to_key(entry.values["id"])
             if key in places or (wanted is not None and key not in wanted):
                 continue
@@ -73,7 +72,6 @@ class JournalTable:
             ids.append(entry.values["id"])
             offsets.append(entry.offset)
             indices.append(entry.values["index"] if wanted is None else wanted[key])
-        self._stream = path.open("rb") if ids else BytesIO()
         order = np.argsort(np.array(indices, np.int64), kind="stable")
         self._ids = [ids[place] for place in order]
         self._offsets = np.array(offsets, np.int64)[order]
@@ -101,12 +99,15 @@ class JournalTable:
 
     def close(self) -> None:
         """Free what it holds."""
-        self._stream.close()
+        self._ids = []
 
     def _read(self, places: Sequence[int]) -> Iterator[dict[str, Any]]:
-        for place in places:
-            self._stream.seek(int(self._offsets[place]))
-            yield {**decode_row(self._stream.readline()), "index": int(self._indices[place])}
+        if not places:
+            return
+        with self._path.open("rb") as stream:
+            for place in places:
+                stream.seek(int(self._offsets[place]))
+                yield {**decode_row(stream.readline()), "index": int(self._indices[place])}
 
 
 class SqlTable:
