@@ -117,6 +117,11 @@ class Navigator:
         self._tries = PlanningTries(self.settings.planning_deadline_s)
         self.reset()
 
+    def __repr__(self) -> str:
+        goal = "no goal" if self._goal is None else repr(self._goal)
+        names = f"{self.robot.name}, {self.planner_name}, {self.controller_name}"
+        return f"Navigator({names}, {goal}, {self.status.value})"
+
     # Goals ----------------------------------------------------------------------------------------------------------
 
     def reset(self) -> None:

@@ -56,6 +56,10 @@ class Scan:
     angles: FloatArray
     ranges: FloatArray
 
+    def __repr__(self) -> str:
+        hits = int(np.isfinite(self.ranges).sum())
+        return f"Scan({self.lidar!r}, {len(self.ranges)} beams, {hits} hits)"
+
     def __post_init__(self) -> None:
         for name in ("angles", "ranges"):
             values = as_array(getattr(self, name), np.float64, f"{name} of a scan")

@@ -15,6 +15,7 @@ from trundle.geometry import FloatArray
 Status = Literal["found", "unreachable", "timeout", "cancelled", "partial"]
 STATUSES: tuple[Status, ...] = ("found", "unreachable", "timeout", "cancelled", "partial")
 PARTIAL = STATUSES.index("partial")
+_CORNER_BYTES = 8  # two 32-bit indices
 
 CellArray = npt.NDArray[np.int32]
 
@@ -39,6 +40,10 @@ class CellPath:
     start_snapped: float = 0.0
     goal_snapped: float = 0.0
     remaining: float = 0.0
+
+    def __repr__(self) -> str:
+        corners = len(self.corners) // _CORNER_BYTES
+        return f"{type(self).__name__}({self.status}, {self.length:.4g} cells, {corners} corners)"
 
     @property
     def cost(self) -> float:
@@ -103,6 +108,10 @@ class CellPaths(Sequence[_PathT], Generic[_PathT]):
     start_snapped: FloatArray
     goal_snapped: FloatArray
     remaining: FloatArray
+
+    def __repr__(self) -> str:
+        found = int((self.status == "found").sum())
+        return f"{type(self).__name__}({len(self)} paths, {found} found)"
 
     @property
     def cost(self) -> FloatArray:
