@@ -114,6 +114,8 @@ def test_a_yaml_can_name_a_model_and_add_to_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("modle: mini.urdf\n", "r.yaml:1:1: modle: unknown key. Did you mean 'model'? There are: name, "),
+        (YAML.replace("models/", "") + "path: [here]\n", "path: unknown key. Did you mean 'paths'?"),
         ("model: mini.step\n", "model must be the path of a .urdf, .xacro, .xml, .mjcf file, got 'mini.step'"),
         ("model: gone.urdf\n", "gone.urdf: there is no such file"),
         (YAML.replace("models/", "") + "colour: red\n", "colour: unknown key"),

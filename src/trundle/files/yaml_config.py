@@ -6,7 +6,7 @@ import math
 import os
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -47,6 +47,8 @@ class Config(_Model):
     """
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    file_keys: ClassVar[tuple[str, ...]] = ()
+    """Keys that its files may have besides the fields; its loader takes them out first."""
 
     def part(self, model: type[ModelT]) -> ModelT:
         """The fields of a model that this one has inherited, as that model alone."""

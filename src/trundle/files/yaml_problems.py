@@ -56,6 +56,7 @@ def describe_problems(
         name: Name of the file, for messages; if empty, the lines begin with the field.
         node: The file's content; values that are not in it get no line and column.
     """
+    in_file = node is not None
     found: dict[Location, str] = {}
     unknown: list[Location] = []
     for problem in problems:
@@ -63,11 +64,11 @@ def describe_problems(
         if location in found:  # the value matches none of several types
             found[location] = "must be a single value, or a list of them"
             continue
-        found[location] = _describe(problem, location, model)
+        found[location] = _describe(problem, location, model, in_file)
         if problem["type"] == "extra_forbidden":
             unknown.append(location)
     for location in unknown:  # a key that is missing because it is misspelt is one mistake
-        nearest = _nearest(str(location[-1]), _keys(model, location[:-1]))
+        nearest = _nearest(str(location[-1]), _keys(model, location[:-1], in_file))
         found.pop((*location[:-1], nearest or ""), None)
     lines: list[str] = []
     for location, text in found.items():
@@ -88,12 +89,12 @@ def _strip_tags(problem: ErrorDetails, given: object) -> Location:
     return location
 
 
-def _describe(problem: ErrorDetails, location: Location, model: type[BaseModel]) -> str:
+def _describe(problem: ErrorDetails, location: Location, model: type[BaseModel], in_file: bool) -> str:
     kind, value, context = problem["type"], problem["input"], problem.get("ctx", {})
     if kind == "missing":
         return "is missing"
     if kind == "extra_forbidden":
-        keys = _keys(model, location[:-1])
+        keys = _keys(model, location[:-1], in_file)
         return f"unknown key.{_hint(str(location[-1]), keys)} There are: {', '.join(keys)}"
     if kind == "value_error":
         return str(context.get("error", problem["msg"]))
@@ -157,10 +158,12 @@ def _length(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
 # Lookups in the model ------------------------------------------------------------------------------------------
 
 
-def _keys(model: type[BaseModel], location: Location) -> list[str]:
-    """Keys that a mapping at this location may have."""
+def _keys(model: type[BaseModel], location: Location, in_file: bool) -> list[str]:
+    """Keys that a mapping at this location may have, in a file or as arguments in Python."""
     owner, _ = _descend(model, location)
-    return list(owner.model_fields) if _is_model(owner) else []
+    if not _is_model(owner):
+        return []
+    return [*owner.model_fields, *(getattr(owner, "file_keys", ()) if in_file else ())]
 
 
 def _field(model: type[BaseModel], location: Location) -> FieldInfo | None:

@@ -7,7 +7,7 @@ import os
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 import yaml
@@ -155,6 +155,8 @@ class Robot(Config):
         map_height_band: Range of heights above the floor in which solids are obstacles to this robot [m, m]; none means
             from 0.05 m to the robot's height.
     """
+
+    file_keys: ClassVar[tuple[str, ...]] = ("model", "paths")
 
     name: str
     drive: DifferentialDrive
