@@ -272,6 +272,13 @@ def test_plug_ins_are_looked_for_where_the_registries_do() -> None:
     assert [registry._group for registry in ours] == list(GROUPS.values())
 
 
+@pytest.mark.parametrize("verb", ["export", "map check"])
+def test_help_lists_the_robots_that_an_option_accepts(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command([*verb.split(), "--help"]) == DONE
+    listed = capsys.readouterr().out.partition("--robot STR")[2]
+    assert [name for name in robot_names() if name not in re.findall(r"[\w]+", listed)] == []
+
+
 @pytest.mark.parametrize("verb", ["view", "drive", "joints"])
 def test_help_lists_robots_and_worlds(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command([verb, "--help"]) == DONE

@@ -50,7 +50,13 @@ def export(
     *,
     to: Annotated[str | None, Parameter(metavar="FORMAT")] = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    robot: str | None = None,
+    robot: Annotated[
+        str | None,
+        Parameter(
+            help="For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count. "
+            f"One of {options.ROBOT_CHOICES}."
+        ),
+    ] = None,
     resolution: float | None = None,
     z_min: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
     z_max: Annotated[float | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -72,7 +78,6 @@ def export(
         to: The format by name: mjcf, sdf, usd, glb or map for a world; mjcf, urdf or usd for a robot; mjcf, usd or
             isaac-script for a scenario; left out: as --out ends.
         out: The file; left out: the source's name, here.
-        robot: For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count.
         resolution: Edge of a map's cell [m]; left out: 0.05.
         z_min: Lower end of the band of heights that counts in a map [m]; left out: 0.10, or the robot's.
         z_max: Upper end of the band of heights that counts in a map [m]; left out: 0.62, or the robot's.

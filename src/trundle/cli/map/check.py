@@ -35,7 +35,10 @@ def check(
     /,
     *,
     world: Annotated[str | None, Parameter(name="--world")] = None,
-    robot: Annotated[str | None, Parameter(name="--robot")] = None,
+    robot: Annotated[
+        str | None,
+        Parameter(name="--robot", help=f"A robot that must fit through the doors: {options.ROBOT_CHOICES}."),
+    ] = None,
     start: Annotated[str | None, Parameter(name="--start", allow_leading_hyphen=True, metavar="X,Y[,YAW]")] = None,
     goal: Annotated[
         list[str] | None, Parameter(name="--goal", allow_leading_hyphen=True, negative="", metavar="X,Y[,YAW]")
@@ -61,7 +64,6 @@ def check(
     Args:
         map_file: The YAML of a ROS map.
         world: The world that the map shows, by name or file.
-        robot: A robot, by name or YAML, that shall fit through the doors.
         start: Where the robot starts [m, m, rad or 90deg], map frame.
         goal: Where it shall go; repeat it for several.
         fix: Where to write the map with everything put right that is certain: a YAML, or a folder for map.yaml.

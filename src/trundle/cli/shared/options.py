@@ -53,7 +53,8 @@ def _pairs(name: str, help: str) -> Parameter:
     return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
 
 
-ROBOT_HELP = "A robot: nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML."
+ROBOT_CHOICES = "nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML"
+ROBOT_HELP = f"A robot: {ROBOT_CHOICES}."
 PLANNER_HELP = "The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or a plug-in's name."
 CONTROLLER_HELP = "The controller: regulated_pure_pursuit, lookahead or a plug-in's name."
 
