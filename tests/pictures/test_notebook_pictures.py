@@ -1,20 +1,36 @@
 """What notebooks show for values: one line of text, and a picture with north up."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import trundle
-from trundle.costmap import Costmap
+from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import Pose2D, Pose3D
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid
 from trundle.mission import Scenario, run
 from trundle.path import Path
-from trundle.pictures.colors import BACKED, FREE, GOAL, KEPT_OUT, LINE, OCCUPIED, PAGE, START, UNKNOWN
+from trundle.pictures.cells import lay_cells
+from trundle.pictures.colors import (
+    BACKED,
+    COST_ORDER,
+    FREE,
+    GOAL,
+    KEPT_OUT,
+    LINE,
+    OCCUPIED,
+    PAGE,
+    START,
+    UNKNOWN,
+    cost_palette,
+)
+from trundle.pictures.plan import Plan
+from trundle.planning import GridSearch
 from trundle.robots import Robot
-from trundle.sim import simulate
+from trundle.sim import Scan, simulate
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
@@ -173,11 +189,37 @@ def episode():
         return run(sim, trundle.Navigator(grid, robot), (2.0, 2.0, 0.0), [(4.0, 2.0), (6.0, 6.0, 1.0)], name="hall")
 
 
-def test_a_run_is_shown_without_a_map(episode):
+def test_a_run_is_shown_on_its_costmap(episode):
     pixels = picture(episode)
     x, y, _ = places(pixels, START)
     goal_x, goal_y, _ = places(pixels, GOAL)
     assert (x < goal_x, goal_y < y) == (True, True)
+    assert places(pixels, FREE)[2] > 10_000
+    assert (picture(replace(episode, costmap=None)) == FREE).all(axis=-1).sum() < 1_000
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.5])
+def test_cells_lie_where_they_are_in_a_plan(turned):
+    costs = np.zeros((20, 40), dtype=np.uint8)
+    costs[12, 30] = LETHAL
+    origin = Pose2D(-1.0, 0.5, turned)
+    plan = Plan([(-2.0, -1.0), (5.0, 5.0)])
+    lay_cells(plan, costs, cost_palette(), COST_ORDER, 0.1, origin)
+    (x, y), expected = places(np.asarray(plan.finish()), OCCUPIED)[:2], origin.transform_points([[3.05, 1.25]])
+    np.testing.assert_allclose((x, y), plan.to_pixels(expected)[0], atol=1.0)
+
+
+def test_a_single_obstacle_shows_where_a_pixel_is_larger_than_a_cell():
+    pictures = []
+    for value in (0, LETHAL):
+        costs = np.zeros((2000, 2000), dtype=np.uint8)
+        costs[701, 903] = value
+        plan = Plan([(0.0, 0.0), (20.0, 20.0)], long_side=100)
+        lay_cells(plan, costs, cost_palette(), COST_ORDER, 0.01, Pose2D(0.0, 0.0))
+        pictures.append(np.asarray(plan.finish()))
+    rows, cols = np.nonzero((pictures[0] != pictures[1]).any(axis=-1))
+    assert len(rows) > 0
+    np.testing.assert_allclose((cols.mean(), rows.mean()), plan.to_pixels([(9.035, 7.015)])[0], atol=1.0)
 
 
 def test_a_run_that_was_loaded_is_shown_by_its_overlay(tmp_path):
@@ -217,6 +259,16 @@ def test_values_have_a_repr_of_one_line(episode):
     assert repr(episode).startswith("Episode('hall', arrived, ")
     assert repr(episode.trajectory) == f"Trajectory({len(episode.trajectory)} rows, 0 to {episode.metrics.time_s:g} s)"
     assert len(repr(episode)) < 120
+    search = GridSearch(np.zeros((30, 30), dtype=np.uint8))
+    assert repr(search.shortest_path((0, 0), (0, 9))) == "GridPath(found, 9 cells, 2 corners)"
+    assert repr(search.plan_many([(0, 0)] * 3, [(0, 9)] * 3)) == "GridPaths(3 paths, 3 found)"
+    assert repr(search.any_angle_paths([(0, 0)], [(3, 4)])) == "PointPaths(1 paths, 1 found)"
+    scan = Scan("front", Pose2D(0.0, 0.0), np.zeros(3), np.array([1.0, np.inf, 2.0]))
+    assert repr(scan) == "Scan('front', 3 beams, 2 hits)"
+    navigator = trundle.Navigator(OccupancyGrid(np.zeros((40, 40), dtype=np.int8), 0.1), "jackal")
+    assert repr(navigator) == "Navigator(jackal, auto, regulated_pure_pursuit, no goal, idle)"
+    navigator.set_goal(1.0, 2.0)
+    assert repr(navigator) == "Navigator(jackal, auto, regulated_pure_pursuit, Goal(x=1.0, y=2.0), driving)"
 
 
 def test_free_cells_are_light():

@@ -124,7 +124,7 @@ class Costmap(GridFrame):
     def _repr_png_(self) -> bytes:
         """Show a picture in notebooks, with north up."""
         from trundle.pictures.cells import Tint, draw_cells
-        from trundle.pictures.colors import KEPT_OUT, UNKNOWN, cost_palette
+        from trundle.pictures.colors import COST_ORDER, KEPT_OUT, UNKNOWN, cost_palette
         from trundle.pictures.figure import make_figure, to_png
 
         tints: list[Tint] = []
@@ -132,8 +132,7 @@ class Costmap(GridFrame):
             tints.append(Tint(self.unseen & (self.data < INSCRIBED), UNKNOWN, 0.5))
         if self.keepout is not None:
             tints.append(Tint(self.keepout == LETHAL, KEPT_OUT, 1.0))
-        order = [*range(LETHAL), NO_INFORMATION, LETHAL]
-        drawing, scale = draw_cells(self.data, cost_palette(), order, self.resolution, self.origin, tints)
+        drawing, scale = draw_cells(self.data, cost_palette(), COST_ORDER, self.resolution, self.origin, tints)
         inflation = f"inflation radius {self.inflation_radius:.4g} m, unknown cells {self.unknown}"
         return to_png(make_figure(drawing, scale, "Costmap", [self._size_text(), inflation]))
 

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import cast
 
+from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.path_file import load_paths
@@ -105,6 +106,7 @@ class Episode:
         seed: Of the simulator.
         time_limit_s: Simulated time at which the run would have been stopped [s].
         observer_errors: What observers raised; they were dropped, and the run continued. They are not recorded.
+        costmap: What the robot planned on at the start, for the notebook's picture; None where it was loaded.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
     """
 
@@ -123,6 +125,7 @@ class Episode:
     seed: int
     time_limit_s: float
     observer_errors: tuple[BaseException, ...] = ()
+    costmap: Costmap | None = None
     folder: pathlib.Path | None = None
 
     @classmethod
@@ -165,7 +168,7 @@ class Episode:
         return f"Episode({self.name!r}, {self.outcome.value}, {driven}, {self.robot}, {self.planner})"
 
     def _repr_png_(self) -> bytes:
-        """Show a picture in notebooks: the overlay of the run's folder, or paths and drive without a map."""
+        """Show a picture in notebooks: the overlay of the run's folder, or paths and drive on the costmap."""
         from trundle.mission.picture import draw_drive, read_overlay
         from trundle.pictures.figure import to_png
 
@@ -177,7 +180,7 @@ class Episode:
             f"{self.metrics.time_s:.1f} s, {self.metrics.distance_m:.2f} m driven, SPL {self.metrics.spl:.2f}",
         ]
         title = f"{self.name}: {self.outcome.value.replace('_', ' ')}"
-        return to_png(draw_drive(self.trajectory, self.paths, self.start, self.goals, title, lines))
+        return to_png(draw_drive(self.trajectory, self.paths, self.start, self.goals, title, lines, self.costmap))
 
     @property
     def arrived(self) -> bool:

@@ -248,6 +248,7 @@ class _Drive:
             controller=info.controller,
             seed=info.seed,
             time_limit_s=info.time_limit_s,
+            costmap=info.costmap,
         )
 
 

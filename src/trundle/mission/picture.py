@@ -1,4 +1,4 @@
-"""A run as a picture that needs no map."""
+"""A run as a picture: its paths and its drive, on the costmap where there is one."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from pathlib import Path as FilePath
 import numpy as np
 from PIL import Image
 
+from trundle.costmap import Costmap
 from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.trajectory import Trajectory
 from trundle.path import Path
-from trundle.pictures.colors import GOAL, PLANNED, START, speed_color
+from trundle.pictures.cells import lay_cells
+from trundle.pictures.colors import COST_ORDER, GOAL, PLANNED, START, cost_palette, speed_color
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 
@@ -28,10 +30,13 @@ def draw_drive(
     goals: Sequence[Goal],
     title: str,
     lines: Sequence[str],
+    costmap: Costmap | None = None,
 ) -> Image.Image:
     """Draw the paths, where the robot drove, brighter where it was faster, and the start and the goals."""
     seen = [trajectory.poses[:, :2], *(path.poses[:, :2] for path in paths)]
     plan = Plan(np.concatenate([*seen, [(end.x, end.y) for end in (start, *goals)]]))
+    if costmap is not None:
+        lay_cells(plan, costmap.data, cost_palette(), COST_ORDER, costmap.resolution, costmap.origin)
     for path in paths:
         plan.line(path.poses[:, :2], PLANNED, 9.0)
     top = max(float(np.abs(trajectory.v).max()), 1e-6)

@@ -13,6 +13,7 @@ from PIL import Image
 from trundle.geometry import FloatArray, Pose2D
 from trundle.pictures.colors import PAGE, Rgb
 from trundle.pictures.figure import MAX_DRAWING
+from trundle.pictures.plan import Plan
 
 _LARGEST_CELL = 64  # [px]
 _WANTED = 640  # [px]: small grids are enlarged to about this
@@ -65,9 +66,7 @@ def draw_cells(
     longest = float((high - low).max())
     merged = max(1, math.ceil(longest / MAX_DRAWING - 1e-9))
     enlarged = min(_LARGEST_CELL, max(1, round(_WANTED * merged / longest)))
-    ranks = np.empty(256, np.uint8)
-    ranks[list(order)] = np.arange(256, dtype=np.uint8)
-    colors = palette[list(order)][merge_cells(ranks, cells, merged)]
+    colors = _color(cells, palette, order, merged)
     for tint in tints:
         hidden = merge_cells(np.arange(256, dtype=np.uint8), tint.cells.view(np.uint8), merged) > 0
         mixed = colors[hidden] * (1.0 - tint.strength) + np.array(tint.color) * tint.strength
@@ -76,8 +75,27 @@ def draw_cells(
     width, height = (max(1, min(MAX_DRAWING, round(float(side) * scale))) for side in high - low)
     x = low[0] + (np.arange(width) + 0.5) / scale
     y = high[1] - (np.arange(height) + 0.5) / scale
-    picture = _look_up(colors, x / merged, y / merged, origin.yaw)
+    picture, _ = _look_up(colors, x / merged, y / merged, origin.yaw)
     return Image.fromarray(picture), scale / resolution
+
+
+def lay_cells(
+    plan: Plan, cells: Bytes, palette: Bytes, order: Sequence[int], resolution: float, origin: Pose2D
+) -> None:
+    """Draw a grid into a plan, as far as the plan shows it; the arguments are those of `draw_cells`."""
+    merged = max(1, math.floor(1.0 / (plan.inner_scale * resolution)))
+    colors = _color(cells, palette, order, merged)
+    x, y = plan.inner_points()
+    edge = resolution * merged
+    pixels, covered = _look_up(colors, (x - origin.x) / edge, (y - origin.y) / edge, origin.yaw)
+    plan.paste(pixels, covered)
+
+
+def _color(cells: Bytes, palette: Bytes, order: Sequence[int], merged: int) -> Bytes:
+    """Colours of squares of `merged` cells a side, shape (rows, cols, 3)."""
+    ranks = np.empty(256, np.uint8)
+    ranks[list(order)] = np.arange(256, dtype=np.uint8)
+    return palette[list(order)][merge_cells(ranks, cells, merged)]
 
 
 def _corners(shape: tuple[int, ...], yaw: float) -> FloatArray:
@@ -92,19 +110,25 @@ def _rotation(yaw: float) -> FloatArray:
     return np.array([[cos, -sin], [sin, cos]])
 
 
-def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> Bytes:
-    """Colours of the cells under a lattice of points, shape (len(y), len(x), 3); the page's beside the grid."""
+def _look_up(colors: Bytes, x: FloatArray, y: FloatArray, yaw: float) -> tuple[Bytes, npt.NDArray[np.bool_]]:
+    """Colours of the cells under a lattice of points, the page's beside the grid; and where there are cells.
+
+    Returns:
+        Shapes (len(y), len(x), 3) and (len(y), len(x)).
+    """
     rows, cols = colors.shape[:2]
     if yaw == 0.0:
-        row, col = np.floor(y).astype(int).clip(0, rows - 1), np.floor(x).astype(int).clip(0, cols - 1)
-        return np.ascontiguousarray(colors[row][:, col])
+        row, col = np.floor(y).astype(int), np.floor(x).astype(int)
+        inside = ((row >= 0) & (row < rows))[:, None] & ((col >= 0) & (col < cols))
+        picture = np.ascontiguousarray(colors[row.clip(0, rows - 1)][:, col.clip(0, cols - 1)])
+        return picture, inside
     across, up = np.meshgrid(x, y)
     local = np.stack([across, up], axis=-1) @ _rotation(yaw)
     col, row = np.floor(local[..., 0]).astype(int), np.floor(local[..., 1]).astype(int)
     inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
     picture = np.full((*inside.shape, 3), PAGE, dtype=np.uint8)
     picture[inside] = colors[row[inside], col[inside]]
-    return picture
+    return picture, inside
 
 
 def merge_cells(ranks: Bytes, cells: Bytes, factor: int) -> Bytes:

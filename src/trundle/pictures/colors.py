@@ -49,6 +49,10 @@ SEVERAL: tuple[Rgb, ...] = (
 _SPEED_ANCHORS = ((13, 8, 135), (106, 0, 168), (177, 42, 144), (225, 100, 98), (252, 150, 55))
 
 
+COST_ORDER = (*range(254), 255, 254)
+"""Nav2's costs, those that may be hidden first: where several cells share a pixel, an obstacle shows."""
+
+
 def cost_palette() -> npt.NDArray[np.uint8]:
     """Colours of Nav2's costs, shape (256, 3): 0..252, 253 inscribed, 254 lethal, 255 unknown."""
     palette = np.empty((256, 3))
