@@ -162,7 +162,9 @@ class Gate:
         if len(known) == 0:
             return self._result("undecided", "no episode yet", 1)
         if broken:
-            return self._result("failed", f"{broken} of {len(known)} episodes have another number of {figure.text}", 0)
+            which = "fewer" if self.sign == ">=" else "more"
+            text = f"{broken} of {len(known)} episodes have {which} than {self.bound:g} {figure.text}"
+            return self._result("failed", text, 0)
         bound = write_share(no_failure_bound(len(known)), len(known))
         return self._result("passed", f"in all {len(known)} episodes; at 95 %, at most {bound} of missions do not", 0)
 

@@ -1,0 +1,1 @@
+"""`report.html`: one file without scripts or requests, for screens and paper."""

@@ -1,0 +1,115 @@
+"""Charts as SVG: intervals, bars of outcomes and distributions. They are read without colour as well."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+
+import numpy as np
+
+from trundle.evaluation.report.html.marks import DASHES, LINE_COLORS, kind_of, outcome_text
+from trundle.evaluation.statistics.figures import write_number
+from trundle.evaluation.statistics.intervals import Interval
+from trundle.geometry import FloatArray
+
+_WIDE, _HIGH = 360.0, 210.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 38.0, 10.0, 10.0, 24.0
+_STEPS = 60
+"""Points of a distribution: its quantiles."""
+
+
+def interval_bar(
+    value: float, interval: Interval, axis: tuple[float, float], *, text: str, bound: float | None = None
+) -> str:
+    """A dot with its interval on an axis; a dashed line stands for a bound, or for zero."""
+    low, high = axis
+    span = (high - low) or 1.0
+
+    def place(position: float) -> float:
+        return 6.0 + 196.0 * min(1.0, max(0.0, (position - low) / span))
+
+    parts = ['<path class="axis" d="M6 12h196"/>']
+    if bound is not None:
+        kind = "zero" if bound == 0.0 else "bound"
+        parts.append(f'<path class="{kind}" d="M{place(bound):.1f} 2v20"/>')
+    if not math.isnan(interval.low):
+        start, end = place(interval.low), place(interval.high)
+        parts.append(f'<path class="range" d="M{start:.1f} 12H{end:.1f}M{start:.1f} 8v8M{end:.1f} 8v8"/>')
+    if not math.isnan(value):
+        parts.append(f'<circle class="dot" cx="{place(value):.1f}" cy="12" r="4.5"/>')
+    return f'<svg class="interval" viewBox="0 0 208 24" role="img" aria-label="{escape(text)}">{"".join(parts)}</svg>'
+
+
+def outcome_bar(counts: Mapping[str, int]) -> str:
+    """How episodes ended, as shares of a bar, in the given order."""
+    total = sum(counts.values()) or 1
+    parts: list[str] = []
+    left = 0.0
+    for outcome, count in counts.items():
+        wide = 144.0 * count / total
+        kind = kind_of(outcome)
+        shown = max(0.0, wide - (0.8 if wide > 3.0 else 0.0))
+        # A share that would be too thin to be seen is drawn with the least width that can be.
+        parts.append(f'<rect class="c-{kind}" x="{min(left, 142.0):.1f}" width="{max(1.6, shown):.1f}" height="16"/>')
+        left += wide
+    text = ", ".join(f"{count} {outcome_text(outcome)}" for outcome, count in counts.items())
+    return f'<svg class="bar" viewBox="0 0 144 16" role="img" aria-label="{escape(text)}">{"".join(parts)}</svg>'
+
+
+def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:
+    """Share of the episodes (upwards) with at most this value (to the right), a line for each series.
+
+    Args:
+        series: Name and values; those without a value are left out.
+        unit: Of the values.
+    """
+    known = [(name, np.sort(values[~np.isnan(values)])) for name, values in series]
+    shown = [(place, name, values) for place, (name, values) in enumerate(known) if len(values)]
+    low = min(float(values[0]) for _, _, values in shown)
+    high = max(float(values[-1]) for _, _, values in shown)
+    ticks = nice_ticks(low, high)
+    low, high = min(low, ticks[0]), max(high, ticks[-1])
+    span = (high - low) or 1.0
+    wide, tall = _WIDE - _LEFT - _RIGHT, _HIGH - _TOP - _BOTTOM
+    parts: list[str] = []
+    for share in (0.0, 0.5, 1.0):
+        y = _TOP + tall * (1.0 - share)
+        parts.append(f'<path class="grid" d="M{_LEFT:g} {y:.0f}h{wide:g}"/>')
+        parts.append(f'<text x="{_LEFT - 5:g}" y="{y + 4:.0f}" text-anchor="end" font-size="11">{share:.0%}</text>')
+    for tick in ticks:
+        x = _LEFT + wide * (tick - low) / span
+        anchor = "end" if x > _WIDE - 25.0 else "middle"
+        parts.append(f'<path class="grid" d="M{x:.0f} {_TOP:g}v{tall:g}"/>')
+        parts.append(f'<text x="{x:.0f}" y="{_HIGH - 8:g}" text-anchor="{anchor}" font-size="11">{tick:g}</text>')
+    for place, _, values in shown:
+        share = np.linspace(0.0, 1.0, min(_STEPS, 2 * len(values)) + 1)
+        at = np.quantile(values, share)
+        points = "L".join(
+            f"{_LEFT + wide * (value - low) / span:.0f} {_TOP + tall * (1.0 - part):.0f}"
+            for value, part in zip(at, share, strict=True)
+        )
+        style = f'stroke="{LINE_COLORS[place % len(LINE_COLORS)]}" stroke-dasharray="{DASHES[place % len(DASHES)]}"'
+        parts.append(f'<path d="M{points}" fill="none" stroke-width="2.4" {style}/>')
+    label = f"distribution up to {write_number(high)} {unit}"
+    return f'<svg viewBox="0 0 {_WIDE:g} {_HIGH:g}" role="img" aria-label="{escape(label)}">{"".join(parts)}</svg>'
+
+
+def line_key(place: int) -> str:
+    """The line of a series, for a legend."""
+    style = f'stroke="{LINE_COLORS[place % len(LINE_COLORS)]}" stroke-dasharray="{DASHES[place % len(DASHES)]}"'
+    return (
+        f'<svg class="line" viewBox="0 0 34 12" aria-hidden="true"><path d="M0 6h34" stroke-width="4" {style}/></svg>'
+    )
+
+
+def nice_ticks(low: float, high: float, wanted: int = 4) -> list[float]:
+    """Round numbers from about `low` to about `high`, at least one."""
+    span = high - low
+    if span <= 0.0:
+        return [low]
+    step = 10.0 ** math.floor(math.log10(span / wanted))
+    step *= next(factor for factor in (1.0, 2.0, 5.0, 10.0) if span / (step * factor) <= wanted + 0.5)
+    first = math.floor(low / step + 1e-9)
+    last = math.ceil(high / step - 1e-9)
+    return [round(number * step, 12) for number in range(first, last + 1)]
