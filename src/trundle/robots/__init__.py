@@ -2,7 +2,8 @@
 
 from trundle.robots.drive import Axle, DifferentialDrive, DriveWheel, WheelSpeeds
 from trundle.robots.limits import Limits
-from trundle.robots.robot import Body, Caster, Lidar, Robot, is_robot_file, robot_names
+from trundle.robots.parts import Body, Caster, Lidar
+from trundle.robots.robot import Robot, is_robot_file, robot_names
 
 __all__ = [
     "Axle",

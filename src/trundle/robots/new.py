@@ -8,7 +8,8 @@ from trundle.errors import InputError
 from trundle.files.field_docs import commented_yaml
 from trundle.robots.drive import DifferentialDrive
 from trundle.robots.limits import Limits
-from trundle.robots.robot import Body, Caster, Lidar, Robot
+from trundle.robots.parts import Body, Caster, Lidar
+from trundle.robots.robot import Robot
 
 _HEAD = """\
 # A robot: `trundle run warehouse --robot FILE` drives it, `trundle view FILE` shows it.

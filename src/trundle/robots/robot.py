@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import os
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, ClassVar
 
 import numpy as np
 import yaml
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from trundle.errors import InputError, RobotError, UnknownNameError
-from trundle.files.config_fields import Angle
 from trundle.files.kinds import ROBOT
 from trundle.files.uris import Folders, split_folders
 from trundle.files.yaml_config import Config, Plain, build, plain_value, validate
@@ -25,118 +23,14 @@ from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
-from trundle.robots.sizes import (
-    BodyMass,
-    Brightness,
-    Clearance,
-    Coordinate,
-    FieldOfView,
-    Height,
-    Inertia,
-    LargestRange,
-    LeastRange,
-    RangeNoise,
-    ScanRate,
-    Trail,
-    WheelMass,
-    WheelRadius,
-    WheelWidth,
-)
+from trundle.robots.parts import Body, Caster, Lidar
+from trundle.robots.sizes import Coordinate
 from trundle.values import check_kind
 
 MODEL_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf")
 """Suffixes of files that `Robot.from_model` reads."""
 
 _PLUGINS: Registry[Robot] = Registry("robot", "trundle.robots", {})
-
-
-class Body(Config):
-    """The chassis as one rigid body.
-
-    Attributes:
-        mass: Mass of the chassis alone, without wheels and casters [kg].
-        height: Top of the robot above the floor [m].
-        clearance: Underside of the chassis above the floor [m].
-        center_of_mass: Centre of mass in base_link [m]; none means the middle of the footprint at 40 % of the height.
-        inertia: Principal moments about the centre of mass along base_link's axes [kg·m²]; none means those of a
-            solid box of the footprint's extent.
-        color: Red, green and blue, each 0 to 1.
-    """
-
-    mass: BodyMass
-    height: Height
-    clearance: Clearance = 0.03
-    center_of_mass: tuple[Coordinate, Coordinate, Coordinate] | None = None
-    inertia: tuple[Inertia, Inertia, Inertia] | None = None
-    color: tuple[Brightness, Brightness, Brightness] = (0.25, 0.27, 0.30)
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.clearance >= self.height:
-            raise ValueError(f"clearance {self.clearance} must be below height {self.height}")
-        return self
-
-
-class Caster(Config):
-    """A passive wheel: a frictionless ball without joint names, a swivel caster with them.
-
-    Attributes:
-        x: Position of the swivel axis, or of a ball's contact point, in base_link [m].
-        y: As x [m].
-        radius: Radius of the wheel or ball [m].
-        trail: Distance of the wheel's axle behind the swivel axis [m].
-        width: Width of the wheel [m].
-        mass: Mass of wheel and fork together [kg].
-        swivel_joint: Name of the swivel joint (about z), or none for a ball.
-        wheel_joint: Name of the wheel joint, or none for a ball.
-    """
-
-    x: Coordinate
-    y: Coordinate
-    radius: WheelRadius
-    trail: Trail = 0.0
-    width: WheelWidth = 0.025
-    mass: WheelMass = 0.1
-    swivel_joint: str | None = None
-    wheel_joint: str | None = None
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if (self.swivel_joint is None) != (self.wheel_joint is None):
-            raise ValueError("name both swivel_joint and wheel_joint (a swivel caster) or neither (a ball)")
-        if self.swivel_joint is not None and self.trail == 0.0:
-            raise ValueError("a swivel caster needs a trail above 0")
-        return self
-
-    @property
-    def is_swivel(self) -> bool:
-        """Whether this is a swivel caster and not a ball."""
-        return self.swivel_joint is not None
-
-
-class Lidar(Config):
-    """A planar lidar on the robot. Beams run counter-clockwise from −fov/2 to +fov/2 about the mount's x axis.
-
-    Attributes:
-        x, y, z: Mount in base_link [m].
-        yaw: Yaw of the mount [rad].
-        beams: Number of beams.
-        fov: Field of view [rad].
-        range_min, range_max: Shortest and longest range [m]; a beam without a return reads infinity.
-        rate: Scans per second of simulated time [Hz].
-        noise: Standard deviation of a range [m].
-    """
-
-    x: Coordinate
-    y: Coordinate
-    z: Height
-    yaw: Angle = 0.0
-    beams: Annotated[int, Field(ge=1, le=100_000)] = 720
-    fov: FieldOfView = 2.0 * math.pi
-    range_min: LeastRange = 0.05
-    range_max: LargestRange = 12.0
-    rate: ScanRate = 20.0
-    noise: RangeNoise = 0.0
 
 
 class Robot(Config):
