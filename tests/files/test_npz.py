@@ -62,6 +62,18 @@ def test_encrypted_members_are_refused(archive):
         HeightField.load(archive)
 
 
+def test_a_member_that_is_no_array_is_refused(archive):
+    """Where the format's mark is missing, NumPy gives the bytes."""
+    with zipfile.ZipFile(archive) as found:
+        members = {name: found.read(name) for name in found.namelist()}
+    members["resolution.npy"] = b"0" + members["resolution.npy"]
+    with zipfile.ZipFile(archive, "w") as changed:
+        for name, content in members.items():
+            changed.writestr(name, content)
+    with pytest.raises(MapError, match=r"a\.npz: not a \.npz file of numbers: resolution is no array"):
+        HeightField.load(archive)
+
+
 @pytest.mark.parametrize("load", [HeightField.load, Trajectory.load])
 def test_whatever_is_damaged_the_error_is_typed(tmp_path, load):
     columns = Trajectory.columns()

@@ -15,6 +15,7 @@ import argparse
 import collections
 import concurrent.futures
 import faulthandler
+import io
 import logging
 import multiprocessing
 import random
@@ -25,6 +26,7 @@ import tempfile
 import time
 import traceback
 import warnings
+import zipfile
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -43,6 +45,9 @@ LIMITS = ReadLimits(seconds=5.0, gigabytes=2.0)
 
 LONGEST = 60.0
 """For one file [s], its child's start and all loaders that it is given to."""
+
+PREFIX = "mutated-"
+"""Before the name of the file that was mutated."""
 
 TOKENS = (
     *(b"0 -1 1e300 -1e300 1e-300 nan inf 999999999999 2147483648 65535 0x10 true null [] {} < > / & # ..".split()),
@@ -78,6 +83,18 @@ class Finding:
         return (self.form, *(":".join(frame) for frame in frames)) if frames else (self.form, self.text)
 
 
+def mutate_member(archive: bytes, generator: random.Random) -> bytes:
+    """Mutate one array of an .npz, and pack it with a checksum that is right: otherwise that is all a reader sees."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(archive)) as source, zipfile.ZipFile(out, "w") as target:
+        names = source.namelist()
+        chosen = generator.choice(names)
+        for name in names:
+            content = source.read(name)
+            target.writestr(name, mutate(content, generator, TOKENS) if name == chosen else content)
+    return out.getvalue()
+
+
 class Reader:
     """Reads files of one format in a folder, foreign ones in one child that stays."""
 
@@ -93,8 +110,12 @@ class Reader:
         """Mutate and read one file; return how it ended, and where the file is."""
         generator = random.Random(f"{self._form}/{seed}/{number}")
         source = generator.choice(self._files)
-        file = self._folder / f"mutated{source.suffix}"
-        file.write_bytes(mutate(source.read_bytes(), generator, TOKENS))
+        file = self._folder / f"{PREFIX}{source.name}"
+        content = source.read_bytes()
+        if source.suffix == ".npz" and generator.random() < 0.8:
+            file.write_bytes(mutate_member(content, generator))
+        else:
+            file.write_bytes(mutate(content, generator, TOKENS))
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
@@ -167,6 +188,23 @@ def _npz(_: Child, file: Path) -> None:
         HeightField.load(file)
 
 
+def _run(_: Child, file: Path) -> None:
+    """In the place of the file of a run that it was made from."""
+    from trundle.mission import Episode, Scenario
+    from trundle.record.motion import Motion
+
+    if file.suffix == ".csv":
+        Motion.load(file)
+        return
+    folder = file.parent / "run"
+    shutil.copytree(file.parent / loader_seeds.RUN, folder, dirs_exist_ok=True)
+    shutil.copy(file, folder / file.name.removeprefix(PREFIX))
+    try:
+        Episode.load(folder)
+    finally:
+        Scenario.load(folder)
+
+
 LOADERS: dict[str, Callable[[Child, Path], None]] = {
     "urdf": _model,
     "mjcf": _model,
@@ -177,6 +215,7 @@ LOADERS: dict[str, Callable[[Child, Path], None]] = {
     "image": _image,
     "scenario": _scenario,
     "npz": _npz,
+    "run": _run,
 }
 
 
@@ -213,7 +252,7 @@ def play(
                     findings.append(Finding(form, number, ended))
                     if keep is not None:
                         Path(keep).mkdir(parents=True, exist_ok=True)
-                        shutil.copy(file, Path(keep) / f"{form}-{seed}-{number}{file.suffix}")
+                        shutil.copy(file, Path(keep) / f"{form}-{seed}-{number}-{file.name.removeprefix(PREFIX)}")
                     ended = "found"
                 ends[ended] += 1
         finally:

@@ -24,6 +24,10 @@ resolution: 0.05
 time_limit_s: 120
 control_frequency: 20.0
 """
+RUN = "intact"
+"""The folder of a run, in that of the files."""
+
+_DRIVE = ("time_s", "x", "y", "yaw", "v", "w", "command_v", "command_w")
 
 
 def _write(folder: Path, files: dict[str, str]) -> list[Path]:
@@ -213,6 +217,25 @@ def npz(folder: Path) -> list[Path]:
     return [folder / "trajectory.npz", folder / "floor.npz"]
 
 
+def runs(folder: Path) -> list[Path]:
+    """The folder of a short run, and the record of a drive."""
+    from trundle.mission import Scenario
+    from trundle.record import RunFolder
+
+    scenario = Scenario.make(
+        world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5, time_limit_s=20
+    )
+    place = folder / RUN
+    with (
+        scenario.build() as mission,
+        RunFolder(place, scenario=mission.scenario, overlay=False, video=False) as record,
+    ):
+        mission.run(observers=[record])
+    rows = [",".join(f"{0.05 * row + column:.3f}" for column in range(len(_DRIVE))) for row in range(20)]
+    (place / "drive.csv").write_text("\n".join([",".join(_DRIVE), *rows]) + "\n")
+    return [place / name for name in ("episode.json", "paths.npz", "trajectory.npz", "drive.csv")]
+
+
 SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "urdf": urdf,
     "mjcf": mjcf,
@@ -223,4 +246,5 @@ SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "image": images,
     "scenario": scenarios,
     "npz": npz,
+    "run": runs,
 }

@@ -50,7 +50,11 @@ def read_arrays(
             stream.seek(0)
             with np.load(stream, allow_pickle=False) as stored:
                 there = list(stored.files)
-                return {key: stored[key] for key in names if key in there}, there
+                found = {key: stored[key] for key in names if key in there}
+        for key, value in found.items():
+            if not isinstance(value, np.ndarray):  # the bytes of what is not in NumPy's format
+                raise error(f"{name}: not a .npz file of numbers: {key} is no array")
+        return found, there
     except OSError as problem:
         raise error(f"cannot read {name}: {problem.strerror or problem}") from problem
     except InputError:
