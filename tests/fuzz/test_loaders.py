@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from fuzz import loader_seeds
 from fuzz.fuzz_loaders import LOADERS, play, play_apart, report
 from trundle.errors import RobotError, TrundleError
 from trundle.guard import Child
@@ -27,6 +28,12 @@ def test_a_joint_about_no_axis_is_refused(tmp_path):
     file.write_text('#usda 1.0\ndef PhysicsRevoluteJoint "J" {\n    uniform token physics:axis = ""\n}\n')
     with pytest.raises(RobotError, match=r"r\.usda: /J: its axis must be X, Y or Z, got ''"):
         list_joints(file, trusted=True)
+
+
+def test_wheels_too_heavy_for_a_drive_are_listed_by_name(tmp_path):
+    (file,) = loader_seeds.urdf(tmp_path)
+    file.write_text(file.read_text().replace("<mass value='.1'/>", "<mass value='2e4'/>"))
+    assert [joint.name for joint in list_joints(file, trusted=True) if joint.drives] == ["left_wheel", "right_wheel"]
 
 
 STAGE = """#usda 1.0

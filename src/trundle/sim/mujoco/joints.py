@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 
 import mujoco
+from pydantic import ValidationError
 
 from trundle.errors import InputError, RobotError, RobotWarning
 from trundle.files.model_spec import compile_spec, read_mjcf
@@ -90,16 +91,16 @@ def read_joints(path: Path) -> list[Joint]:
 def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
     """Joints of the wheels that `trundle drive` drives of a URDF; none of an arm.
 
-    Where the robot cannot be read, as without its meshes, those that are named so.
+    Where it is no robot that can be driven, as without its meshes, those that are named so.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)
         try:
-            read = read_robot(path, {}, ())
-        except InputError:
+            drive = DifferentialDrive.model_validate(read_robot(path, {}, ())["drive"])
+        except (InputError, ValidationError):
             names = [joint.get("name", "") for joint in root.iter("joint") if joint.get("type") == "continuous"]
             return frozenset(name for side in ("left", "right") for name in wheels_named(names, side))
-    return frozenset(wheel.joint for wheel in DifferentialDrive.model_validate(read["drive"]).wheels)
+    return frozenset(wheel.joint for wheel in drive.wheels)
 
 
 def _drop_assets(spec: mujoco.MjSpec) -> None:
