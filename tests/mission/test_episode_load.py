@@ -183,6 +183,14 @@ def test_arrays_that_are_no_paths_are_refused(tmp_path, changes):
         load_paths(tmp_path / "p.npz")
 
 
+def test_a_name_beyond_unicode_is_refused(folder):
+    arrays = dict(np.load(folder / "paths.npz"))
+    arrays["planner"] = np.array([[0x110000]], np.uint32).view("U1")[0].repeat(len(arrays["planner"]))
+    np.savez(folder / "paths.npz", **arrays)
+    with pytest.raises(InputError, match=r"paths\.npz: not the paths of a run"):
+        Episode.load(folder)
+
+
 def test_arrays_of_two_runs_are_refused(folder):
     save_paths(folder / "paths.npz", [])
     with pytest.raises(InputError, match="they are of two runs"):

@@ -108,6 +108,15 @@ def test_a_yaw_beyond_a_whole_turn_is_warned_of_with_its_place(tmp_path):
         Scenario.make(world="warehouse", goal=(1, 2, 90))
 
 
+def test_what_is_wrong_beside_such_a_yaw_is_an_error(tmp_path):
+    path = write(tmp_path, "world: warehouse\nstart: [0.5, 1.1 1, 90]\n")
+    with (
+        pytest.warns(AngleWarning),
+        pytest.raises(InputError, match=r"scenario\.yaml:2:14: start\.1: must be a number, got '1\.1 1'"),
+    ):
+        Scenario.load(path)
+
+
 def test_a_missing_file_is_a_scenario_error(tmp_path):
     with pytest.raises(ScenarioError, match="cannot read"):
         Scenario.load(tmp_path / "none.yaml")

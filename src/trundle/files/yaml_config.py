@@ -107,7 +107,11 @@ def build(given: object, model: type[ModelT], *, name: str = "", node: yaml.Node
             raise InputError("\n".join(lines)) from error
     for line in lines:
         warnings.warn(line, AngleWarning, stacklevel=2)
-    return model.model_validate(given, context=ACCEPT_DEGREES)
+    try:
+        return model.model_validate(given, context=ACCEPT_DEGREES)
+    except ValidationError as error:  # of a value whose angle was refused before the rest of it was looked at
+        problems = error.errors(include_url=False)
+        raise InputError("\n".join(describe_problems(problems, model, given, name=name, node=node))) from error
 
 
 def plain_value(node: yaml.Node, name: str) -> Plain:

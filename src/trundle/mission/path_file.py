@@ -53,7 +53,7 @@ def load_paths(file: str | os.PathLike[str]) -> tuple[Path, ...]:
         return _split(arrays)
     except InputError as error:
         raise InputError(f"{name}: not the paths of a run: {error}") from error
-    except (TypeError, ValueError, OverflowError, IndexError) as error:
+    except (TypeError, ValueError, OverflowError, IndexError, SystemError) as error:  # the last for text beyond Unicode
         raise InputError(f"{name}: not the paths of a run: its arrays do not fit together: {error}") from error
 
 
