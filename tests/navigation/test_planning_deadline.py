@@ -92,12 +92,23 @@ def test_three_tries_with_pauses_between_them_then_an_outcome_of_its_own(clock):
                 NavigationStatus.PLANNING_TIMED_OUT if len(tried) == 3 else NavigationStatus.BLOCKED
             )
     assert tried == pytest.approx([0.0, 1.0, 2.0], abs=0.06)
-    assert planner.deadlines == [2.0] * 3
+    assert planner.deadlines == [2.0, 4.0, 8.0]
     assert navigator.status is NavigationStatus.PLANNING_TIMED_OUT
     assert isinstance(navigator.error, PlanningStoppedError)
     navigator.set_goal(10.5, 2.5)
     assert update(navigator, 6.0).v > 0.0
     assert navigator.status is NavigationStatus.DRIVING
+
+
+def test_a_search_that_takes_twice_the_deadline_is_given_the_time_in_the_third_try(clock):
+    navigator, planner = make(clock, *[4.5] * 3)
+    for time in (0.0, 1.0):
+        assert update(navigator, time) == STANDS
+    assert update(navigator, 2.0).v > 0.0
+    assert planner.deadlines == [2.0, 4.0, 8.0]
+    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    update(navigator, 3.0)
+    assert planner.deadlines[-1] == 2.0
 
 
 def test_a_try_that_succeeds_drives_on_and_resets_the_count(clock):

@@ -23,7 +23,8 @@ class PlanningTries:
     """The deadline of plans, a safety net: while its navigator plans, a moving robot drives blindly.
 
     A plan may take `deadline_s` while the robot stands, and a quarter of that while it moves. After a plan that took
-    longer than that quarter, the robot is stopped before the next one.
+    longer than that quarter, the robot is stopped before the next one. Each further try may take twice as long as the
+    one before: a planner that is asked the same again needs as long again.
 
     Args:
         deadline_s: [s] of the computer's time; none means as long as it takes, and that the robot is never stopped.
@@ -59,8 +60,10 @@ class PlanningTries:
 
     def deadline_s(self, twist: Twist2D) -> float | None:
         """How long a plan may take [s] for a robot that moves like this."""
-        if self._deadline_s is None or self._counts_as_standing(twist):
-            return self._deadline_s
+        if self._deadline_s is None:
+            return None
+        if self._counts_as_standing(twist):
+            return self._deadline_s * 2.0**self._count
         return _MOVING_SHARE * self._deadline_s
 
     def stops_first(self, twist: Twist2D) -> bool:

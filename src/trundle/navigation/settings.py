@@ -29,9 +29,9 @@ class NavigatorSettings(Config):
         replan_margin: A path that is not blocked is replaced by one that is cheaper by this share of what is left of
             it, so that the robot does not oscillate between equal-cost paths.
         planning_deadline_s: How long a plan may take [s] of the computer's time. After that the robot waits for 1 s and
-            tries again, three times at most. While the robot moves, a plan may take a quarter of it; where that is not
-            enough, or the last plan took longer, the robot is stopped first. None means as long as it takes: the run
-            does not depend on how busy the computer is.
+            tries again, three times at most, and each try may take twice as long as the one before. While the robot
+            moves, a plan may take a quarter of it; where that is not enough, or the last plan took longer, the robot is
+            stopped first. None means as long as it takes: the run does not depend on how busy the computer is.
 
     Raises:
         InputError: If a value is out of range.
