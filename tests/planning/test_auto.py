@@ -13,6 +13,7 @@ from trundle.maps import OccupancyGrid
 from trundle.navigation import Navigator
 from trundle.planning import Cancellation, PathCheck, create_planner
 from trundle.planning.auto import AutoPlanner
+from trundle.planning.search_rounds import SPENT, Answer
 from trundle.robots import Robot
 from trundle.worlds import World
 
@@ -161,14 +162,14 @@ def cancelled():
 def test_a_cancellation_during_the_second_search_ends_the_plan(monkeypatch):
     stop, planner = Cancellation(), create_planner("auto")
     first, second = planner._searches[0], planner._searches[1]
-    search = first._plan_to
+    search = first.search
 
     def cancel_first(*args):
         stop.cancel()
         return search(*args)
 
-    monkeypatch.setattr(first, "_plan_to", cancel_first)
-    monkeypatch.setattr(second, "_plan_to", lambda *_: pytest.fail("it went on after it was cancelled"))
+    monkeypatch.setattr(first, "search", cancel_first)
+    monkeypatch.setattr(second, "search", lambda *_: pytest.fail("it went on after it was cancelled"))
     with pytest.raises(PlanningStoppedError) as caught:
         planner.plan(alley(), NOSE_IN, Pose2D(8, 8), cancel=stop)
     assert caught.value.status == "cancelled"
@@ -250,7 +251,7 @@ def test_a_small_robot_gets_through_gaps_that_are_narrower_than_the_cells_of_the
 
 def test_once_a_search_with_turns_has_tried_all_poses_none_without_them_follows(monkeypatch):
     planner = create_planner("auto")
-    monkeypatch.setattr(planner._searches[1], "_plan_to", lambda *_: pytest.fail("it cannot find anything"))
+    monkeypatch.setattr(planner._searches[1], "search_finely", lambda *_: pytest.fail("it cannot find anything"))
     shut = alley((3.0, 4.3, 3.3, 4.8), (3.0, 5.2, 3.3, 5.7))
     with pytest.raises(NoPathError, match=r"away from the start|none of \d+ poses"):
         planner.plan(shut, NOSE_IN, Pose2D(8, 8))
@@ -259,10 +260,7 @@ def test_once_a_search_with_turns_has_tried_all_poses_none_without_them_follows(
 def test_where_the_search_with_turns_gives_up_the_one_without_them_follows(monkeypatch):
     planner = create_planner("auto")
 
-    def give_up(*_):
-        raise PlanningStoppedError("none found within 1 expansion", status="exhausted")
-
-    monkeypatch.setattr(planner._searches[0], "_plan_to", give_up)
+    monkeypatch.setattr(planner._searches[0], "search", lambda *_: Answer(SPENT, None, 1))
     assert planner.plan(alley(), NOSE_IN, Pose2D(8, 8, 1.0)).goal == Pose2D(8, 8, 1.0)
 
 
@@ -271,12 +269,12 @@ def test_a_deadline_that_passes_in_a_search_of_poses_leaves_the_partial_path_of_
     plain = create_planner("least_cost", allow_partial=True).plan(costmap, NOSE_IN, goal)
     planner = create_planner("auto", allow_partial=True)
     for search in (*planner._searches, planner._nearing):
-        for method in ("_plan_to", "_plan_near"):
+        for method in ("search", "_plan_near"):
             monkeypatch.setattr(search, method, lambda *args: stop(args[-1], "timeout"))
     path = planner.plan(costmap, NOSE_IN, goal, deadline_s=60.0)
     assert (path.status, path.remaining_m) == ("partial", plain.remaining_m)
     for search in (*planner._searches, planner._nearing):
-        monkeypatch.setattr(search, "_plan_to", lambda *args: stop(args[-1], "cancelled"))
+        monkeypatch.setattr(search, "search", lambda *args: stop(args[-1], "cancelled"))
         monkeypatch.setattr(search, "_plan_near", lambda *args: stop(args[-1], "cancelled"))
     with pytest.raises(PlanningStoppedError, match="cancelled"):
         planner.plan(costmap, NOSE_IN, goal, deadline_s=60.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Unpack
 
 import numpy as np
@@ -22,6 +21,7 @@ from trundle.planning.path_check import PathCheck
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query
+from trundle.planning.search_rounds import search_in_rounds
 from trundle.values import check_flag
 
 
@@ -34,8 +34,9 @@ class AutoPlanner(PosePlanner):
     planner reaches it as it is. Where the path of `least_cost` turns in place closer to something than `hybrid_astar`
     does where it can, one of `hybrid_astar` that keeps a larger distance is taken instead.
 
-    Where the search with turns in place finds nothing, one without them follows. Where all fail, the error is a
-    `NoPathError` if the inscribed circle cannot get there, or if one of the ends is enclosed; otherwise a
+    Where the search with turns in place finds nothing, one without them follows; then both search more finely, by turns
+    and with rising effort, so that neither uses up the time before the other one has had any. Where all fail, the error
+    is a `NoPathError` if the inscribed circle cannot get there, or if one of the ends is enclosed; otherwise a
     `PlanningStoppedError`. With `allow_partial` the path is given that ends nearest to the goal; where a deadline ends
     hybrid A*, that of `least_cost`.
 
@@ -71,51 +72,33 @@ class AutoPlanner(PosePlanner):
         self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        failure: PlanningError
-        searches: list[HybridAStarPlanner] = []
+        refusal: NoPathError | None = None
         try:
             path = self._least_cost._plan_to(query, goal, patience)
         except NoPathError as error:
-            failure = error  # the inscribed circle cannot get there either
+            refusal = error  # the inscribed circle cannot get there either
         except PlanningStoppedError as error:
             if error.status != "exhausted":
                 raise
-            failure, searches = error, self._searches
         else:
             return self._improve(query, goal, path, patience)
         if self._nearing is None:
-            return self._search(searches, query, goal, patience, failure)
+            return self._search(query, goal, patience, refusal)
         # Done before the searches of poses, which may use up the time.
         near = self._least_cost._plan_near(query.costmap, query.start, goal, patience)
         try:
-            return self._search(searches, query, goal, patience, failure)
+            return self._search(query, goal, patience, refusal)
         except PlanningError as error:
             if isinstance(error, PlanningStoppedError) and error.status == "cancelled":
                 raise
             return self._nearer(self._nearing, near, query.costmap, query.start, goal, patience)
 
-    def _search(
-        self,
-        searches: Sequence[HybridAStarPlanner],
-        query: Query,
-        goal: Pose2D,
-        patience: Patience,
-        failure: PlanningError,
-    ) -> Path:
-        """The path of the first search of poses that finds one; where none does, the error that says most.
-
-        Where an end is enclosed, no other search has anything to add. Where the first one found nothing, the one
-        without turns may find a path: with fewer motions to try it gets farther.
-        """
-        for search in searches:
-            try:
-                return search._plan_to(query, goal, patience)
-            except NoPathError:
-                raise
-            except PlanningError as error:
-                patience.check()
-                failure = error
-        raise failure
+    def _search(self, query: Query, goal: Pose2D, patience: Patience, refusal: NoPathError | None) -> Path:
+        """The path of the first search of poses that finds one; where none does or can, the error."""
+        if refusal is not None:
+            raise refusal
+        index, answer = search_in_rounds(self._searches, query, patience)
+        return self._searches[index]._conclude(query, goal, answer, patience)
 
     def _improve(self, query: Query, goal: Pose2D, path: Path, patience: Patience) -> Path:
         """A path of `least_cost`, or a better one where that has its goal moved, or turns close to something."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,26 +21,31 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
-from trundle.planning.enclosure import Enclosure, find_enclosure, on_grid
+from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.pose_planner import PosePlanner
 from trundle.planning.queries.query import Query, no_path
+from trundle.planning.search_rounds import (
+    ALL_TRIED,
+    CANCELLED,
+    CLOSED_OFF,
+    FOUND,
+    GOAL_CLOSED,
+    START_CLOSED,
+    TIMEOUT,
+    Answer,
+    search_in_rounds,
+)
 from trundle.values import check_flag
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
-
-_FOUND, _UNREACHABLE, _TIMEOUT, _CANCELLED, _CLOSED_OFF, _GOAL_CLOSED, _START_CLOSED = 0, 1, 2, 3, 5, 6, 7
-_ALL_TRIED = (_UNREACHABLE, _GOAL_CLOSED, _START_CLOSED)
 
 PADDING_M = 0.02
 """Distance [m] that the footprint keeps from obstacles along the path, by default."""
 
 _LONGEST_CURVE = 5
 """Pieces of the longest Reeds-Shepp curve."""
-
-_BOXES_AN_EXPANSION = 20
-"""Boxes that a flood fills in about the time of expanding one node."""
 
 _LESS_PADDING = 0.25
 """Share of the padding that is kept where there is no path with all of it."""
@@ -123,22 +128,6 @@ class HybridAStarSettings:
             raise InputError(f"{name} must be a number from {least:g} to {most:g}{hint}, got {value!r}")
 
 
-class _Answer(NamedTuple):
-    """The result of a search.
-
-    Attributes:
-        status: The kernel's.
-        path: The path, if there is one; maybe a partial one.
-        expansions: How many nodes were expanded.
-        enclosure: Why no search can find a path, where that is known.
-    """
-
-    status: int
-    path: Path | None
-    expansions: int
-    enclosure: Enclosure | None = None
-
-
 class HybridAStarPlanner(PosePlanner):
     """Searches poses, not cells: every path is made of arcs and lines that the robot can drive as it is.
 
@@ -181,10 +170,13 @@ class HybridAStarPlanner(PosePlanner):
         return self._search.bytes
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
-        answer = self._find(query, patience)
+        return self._conclude(query, goal, self._find(query, patience), patience)
+
+    def _conclude(self, query: Query, goal: Pose2D, answer: Answer, patience: Patience) -> Path:
+        """The path of an answer, or its error."""
         path = answer.path
-        if path is not None and answer.status != _CLOSED_OFF:
-            return path if answer.status == _FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
+        if path is not None and answer.status != CLOSED_OFF:
+            return path if answer.status == FOUND else replace(path, remaining_m=path.goal.distance_to(goal))
         if self._allow_partial:
             return self._plan_near(query.costmap, query.start, goal, patience)
         raise self._failure(query, answer, patience)
@@ -211,23 +203,33 @@ class HybridAStarPlanner(PosePlanner):
             remaining_m=left,
         )
 
-    def _find(self, query: Query, patience: Patience) -> _Answer:
-        padding = self._padding_at_ends(query)
-        less = min(max(_LESS_PADDING * padding, LEAST_PADDING_M), padding)
-        answer = self._find_padded(query, patience, padding)
-        if answer.status in _ALL_TRIED and less < padding:
-            answer = self._find_padded(query, patience, less)
-        if answer.status not in _ALL_TRIED:
-            return answer
-        # A finer search takes long, and finds nothing where an end is enclosed.
-        enclosure = find_enclosure(query, patience, _BOXES_AN_EXPANSION * self.settings.max_expansions)
-        if enclosure is not None:
-            return answer._replace(enclosure=enclosure)
-        closer = self._find_padded(query, patience, less, thorough=True)
-        total = answer.expansions + closer.expansions
-        return closer._replace(path=closer.path or answer.path, expansions=total)
+    @property
+    def max_expansions(self) -> int:
+        """How many nodes one search expands at most."""
+        return self.settings.max_expansions
 
-    def _find_padded(self, query: Query, patience: Patience, padding: float, *, thorough: bool = False) -> _Answer:
+    def search(self, query: Query, patience: Patience) -> Answer:
+        """Search in cells of the usual size, with the padding and then with less of it."""
+        padding, less = self._paddings(query)
+        answer = self._find_padded(query, patience, padding)
+        if answer.status in ALL_TRIED and less < padding:
+            answer = self._find_padded(query, patience, less)
+        return answer
+
+    def search_finely(self, query: Query, patience: Patience, most: int) -> Answer:
+        """Search in smaller cells and by shorter motions, with so many expansions at most."""
+        return self._find_padded(query, patience, self._paddings(query)[1], thorough=True, most=most)
+
+    def _find(self, query: Query, patience: Patience) -> Answer:
+        return search_in_rounds([self], query, patience)[1]
+
+    def _paddings(self, query: Query) -> tuple[float, float]:
+        padding = self._padding_at_ends(query)
+        return padding, min(max(_LESS_PADDING * padding, LEAST_PADDING_M), padding)
+
+    def _find_padded(
+        self, query: Query, patience: Patience, padding: float, *, thorough: bool = False, most: int | None = None
+    ) -> Answer:
         costmap, settings = query.costmap, self.settings
         checked = CheckedOutline.of(costmap.planar, padding)
         status, poses, backward, parts, cost, effort = self._search.plan(
@@ -239,31 +241,31 @@ class HybridAStarPlanner(PosePlanner):
             query.goal_yaw_free,
             checked.step_m,
             self._spacing(padding),
-            settings.max_expansions,
+            settings.max_expansions if most is None else most,
             patience.seconds,
             patience.flag,
             settings.allow_partial,
             checked.inner,
             thorough,
         )
-        if status in (_TIMEOUT, _CANCELLED):
-            raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
+        if status in (TIMEOUT, CANCELLED):
+            raise patience.stopped("timeout" if status == TIMEOUT else "cancelled")
         if len(poses) == 0:
-            return _Answer(status, None, effort[0])
+            return Answer(status, None, effort[0])
         path = Path(
-            _in_map(query, poses, ends_at_goal=status == _FOUND),
+            _in_map(query, poses, ends_at_goal=status == FOUND),
             cost=cost,
             planner="hybrid_astar",
             start_snapped_m=query.start.snapped_m,
-            goal_snapped_m=query.goal.snapped_m if status == _FOUND else 0.0,
+            goal_snapped_m=query.goal.snapped_m if status == FOUND else 0.0,
             backward=backward.view(np.bool_),
-            status="found" if status == _FOUND else "partial",
+            status="found" if status == FOUND else "partial",
         )
-        # A single curve from the start to the goal is already the shortest path.
-        if status == _FOUND and self._smoother is not None and len(parts) > _LONGEST_CURVE:
+        # One curve from the start to the goal is as short as can be.
+        if status == FOUND and self._smoother is not None and len(parts) > _LONGEST_CURVE:
             smoothing = self._smoother.smooth_free(path, costmap)
             path = replace(smoothing.path, cost=smoothing.price_after or path.cost)
-        return _Answer(status, path, effort[0])
+        return Answer(status, path, effort[0])
 
     def _make_smoother(self) -> ConstrainedSmoother | None:
         settings = self.settings
@@ -292,20 +294,20 @@ class HybridAStarPlanner(PosePlanner):
         radius = self.settings.minimum_turning_radius
         return float(self.settings.spacing) if radius == 0.0 else pose_spacing(self.settings.spacing, radius, padding)
 
-    def _failure(self, query: Query, answer: _Answer, patience: Patience) -> PlanningError:
+    def _failure(self, query: Query, answer: Answer, patience: Patience) -> PlanningError:
         """The error for a query without a path.
 
         A robot that drives forwards and backwards can follow any free path as closely as it likes (Laumond, Jacobs,
         Taix and Murray 1994): there is none only where an end is enclosed. One that drives forwards only has tried all
         states, in the smallest cells.
         """
-        if answer.status == _CLOSED_OFF:
+        if answer.status == CLOSED_OFF:
             return no_path(query, patience)
         if answer.enclosure is not None:
             return self._enclosed(query, answer.enclosure)
-        end = query.start if answer.status == _START_CLOSED else query.goal
+        end = query.start if answer.status == START_CLOSED else query.goal
         where = {"pose": end.pose.as_tuple(), "cell": end.cell}
-        if answer.status in _ALL_TRIED and self.settings.motion_model == "dubins":
+        if answer.status in ALL_TRIED and self.settings.motion_model == "dubins":
             return NoPathError(f"no path {query.ends}: {self._why_not(answer)}", **where)
         most = self.settings.max_expansions
         limit = f"{most} expansions (max_expansions)" if answer.expansions > most else f"{answer.expansions} expansions"
@@ -321,15 +323,15 @@ class HybridAStarPlanner(PosePlanner):
             cell=end.cell,
         )
 
-    def _why_not(self, answer: _Answer) -> str:
+    def _why_not(self, answer: Answer) -> str:
         """Why no path that is driven forward only leads there."""
         settings = self.settings
         how = "" if settings.minimum_turning_radius == 0.0 else f"arcs of {settings.minimum_turning_radius:g} m, "
         also = "turning in place, " if settings.in_place else ""
         moving = f"with {how}{also}driving forward only, the footprint"
-        if answer.status == _START_CLOSED:
+        if answer.status == START_CLOSED:
             return f"{moving} cannot get away from the start"
-        if answer.status == _GOAL_CLOSED:
+        if answer.status == GOAL_CLOSED:
             return f"{moving} gets to the goal from nowhere but close by"
         tried = f"{moving} gets there by none of {answer.expansions} poses that were tried"
         return f"there is room for the inscribed circle, but {tried}"
