@@ -39,7 +39,8 @@ class Registry(Generic[_Made]):
 
     def removal(self, name: str) -> str | None:
         """Hint for a name that was removed ("was removed; use …"); None for any other name."""
-        return None if name in self.names() else self._removed.get(name)
+        hint = self._removed.get(name)  # first, as names() asks for the entry points of every installed package
+        return None if hint is None or name in self.names() else hint
 
     def load(self, name: str) -> object:
         """Import what a name stands for.

@@ -4,7 +4,7 @@ from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer, RunInfo, Step
-from trundle.mission.sampling import sample_mission
+from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, RunSettings, Scenario, Setting
 from trundle.mission.trajectory import Trajectory
 
@@ -23,4 +23,5 @@ __all__ = [
     "Trajectory",
     "run",
     "sample_mission",
+    "sample_tight_ends",
 ]

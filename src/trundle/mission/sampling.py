@@ -25,6 +25,9 @@ _BATCH = 32
 _MAX_PLACES = 256  # places where a robot can turn, looked for at most
 _MAX_TRIED = 8192  # cells tried at most
 _LEAST_DISTANCE = 0.5  # [m]: closer than this is no mission
+_TIGHT_CLEARANCE = (0.03, 0.25)  # [m]
+_TIGHT_BATCH = 256
+_MAX_TIGHT_BATCHES = 400
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,51 @@ def sample_mission(
     other = _pick_other(costmap, areas, rng, min_distance, fixed)
     picked = Pose2D(other.x, other.y, _random_yaw(rng))
     return (fixed, picked) if start is not None else (picked, fixed)
+
+
+def sample_tight_ends(costmap: Costmap, seed: int) -> tuple[Pose2D, Pose2D]:
+    """Pick a start and a goal without room for a turn on the spot.
+
+    Both are random poses whose footprint is free by 0.03 to 0.25 m, at least 0.5 m apart, in one area where the
+    centre of the footprint's inscribed circle can go. That is no promise of a path for the footprint.
+
+    Args:
+        costmap: The map as the robot sees it.
+        seed: The same seed gives the same poses.
+
+    Raises:
+        ScenarioError: If no two such poses are found.
+    """
+    check_kind(costmap, Costmap, "a mission's costmap", "Costmap.from_grid(grid, robot) makes one")
+    rng = np.random.default_rng(check_seed(seed))
+    areas, _ = label_components((costmap.data < INSCRIBED).view(np.uint8), diagonal=False)
+    poses = _tight_poses(costmap, areas, rng)
+    start, area = next(poses, (None, 0))
+    if start is not None:
+        for pose, its_area in poses:
+            if its_area == area and pose.distance_to(start) >= _LEAST_DISTANCE:
+                return start, pose
+    low, high = _TIGHT_CLEARANCE
+    raise ScenarioError(
+        f"no start and goal can be picked: the map has no two poses, joined by free space and at least "
+        f"{_LEAST_DISTANCE:g} m apart, where the footprint is free by {low:g} to {high:g} m"
+    )
+
+
+def _tight_poses(
+    costmap: Costmap, areas: npt.NDArray[np.int32], rng: np.random.Generator
+) -> Iterator[tuple[Pose2D, int]]:
+    """Random poses that are free by little, each with the number of its area."""
+    cells, half = np.flatnonzero(areas > 0), 0.5 * costmap.resolution
+    low, high = _TIGHT_CLEARANCE
+    for _ in range(_MAX_TIGHT_BATCHES if len(cells) else 0):
+        rows, cols = np.unravel_index(rng.choice(cells, _TIGHT_BATCH), areas.shape)
+        x, y = (centre + rng.uniform(-half, half, _TIGHT_BATCH) for centre in costmap.cell_to_world(rows, cols))
+        yaw = rng.uniform(-math.pi, math.pi, _TIGHT_BATCH)
+        poses = np.round(np.column_stack([x, y, yaw]), 4)
+        clearance = costmap.clearance(poses, cap=2.0 * high)
+        for index in np.flatnonzero((clearance >= low) & (clearance <= high)):
+            yield Pose2D(*poses[index].tolist()), int(areas[rows[index], cols[index]])
 
 
 def _wide_enough(costmap: Costmap) -> npt.NDArray[np.bool_]:

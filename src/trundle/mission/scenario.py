@@ -6,9 +6,8 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 import yaml
 from pydantic import Field, model_validator
 
@@ -23,28 +22,20 @@ from trundle.files.opening import exists
 from trundle.files.writing import output_path, write_text
 from trundle.files.yaml_config import build, load_config
 from trundle.geometry import Goal, Pose2D
-from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
+from trundle.maps import OccupancyGrid
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
 from trundle.mission.episode import Episode
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer
+from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
 from trundle.navigation import Navigator, NavigatorSettings
-from trundle.planning.planner import PLANNERS
+from trundle.planning.planner import PLANNERS, Planner
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator, simulate
 from trundle.sim.actuation import Actuation
 from trundle.values import as_path
 from trundle.worlds import World
-from trundle.worlds.floors import find_common_floor, find_floor, lower_world
-
-Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
-
-_FAR_OUT = 30.0
-"""A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
-
-_ROOM = 1.0
-"""Around a start or goal that lies outside the world's solids [m]."""
 
 
 class RunSettings(NavigatorSettings):
@@ -203,37 +194,40 @@ class Scenario(CostmapSettings, RunSettings):
     def __str__(self) -> str:
         return repr(self)
 
-    def prepare(self) -> Setting:
+    def prepare(self, place: Place | None = None, *, planner: Planner | None = None) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
+
+        Args:
+            place: World, robot and map, where they were made before, by `make_place` of a scenario that has the same.
+            planner: An object to plan with instead of the scenario's planner.
 
         Raises:
             UnknownNameError: If a name is not known; the nearest is offered.
             InputError: If a file or an option cannot be used.
             ScenarioError: If no start or goal can be picked.
         """
-        robot = Robot.load(self.robot)
-        world, grid, floor_z = self._make_place(robot)
+        place = make_place(self) if place is None else place
         navigator = Navigator(
-            grid,
-            robot,
-            planner=self.planner,
+            place.grid,
+            place.robot,
+            planner=self.planner if planner is None else planner,
             controller=self.controller,
             smoother=self.smoother,
             costmap=self.part(CostmapSettings),
             settings=self.part(NavigatorSettings),
-            keepout=None if self.keepout is None else KeepoutMask.load(self.keepout, compat=self.compat),
-            speed_mask=None if self.speed_mask is None else SpeedMask.load(self.speed_mask, compat=self.compat),
+            keepout=place.keepout,
+            speed_mask=place.speed_mask,
         )
         start, goals = self._pick_ends(navigator)
         exact = self.model_copy(
             update={
-                "floor_z": self.floor_z if floor_z == 0.0 else floor_z,
+                "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
                 "start": start.as_tuple(),
                 "goal": goals[0] if len(goals) == 1 else None,
                 "goals": goals if len(goals) > 1 else None,
             }
         )
-        return Setting(exact, world, robot, grid, navigator, start, goals)
+        return Setting(exact, place.world, place.robot, place.grid, navigator, start, goals)
 
     def build(self) -> Mission:
         """Prepare it, and start its simulator; see `prepare` for the errors."""
@@ -265,53 +259,6 @@ class Scenario(CostmapSettings, RunSettings):
         if self.world is not None and "world" in paths:
             update["world"] = self.world.model_copy(update={"name": paths["world"]})
         return self.model_copy(update=update)
-
-    def _make_place(self, robot: Robot) -> tuple[World, OccupancyGrid, float]:
-        """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
-        if self.map is not None:
-            grid = OccupancyGrid.load(self.map, compat=self.compat)
-            walls = self.map_options or MapOptions()
-            unknown = walls.unknown or ("solid" if self.unknown == "blocked" else "free")
-            return World.from_map(grid, height=walls.height, unknown=unknown), grid, 0.0
-        if self.world is None:
-            raise ScenarioError("give either world or map")
-        if self.world.is_file:
-            world = World.load(self.world.name, **dict[str, Any](self.world.options))
-        else:
-            seed = self.seed if self.world.seed is None else self.world.seed
-            world = World.generate(self.world.name, **{"seed": seed, **dict[str, Any](self.world.options)})
-        floor_z = self._choose_floor(world, robot)
-        world = lower_world(world, floor_z)
-        bounds = self._map_bounds(world, robot)
-        grid = OccupancyGrid.from_world(world, resolution=self.resolution, z_range=robot.z_range, bounds=bounds)
-        return world, grid, floor_z
-
-    def _choose_floor(self, world: World, robot: Robot) -> float:
-        """Height of the floor [m]; that of a generated world is 0."""
-        if self.floor_z is not None or self.world is None or not self.world.is_file or self.backend.name == "isaac":
-            return self.floor_z or 0.0
-        if self.start is None:
-            return find_common_floor(world, robot)
-        return find_floor(world, robot, Pose2D.of(self.start))
-
-    def _map_bounds(self, world: World, robot: Robot) -> Bounds | None:
-        """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
-
-        A file's world may have no walls around it, and a robot comes from outside.
-        """
-        given = [end[:2] for end in (self.start, self.goal, *(self.goals or ())) if end is not None]
-        low, high = (np.asarray(corner)[:2] for corner in world.bounds)
-        off = [float(np.maximum(low - end, end - high).max()) for end in given]
-        ends = [end for end, distance in zip(given, off, strict=True) if 0.0 < distance <= _FAR_OUT]
-        if not ends or not world.solids or self.world is None or not self.world.is_file:
-            return None
-        reach = robot.circumscribed_radius + _ROOM
-        low, high = (
-            np.min([low, *(np.array(end) - reach for end in ends)], axis=0),
-            np.max([high, *(np.array(end) + reach for end in ends)], axis=0),
-        )
-        low, high = np.floor(low / self.resolution) * self.resolution, np.ceil(high / self.resolution) * self.resolution
-        return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
     def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
         given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)

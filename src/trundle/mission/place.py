@@ -1,0 +1,140 @@
+"""`Place`: the world, the robot and the map of a scenario, which many scenarios may share."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from trundle.errors import ScenarioError
+from trundle.geometry import Pose2D
+from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
+from trundle.mission.choices import MapOptions
+from trundle.robots import Robot
+from trundle.worlds import World
+from trundle.worlds.floors import find_common_floor, find_floor, lower_world
+
+if TYPE_CHECKING:
+    from trundle.mission.scenario import Scenario
+
+Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
+
+_FAR_OUT = 30.0
+"""A start or goal that is farther than this from all solids [m] is a mistake, and no map is made that reaches it."""
+
+_ROOM = 1.0
+"""Around a start or goal that lies outside the world's solids [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """Where a scenario takes place. Scenarios of one `place_key` can share it: nothing changes it.
+
+    Attributes:
+        world: The world, its floor at z = 0.
+        robot: The robot.
+        grid: The map.
+        floor_z: How high the floor was in the world's file [m].
+        keepout: Where the robot must not go, or None.
+        speed_mask: How fast it may drive where, or None.
+    """
+
+    world: World
+    robot: Robot
+    grid: OccupancyGrid
+    floor_z: float
+    keepout: KeepoutMask | None
+    speed_mask: SpeedMask | None
+
+
+def make_place(scenario: Scenario) -> Place:
+    """Make the world, the robot and the map of a scenario.
+
+    Raises:
+        UnknownNameError: If a name is not known; the nearest is offered.
+        InputError: If a file or an option cannot be used.
+    """
+    robot = Robot.load(scenario.robot)
+    world, grid, floor_z = _make_world(scenario, robot)
+    compat = scenario.compat
+    return Place(
+        world=world,
+        robot=robot,
+        grid=grid,
+        floor_z=floor_z,
+        keepout=None if scenario.keepout is None else KeepoutMask.load(scenario.keepout, compat=compat),
+        speed_mask=None if scenario.speed_mask is None else SpeedMask.load(scenario.speed_mask, compat=compat),
+    )
+
+
+def place_key(scenario: Scenario) -> str:
+    """What `make_place` depends on, as JSON: scenarios of one key have one place."""
+    fields = ("map", "map_options", "compat", "keepout", "speed_mask", "robot", "resolution", "floor_z")
+    key = scenario.model_dump(mode="json", include={"world", *fields})
+    if scenario.world is None:
+        key["unknown"] = _unknown(scenario)
+    elif scenario.world.is_file:
+        key |= scenario.model_dump(mode="json", include={"start", "goal", "goals"})
+        key["backend"] = scenario.backend.name
+    elif scenario.world.seed is None:
+        key["world"]["seed"] = scenario.seed
+    return json.dumps(key, sort_keys=True)
+
+
+def _unknown(scenario: Scenario) -> Any:
+    walls = scenario.map_options or MapOptions()
+    return walls.unknown or ("solid" if scenario.unknown == "blocked" else "free")
+
+
+def _make_world(scenario: Scenario, robot: Robot) -> tuple[World, OccupancyGrid, float]:
+    """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
+    if scenario.map is not None:
+        grid = OccupancyGrid.load(scenario.map, compat=scenario.compat)
+        walls = scenario.map_options or MapOptions()
+        return World.from_map(grid, height=walls.height, unknown=_unknown(scenario)), grid, 0.0
+    if scenario.world is None:
+        raise ScenarioError("give either world or map")
+    choice = scenario.world
+    if choice.is_file:
+        world = World.load(choice.name, **dict[str, Any](choice.options))
+    else:
+        seed = scenario.seed if choice.seed is None else choice.seed
+        world = World.generate(choice.name, **{"seed": seed, **dict[str, Any](choice.options)})
+    floor_z = _choose_floor(scenario, world, robot)
+    world = lower_world(world, floor_z)
+    bounds = _map_bounds(scenario, world, robot)
+    grid = OccupancyGrid.from_world(world, resolution=scenario.resolution, z_range=robot.z_range, bounds=bounds)
+    return world, grid, floor_z
+
+
+def _choose_floor(scenario: Scenario, world: World, robot: Robot) -> float:
+    """Height of the floor [m]; that of a generated world is 0."""
+    choice = scenario.world
+    if scenario.floor_z is not None or choice is None or not choice.is_file or scenario.backend.name == "isaac":
+        return scenario.floor_z or 0.0
+    if scenario.start is None:
+        return find_common_floor(world, robot)
+    return find_floor(world, robot, Pose2D.of(scenario.start))
+
+
+def _map_bounds(scenario: Scenario, world: World, robot: Robot) -> Bounds | None:
+    """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
+
+    A file's world may have no walls around it, and a robot comes from outside.
+    """
+    given = [end[:2] for end in (scenario.start, scenario.goal, *(scenario.goals or ())) if end is not None]
+    low, high = (np.asarray(corner)[:2] for corner in world.bounds)
+    off = [float(np.maximum(low - end, end - high).max()) for end in given]
+    ends = [end for end, distance in zip(given, off, strict=True) if 0.0 < distance <= _FAR_OUT]
+    if not ends or not world.solids or scenario.world is None or not scenario.world.is_file:
+        return None
+    reach = robot.circumscribed_radius + _ROOM
+    low, high = (
+        np.min([low, *(np.array(end) - reach for end in ends)], axis=0),
+        np.max([high, *(np.array(end) + reach for end in ends)], axis=0),
+    )
+    edge = scenario.resolution
+    low, high = np.floor(low / edge) * edge, np.ceil(high / edge) * edge
+    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
