@@ -42,6 +42,15 @@ class Registry(Generic[_Made]):
         hint = self._removed.get(name)  # first, as names() asks for the entry points of every installed package
         return None if hint is None or name in self.names() else hint
 
+    def check(self, name: str) -> None:
+        """Refuse a name that is not known, without importing what it stands for.
+
+        Raises:
+            UnknownNameError: As `load`.
+        """
+        if name not in self._builtin and name not in self.names():
+            raise UnknownNameError(self._kind, name, self.names(), hint=self._removed.get(name))
+
     def load(self, name: str) -> object:
         """Import what a name stands for.
 
@@ -68,7 +77,26 @@ class Registry(Generic[_Made]):
             UnknownNameError: If there is no such name.
             InputError: If it does not accept these options.
         """
-        maker = cast("Callable[..., _Made]", self.load(name))
+        return self._call(name, cast("Callable[..., _Made]", self.load(name)), *arguments, **options)
+
+    def load_class(self, name: str, method: str) -> Callable[..., _Made]:
+        """Import a class by `"module:Class"`, for one that no package has registered.
+
+        Nothing but a class with the given method is taken, so that a name in somebody's file calls no other function.
+
+        Raises:
+            InputError: If there is no such module, or no such class in it, or the class has no such method.
+        """
+        module, _, attribute = name.partition(":")
+        try:
+            found = getattr(importlib.import_module(module), attribute)
+        except (ImportError, AttributeError, ValueError) as error:
+            raise InputError(f"{self._kind} {name!r} cannot be imported: {error}") from error
+        if not isinstance(found, type) or not callable(getattr(found, method, None)):
+            raise InputError(f"{self._kind} {name!r} is not a class with {method}(…), as a {self._kind} has")
+        return cast("Callable[..., _Made]", found)
+
+    def _call(self, name: str, maker: Callable[..., _Made], /, *arguments: object, **options: Any) -> _Made:
         try:
             return maker(*arguments, **options)
         except TypeError as error:
@@ -77,12 +105,14 @@ class Registry(Generic[_Made]):
             raise InputError(f"{self._kind} {name!r}{what}") from error
 
     def take(self, given: str | _Made, method: str, /, *arguments: object, **options: Any) -> _Made:
-        """Create an object by name, or take an existing one that has the given method.
+        """Create an object by name or `"module:Class"`, or take an existing one that has the given method.
 
         Raises:
             UnknownNameError: If there is no such name.
             InputError: If it does not accept these options or has no such method, or if options come with an object.
         """
+        if isinstance(given, str) and ":" in given:
+            return self._call(given, self.load_class(given, method), *arguments, **options)
         if isinstance(given, str):
             return self.make(given, *arguments, **options)
         if isinstance(given, type) or not callable(getattr(given, method, None)):

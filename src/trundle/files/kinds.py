@@ -9,10 +9,11 @@ from pathlib import Path
 from trundle.errors import InputError
 from trundle.files.yaml_nodes import compose, keys_of
 
-MAP, ROBOT, SCENARIO, WORLD, PICTURE, RUN, DRIVE, EVALUATION, TABLE, ARRAYS = (
+MAP, ROBOT, SCENARIO, SUITE, WORLD, PICTURE, RUN, DRIVE, EVALUATION, TABLE, ARRAYS = (
     "a map",
     "a robot",
     "a scenario",
+    "a suite",
     "a world",
     "a picture",
     "the folder of a run",
@@ -40,6 +41,9 @@ _FILES = {"episode.json": RUN, "drive.csv": DRIVE, "evaluation.json": EVALUATION
 
 _ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model"})
 _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})
+_SUITE_KEYS = frozenset(
+    {"worlds", "robots", "planners", "controllers", "smoothers", "backends", "missions", "vary", "require"}
+)
 
 
 def find_kind(path: str | os.PathLike[str]) -> str | None:
@@ -66,10 +70,10 @@ def kind_of_keys(keys: Iterable[str]) -> str | None:
     found = set(keys)
     if "image" in found and found & {"resolution", "origin", "negate"}:
         return MAP
-    as_robot, as_scenario = len(found & _ROBOT_KEYS), len(found & _SCENARIO_KEYS)
-    if as_robot == as_scenario:
-        return None
-    return ROBOT if as_robot > as_scenario else SCENARIO
+    known = ((ROBOT, _ROBOT_KEYS), (SCENARIO, _SCENARIO_KEYS), (SUITE, _SUITE_KEYS))
+    counts = {kind: len(found & of_kind) for kind, of_kind in known}
+    best, second = sorted(counts, key=counts.__getitem__, reverse=True)[:2]
+    return None if counts[best] == counts[second] else best
 
 
 def describe_mismatch(name: str, found: str | None, wanted: str) -> str:

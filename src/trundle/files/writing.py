@@ -153,6 +153,16 @@ def output_path(target: str | os.PathLike[str]) -> Path:
     return Path(path)
 
 
+def path_beside(name: str, target: str | os.PathLike[str]) -> str:
+    """How a file that is to be written at `target` names another file.
+
+    Relative to its folder where both are below the current folder, so that they can be moved together; else in full.
+    """
+    here, folder, other = Path.cwd(), output_path(target).resolve().parent, Path(name).resolve()
+    together = Path(name).suffix and other.is_relative_to(here) and folder.is_relative_to(here)
+    return os.path.relpath(other, folder) if together else str(other)
+
+
 def _permissions(path: Path) -> int:
     """Permissions of the file to replace, or the default ones of a new file."""
     try:

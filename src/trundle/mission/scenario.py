@@ -19,7 +19,7 @@ from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.files.field_docs import commented_yaml, describe_fields
 from trundle.files.kinds import SCENARIO
 from trundle.files.opening import exists
-from trundle.files.writing import output_path, write_text
+from trundle.files.writing import path_beside, write_text
 from trundle.files.yaml_config import build, load_config
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
@@ -173,13 +173,7 @@ class Scenario(CostmapSettings, RunSettings):
 
     def _plain_for(self, path: str | os.PathLike[str]) -> dict[str, Any]:
         """Plain values for a YAML at this path, which its files are named relative to; its own fields first."""
-        here = Path.cwd()
-        folder = output_path(path).resolve().parent
-        paths: dict[str, str] = {}
-        for key, value in self._paths().items():
-            target = Path(value).resolve()
-            together = Path(value).suffix and target.is_relative_to(here) and folder.is_relative_to(here)
-            paths[key] = os.path.relpath(target, folder) if together else str(target)
+        paths = {key: path_beside(value, path) for key, value in self._paths().items()}
         dumped = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
         for key in ("world", "planner", "controller", "smoother", "backend"):

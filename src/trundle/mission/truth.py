@@ -15,7 +15,7 @@ from trundle.costmap import INSCRIBED, Costmap
 from trundle.geometry import FloatArray
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.robots import Robot
-from trundle.sim.clearance import least_clearance, map_world
+from trundle.sim.clearance import least_clearance, map_extent, map_world
 from trundle.worlds import World
 
 MeasuredOn: TypeAlias = Literal["world", "map"]
@@ -35,11 +35,34 @@ class Truth:
         min_clearance_m: [m].
         shortest_path_m: [m]; none where the robot did not arrive.
         measured_on: "world", or "map" where the simulator does not know its solids.
+        closest: Index of the pose where the robot was closest to a solid, to within a cell; none where it is not known.
     """
 
     min_clearance_m: float
     shortest_path_m: float | None
     measured_on: MeasuredOn
+    closest: int | None = None
+
+
+class TrueMaps:
+    """The true map of a world for a robot, kept for the next run there if that needs a map of the same extent.
+
+    All runs need the same whose ends and trajectory are within the world.
+    """
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] | None = None
+        self._map: Costmap | None = None
+        self._held: tuple[World, Robot] | None = None  # so that no other objects get their ids
+
+    def get(self, world: World, robot: Robot, points: FloatArray, *, resolution: float, margin: float) -> Costmap:
+        """The map that `map_world` makes."""
+        extent = map_extent(world, points, resolution=resolution, margin=margin)
+        key = (id(world), id(robot), extent)
+        if self._map is None or key != self._key:
+            self._key, self._map = key, map_world(world, robot, points, resolution=resolution, margin=margin)
+            self._held = (world, robot)
+        return self._map
 
 
 def measure_truth(
@@ -51,6 +74,7 @@ def measure_truth(
     *,
     arrived: bool,
     touched: bool,
+    true_maps: TrueMaps | None = None,
 ) -> Truth:
     """Measure a run's surroundings.
 
@@ -62,21 +86,24 @@ def measure_truth(
         costmap: The robot's own first one, which stands for the world where there is none.
         arrived: Whether a shortest path is asked for.
         touched: Whether there was a contact: nothing is nearer.
+        true_maps: Where the map of the world is kept for the next run.
     """
     points = np.array([end[:2] for end in ends], dtype=np.float64)
     true_map = costmap
     if world is not None:
         margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * costmap.resolution
         around = np.concatenate([poses[:, :2], points])
-        true_map = map_world(world, robot, around, resolution=costmap.resolution, margin=margin)
+        maps = TrueMaps() if true_maps is None else true_maps
+        true_map = maps.get(world, robot, around, resolution=costmap.resolution, margin=margin)
+    coarse = true_map.clearance(poses, CLEARANCE_CAP)
     if touched:
         clearance = 0.0
     elif world is not None:
-        clearance = least_clearance(world, robot, poses, true_map, cap=CLEARANCE_CAP)
+        clearance = least_clearance(world, robot, poses, coarse, resolution=true_map.resolution, cap=CLEARANCE_CAP)
     else:
-        clearance = float(costmap.clearance(poses, CLEARANCE_CAP).min())
+        clearance = float(coarse.min())
     shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
-    return Truth(clearance, shortest, "map" if world is None else "world")
+    return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
 
 
 def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:

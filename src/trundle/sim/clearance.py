@@ -36,6 +36,17 @@ def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: flo
         resolution: Edge of a cell [m]; larger where there would be more than 60 million.
         margin: Added on all sides [m].
     """
+    edge, corner, shape = map_extent(world, points, resolution=resolution, margin=margin)
+    cells = np.zeros(shape, dtype=np.int8)
+    band = HeightBand(robot.body.clearance, robot.body.height)
+    SolidRaster(cells, edge, corner, band).add(world.solids)
+    return Costmap.from_grid(OccupancyGrid(cells, edge, Pose2D(*corner)), robot)
+
+
+def map_extent(
+    world: World, points: FloatArray, *, resolution: float, margin: float
+) -> tuple[float, tuple[float, float], tuple[int, int]]:
+    """Edge of a cell [m], the corner (x, y) [m] and the shape of the map that `map_world` makes."""
     low, high = points.min(axis=0), points.max(axis=0)
     if world.solids:
         first, last = (np.asarray(corner)[:2] for corner in world.bounds)
@@ -44,28 +55,28 @@ def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: flo
     edge = max(resolution, math.sqrt(float(np.prod(size)) / _MOST_CELLS))
     corner = np.floor((low - margin) / edge) * edge
     cols, rows = (int(count) for count in np.ceil((high + margin - corner) / edge))
-    cells = np.zeros((rows, cols), dtype=np.int8)
-    band = HeightBand(robot.body.clearance, robot.body.height)
-    SolidRaster(cells, edge, (float(corner[0]), float(corner[1])), band).add(world.solids)
-    return Costmap.from_grid(OccupancyGrid(cells, edge, Pose2D(float(corner[0]), float(corner[1]))), robot)
+    return edge, (float(corner[0]), float(corner[1])), (rows, cols)
 
 
-def least_clearance(world: World, robot: Robot, poses: FloatArray, true_map: Costmap, *, cap: float) -> float:
+def least_clearance(
+    world: World, robot: Robot, poses: FloatArray, coarse: FloatArray, *, resolution: float, cap: float
+) -> float:
     """Smallest distance [m] from the oriented footprint, at any of some poses, to a solid at the robot's heights.
 
     Args:
         world: What stands around.
         robot: Whose footprint, and heights from its clearance to its height.
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
-        true_map: Of `map_world`, which reaches `cap` beyond the robot everywhere. It tells which poses and solids need
-            a closer look: its cells hold every solid, and reach at most a cell's diagonal beyond.
+        coarse: The same for each pose [m], shape (N,), measured on a map of `map_world` that reaches `cap` beyond the
+            robot everywhere. It tells which poses and solids need a closer look: the map's cells hold every solid, and
+            reach at most a cell's diagonal beyond.
+        resolution: Edge of a cell of that map [m].
         cap: Larger distances are given as this one [m].
 
     Returns:
         0 where the footprint overlaps something.
     """
-    coarse = true_map.clearance(poses, cap)
-    beyond = math.sqrt(2.0) * true_map.resolution + 1e-6
+    beyond = math.sqrt(2.0) * resolution + 1e-6
     least = float(min(cap, coarse.min() + beyond))
     near = poses[coarse <= least]
     low, high = robot.body.clearance, robot.body.height

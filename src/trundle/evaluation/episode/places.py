@@ -1,0 +1,102 @@
+"""The places of episodes, kept from one episode to the next: world, robot and map, what is measured on, simulators."""
+
+from __future__ import annotations
+
+import json
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+from trundle.costmap import Costmap, CostmapSettings
+from trundle.mission import Scenario
+from trundle.mission.place import Place, make_place, place_key
+from trundle.mission.truth import TrueMaps
+from trundle.sim import Simulator, simulate
+
+MOST_PLACES = 4
+MOST_CELLS = 20_000_000
+"""Of the maps that are kept."""
+
+_REPEATABLE = ("kinematic", "mujoco")
+"""Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
+
+
+@dataclass(slots=True, eq=False)
+class KeptPlace:
+    """A place with what episodes there share.
+
+    Attributes:
+        place: World, robot and map.
+        true_maps: Maps of the world that runs are measured on.
+    """
+
+    place: Place
+    true_maps: TrueMaps = field(default_factory=TrueMaps)
+    _simulators: dict[str, Simulator] = field(default_factory=dict)
+    _costmaps: dict[str, Costmap] = field(default_factory=dict)
+
+    def sampling_costmap(self) -> Costmap:
+        """The map as any robot like this sees it by default: missions are sampled on it, whatever a suite crosses."""
+        return self.costmap(CostmapSettings())
+
+    def costmap(self, settings: CostmapSettings) -> Costmap:
+        """The map as the robot sees it with these settings."""
+        key = settings.model_dump_json()
+        if key not in self._costmaps:
+            place = self.place
+            self._costmaps[key] = settings.make_costmap(place.grid, place.robot, keepout=place.keepout)
+        return self._costmaps[key]
+
+    def simulator(self, scenario: Scenario) -> Simulator:
+        """A simulator for a scenario here: one that ran before where that makes no difference."""
+        backend = scenario.backend
+        key = json.dumps([backend.name, backend.options], sort_keys=True)
+        if key in self._simulators:
+            return self._simulators[key]
+        made = simulate(self.place.world, self.place.robot, backend=backend.name, **backend.options)
+        if backend.name in _REPEATABLE:
+            self._simulators[key] = made
+        return made
+
+    def keeps(self, simulator: Simulator) -> bool:
+        """Whether a simulator stays for the next episode."""
+        return any(simulator is kept for kept in self._simulators.values())
+
+    def close(self) -> None:
+        """Close the simulators."""
+        for simulator in self._simulators.values():
+            simulator.close()
+        self._simulators.clear()
+
+
+class Places:
+    """Places that were made, the last used ones kept.
+
+    Args:
+        most_places: How many to keep.
+        most_cells: How many cells the maps that are kept may have together; the last place is always kept.
+    """
+
+    def __init__(self, most_places: int = MOST_PLACES, most_cells: int = MOST_CELLS) -> None:
+        self._most_places = most_places
+        self._most_cells = most_cells
+        self._kept: OrderedDict[str, KeptPlace] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def get(self, scenario: Scenario) -> KeptPlace:
+        """The place of a scenario.
+
+        Raises:
+            UnknownNameError: If a name is not known; the nearest is offered.
+            InputError: If a file or an option cannot be used.
+        """
+        key = place_key(scenario)
+        kept = self._kept.pop(key, None) or KeptPlace(make_place(scenario))
+        self._kept[key] = kept
+        while len(self._kept) > 1 and (len(self._kept) > self._most_places or self._cells() > self._most_cells):
+            self._kept.popitem(last=False)[1].close()
+        return kept
+
+    def _cells(self) -> int:
+        return sum(kept.place.grid.data.size for kept in self._kept.values())

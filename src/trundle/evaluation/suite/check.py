@@ -1,0 +1,60 @@
+"""What is checked of a suite before any of its episodes runs."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any, cast
+
+from trundle.control import create_controller
+from trundle.errors import InputError
+from trundle.evaluation.suite.parts import SuiteWorld
+from trundle.mission.choices import MapOptions
+from trundle.planning import create_planner, create_smoother
+from trundle.robots import Robot
+from trundle.worlds.options import check_options
+from trundle.worlds.world import WORLDS
+
+if TYPE_CHECKING:
+    from trundle.evaluation.suite.suite import Suite
+
+MOST_EPISODES = 10_000_000
+"""More than this is a mistake, or several evaluations."""
+
+
+def check_suite(suite: Suite) -> None:
+    """Check the number of episodes, names, options and files of a suite.
+
+    Raises:
+        InputError: What is wrong, and what to do.
+    """
+    expansion = suite.expansion
+    if expansion.total > MOST_EPISODES:
+        product = " × ".join(f"{size:,} {name}" for name, size in expansion.factors().items())
+        raise InputError(
+            f"the suite has {expansion.total:,} episodes ({product}), and an evaluation at most {MOST_EPISODES:,}: "
+            "take fewer seeds, or cross fewer settings"
+        )
+    for world in suite.worlds:
+        _check_world_options(world)
+    robots = [Robot.load(robot) for robot in suite.robots]
+    for planner in suite.planners:
+        given = planner.planner()
+        create_planner(planner.name if given is None else given, **planner.options)
+    for controller in suite.controllers:
+        for robot in robots:
+            create_controller(controller.name, robot, **controller.options)
+    for smoother in suite.smoothers:
+        if smoother is not None:
+            create_smoother(smoother.name, **smoother.options)
+    expansion.check_identities()
+    expansion.spec(0)
+
+
+def _check_world_options(world: SuiteWorld) -> None:
+    if world.is_map:
+        check_options(world.name, "a map", world.options, list(MapOptions.model_fields))
+    elif not world.is_file:
+        parameters = inspect.signature(cast("Any", WORLDS.load(world.name))).parameters.values()
+        if not any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
+            known = [parameter.name for parameter in parameters if parameter.name != "seed"]
+            check_options(f"world {world.name!r}", "it", world.options, [*known, "exclude"])

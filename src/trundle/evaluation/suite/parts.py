@@ -1,0 +1,223 @@
+"""Parts of a suite: its worlds, missions and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeAlias, cast
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from trundle.errors import UnknownNameError
+from trundle.evaluation.suite.seeds import Seeds, read_seeds
+from trundle.evaluation.suite.vary import Distribution, draw
+from trundle.files.choice import Choice, Option
+from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
+from trundle.files.yaml_config import Config
+from trundle.mission.choices import WorldChoice
+from trundle.mission.sampling import MIN_DISTANCE
+from trundle.worlds.load import is_world_file
+from trundle.worlds.world import WORLDS
+
+_MAP_SUFFIXES = (".yaml", ".yml", ".map")
+
+
+class ListedMission(Config):
+    """A mission by its start and goal.
+
+    Attributes:
+        start: (x, y) or (x, y, yaw) [m, m, rad], map frame.
+        goal: (x, y), to be reached with any yaw, or (x, y, yaw). Either this or `goals`.
+        goals: Several of these, to be reached in order.
+    """
+
+    start: PoseNumbers
+    goal: PoseNumbers | None = None
+    goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.goal is None) == (self.goals is None):
+            raise ValueError("give either goal or goals")
+        return self
+
+
+class Missions(Config):
+    """Where the robot is to go: sampled from each map by seed, or listed. `"0:500"` stands for `{seeds: "0:500"}`.
+
+    Attributes:
+        seeds: Seeds of missions: 20 (0 to 19), "0:500" (0 to 499), "0:500:5" or a list. Everything random in an episode
+            follows its seed. Where missions are listed, each is driven with each seed.
+        ends: What sampled starts and goals are like: "roomy" with room for a turn on the spot, "tight" free by 0.03 to
+            0.25 m.
+        min_distance: Between the start and the goal of a roomy mission, in a straight line [m].
+        listed: Missions by start and goal, instead of sampled ones.
+    """
+
+    seeds: Seeds = 1
+    ends: Literal["roomy", "tight"] = "roomy"
+    min_distance: NotNegative = MIN_DISTANCE
+    listed: Annotated[tuple[ListedMission, ...], Field(min_length=1)] | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of missions."""
+        seeds = read_seeds(self.seeds)
+        # A range may be longer than len() can say.
+        number = (seeds.stop - seeds.start + seeds.step - 1) // seeds.step if isinstance(seeds, range) else len(seeds)
+        return number * (1 if self.listed is None else len(self.listed))
+
+    def at(self, index: int) -> tuple[int, ListedMission | None]:
+        """Seed and listed mission, if there are any, of one of them."""
+        seeds = read_seeds(self.seeds)
+        if self.listed is None:
+            return seeds[index], None
+        listed, seed = divmod(index, self.count // len(self.listed))
+        return seeds[seed], self.listed[listed]
+
+    def rule(self, listed: ListedMission | None) -> dict[str, Any]:
+        """How start and goal are chosen, as plain values."""
+        if listed is not None:
+            return listed.model_dump(mode="json", exclude_none=True)
+        return self.model_dump(mode="json", include={"ends", "min_distance"} if self.ends == "roomy" else {"ends"})
+
+
+def _read_missions(given: object) -> object:
+    if isinstance(given, list | tuple) and given and all(isinstance(each, Mapping) for each in given):
+        return {"listed": given}
+    return given if isinstance(given, Mapping | Missions) or given is None else {"seeds": given}
+
+
+MissionsField: TypeAlias = Annotated[
+    Missions,
+    BeforeValidator(_read_missions, json_schema_input_type=int | str | list[int] | list[ListedMission] | Missions),
+]
+
+
+class SuiteWorld(Config):
+    """A world of a suite: `warehouse`, `maps/hall.yaml`, `{name: warehouse, options: {…}}`.
+
+    Attributes:
+        name: Name of a generated world, or the path of a map's YAML or of a world's file; in a suite's file, relative
+            to that file.
+        label: What it is called in tables; none means its name.
+        seed: Seed of a generated world; none means the mission's, so that each mission has its own world.
+        options: Options of the generator, of the file's loader or of a map (height, unknown). Those of a generated
+            world may be drawn by the mission's seed: `{uniform: [lowest, highest]}`, `{normal: [mean, deviation]}`.
+        missions: Missions in this world, instead of the suite's.
+        compat: "humble" reads the map and the masks as ROS 2 Humble does.
+        keepout: Path of a keep-out mask's YAML.
+        speed_mask: Path of a speed mask's YAML.
+        floor_z: Height [m] of the floor in the world's file; none means the one under most of the world.
+    """
+
+    name: str
+    label: str | None = None
+    seed: Annotated[int, Field(ge=0)] | None = None
+    options: dict[str, Option | Distribution] = Field(default_factory=dict)
+    missions: MissionsField | None = None
+    compat: Literal["humble"] | None = None
+    keepout: str | None = None
+    speed_mask: str | None = None
+    floor_z: float | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        drawn = [name for name, value in self.options.items() if isinstance(value, Distribution)]
+        if self.is_file and drawn:
+            raise ValueError(f"option {drawn[0]} is drawn: that is for generated worlds; this one is a file")
+        if self.is_file and self.seed is not None:
+            raise ValueError("seed is for generated worlds; this one is a file")
+        if self.compat is not None and not self.is_map:
+            raise ValueError("compat says how a map is read; this is none")
+        if self.floor_z is not None and self.is_map:
+            raise ValueError("floor_z is the height of the floor in a world; this is a map")
+        return self
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is read from a file."""
+        return is_world_file(self.name)
+
+    @property
+    def is_map(self) -> bool:
+        """Whether it is a map, extruded into a world."""
+        return Path(self.name).suffix.lower() in _MAP_SUFFIXES
+
+    @property
+    def is_seeded(self) -> bool:
+        """Whether each seed has a world of its own."""
+        return not self.is_file and (
+            self.seed is None or any(isinstance(value, Distribution) for value in self.options.values())
+        )
+
+    def files(self) -> dict[str, str]:
+        """Paths of its files, by field."""
+        files = {"name": self.name if self.is_file else None, "keepout": self.keepout, "speed_mask": self.speed_mask}
+        return {field: path for field, path in files.items() if path is not None}
+
+    def draw_options(self, seed: int) -> dict[str, Option]:
+        """Its options with what is drawn by seed, in the order in which they stand."""
+        rng = np.random.default_rng(seed)
+        return {
+            name: draw(value, rng) if isinstance(value, Distribution) else value for name, value in self.options.items()
+        }
+
+    def settings(self, seed: int) -> dict[str, Any]:
+        """The fields of a scenario in this world."""
+        options = self.draw_options(seed)
+        settings: dict[str, Any] = {
+            name: getattr(self, name)
+            for name in ("compat", "keepout", "speed_mask", "floor_z")
+            if getattr(self, name) is not None
+        }
+        if self.is_map:
+            return settings | {"map": self.name} | ({"map_options": options} if options else {})
+        return settings | {"world": WorldChoice(name=self.name, options=options, seed=self.seed)}
+
+
+def _read_world(given: object) -> object:
+    if isinstance(given, str | Path):
+        return {"name": str(given)}
+    if isinstance(given, WorldChoice):
+        return given.model_dump(exclude_none=True)
+    return given.model_dump() if isinstance(given, Choice) else given
+
+
+def _check_world(world: SuiteWorld) -> SuiteWorld:
+    try:
+        if not world.is_file:
+            WORLDS.check(world.name)
+    except UnknownNameError as error:
+        raise PydanticCustomError("unknown_name", "{what}", {"what": str(error)}) from None
+    return world
+
+
+SuiteWorldField: TypeAlias = Annotated[
+    SuiteWorld,
+    BeforeValidator(_read_world, json_schema_input_type=str | SuiteWorld),
+    AfterValidator(_check_world),
+]
+
+
+class Limits(Config):
+    """What an episode may take.
+
+    Attributes:
+        time_limit_s: Simulated time [s]; none means `trundle.run`'s default.
+        wall_s: Time on the clock [s] after which an episode is stopped as `hung`.
+        memory_mb: Memory [MB] that an episode may take beyond its worker's size; more is `out_of_memory`.
+    """
+
+    time_limit_s: Positive | None = None
+    wall_s: Positive = 300.0
+    memory_mb: Positive = 2000.0
+
+
+def as_items(given: object) -> object:
+    """Take a single value as a list of one; a generator or a set as a list."""
+    if isinstance(given, list | tuple | range | set | frozenset):
+        return cast("object", tuple(cast("Any", given)))
+    return (given,)

@@ -1,0 +1,59 @@
+"""`CrossedSettings`: the settings of a scenario, each one value or a list that is crossed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, create_model
+from pydantic_core import PydanticCustomError
+
+from trundle.costmap import CostmapSettings
+from trundle.evaluation.suite.parts import as_items
+from trundle.files.field_docs import describe_fields
+from trundle.files.yaml_config import Config
+from trundle.mission import Scenario
+from trundle.navigation import NavigatorSettings
+
+CROSSED = tuple(
+    name
+    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution")
+    if name != "planning_deadline_s"
+)
+"""Settings of a scenario that a suite may cross."""
+
+
+def read_items(given: object) -> object:
+    """Take a single value as a list of one, and refuse an empty list."""
+    items = as_items(given)
+    if items == ():
+        raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
+    return items
+
+
+def _field(name: str) -> tuple[Any, Any]:
+    """Type and default of a setting, of a type that takes a list of what the scenario's field takes."""
+    field = Scenario.model_fields[name]
+    item: Any = field.annotation
+    for constraint in field.metadata:
+        item = Annotated[item, constraint]
+    several = tuple[item, ...]
+    one_or_several = BeforeValidator(read_items, json_schema_input_type=item | list[item])
+    return Annotated[several, one_or_several], (field.default,)
+
+
+def _docstring() -> str:
+    texts = describe_fields(Scenario)
+    lines = "\n".join(f"    {name}: {texts[name]}" for name in CROSSED)
+    return f"The settings of a scenario, each one value or a list that is crossed.\n\nAttributes:\n{lines}\n"
+
+
+if TYPE_CHECKING:
+    CrossedSettings = Config
+else:
+    CrossedSettings = create_model(
+        "CrossedSettings",
+        __base__=Config,
+        __module__=__name__,
+        __doc__=_docstring(),
+        **{name: _field(name) for name in CROSSED},
+    )

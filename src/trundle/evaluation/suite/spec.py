@@ -1,0 +1,49 @@
+"""`EpisodeSpec`: everything that decides one episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from trundle.evaluation.suite.parts import ListedMission, Missions
+from trundle.evaluation.suite.plugin import PluginChoice
+from trundle.mission import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeSpec:
+    """Everything that decides one episode of a suite.
+
+    Attributes:
+        index: Number of the episode in its suite.
+        id: Hash of everything that decides the episode; 16 hexadecimal digits.
+        world: Label of the world.
+        robot: Label of the robot.
+        planner: Label of the planner.
+        controller: Likewise.
+        backend: Likewise.
+        settings: What else the suite crosses, as `name=value`, separated by spaces.
+        seed: Of the mission.
+        scenario: The scenario; without start and goal where they are sampled.
+        missions: How they are sampled.
+        listed: The mission, where it is listed.
+        plugin: The choice of the planner, which may be a Python object.
+        vary: The values that were drawn, by name.
+        content: Hashes of the contents of the world and the robot, which a mission is identified by.
+    """
+
+    index: int
+    id: str
+    world: str
+    robot: str
+    planner: str
+    controller: str
+    backend: str
+    settings: str
+    seed: int
+    scenario: Scenario
+    missions: Missions
+    listed: ListedMission | None
+    plugin: PluginChoice
+    vary: Mapping[str, float]
+    content: tuple[str, str]

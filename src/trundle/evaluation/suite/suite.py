@@ -1,0 +1,213 @@
+"""`Suite`: thousands of episodes as one YAML file."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import yaml
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
+
+from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField
+from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
+from trundle.evaluation.suite.settings import CROSSED, CrossedSettings, read_items
+from trundle.evaluation.suite.vary import Vary
+from trundle.files.choice import shorten
+from trundle.files.field_docs import describe_fields
+from trundle.files.kinds import SUITE
+from trundle.files.opening import exists
+from trundle.files.writing import path_beside, write_text
+from trundle.files.yaml_config import build, load_config
+from trundle.robots import is_robot_file
+from trundle.values import as_path
+
+if TYPE_CHECKING:
+    from trundle.evaluation.suite.expand import Expansion
+    from trundle.evaluation.suite.spec import EpisodeSpec
+
+_ITEMS = BeforeValidator(read_items)
+_SUFFIXES = (".yaml", ".yml")
+
+
+def _refuse_deadline(_: object) -> None:
+    raise PydanticCustomError(
+        "deadline",
+        "planning has no deadline on the clock inside an evaluation, as the episodes would depend on how busy the "
+        "computer is; limit the search instead ({{name: hybrid_astar, options: {{max_expansions: 50000}}}}), or the "
+        "whole episode (limits: {{wall_s: 60}})",
+        {},
+    )
+
+
+class Suite(CrossedSettings):
+    """Which episodes an evaluation runs: every world with its missions, crossed with robots, planners and settings.
+
+    Beside its own fields it has settings of a scenario; one that is given as a list is crossed. Every field that takes
+    a list takes a single value as well.
+
+    Attributes:
+        name: Name of the suite.
+        worlds: Where the robots drive: generated worlds, maps and worlds' files.
+        robots: Catalogue names or paths of robots' YAML; a path in a file is relative to that file.
+        planners: Planners by name, `{name: …, options: {…}}`, or `module:Class`. In Python also planners, classes of
+            planners, and functions (costmap, start, goal) → path or poses.
+        controllers: Controllers, likewise, but for Python objects.
+        smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
+        backends: Simulators, likewise.
+        missions: Where the robots are to go.
+        vary: What differs between what the robot was designed for and what it drives with.
+        limits: What an episode may take.
+        require: What must hold of the results: "success>=0.99".
+        planning_deadline_s: Must be left out: planning has no deadline on the clock inside an evaluation.
+    """
+
+    name: str | None = None
+    worlds: Annotated[tuple[SuiteWorldField, ...], _ITEMS]
+    robots: Annotated[tuple[str, ...], _ITEMS] = ("nova_carter",)
+    planners: Annotated[tuple[Planner, ...], _ITEMS] = (PluginChoice(name="auto"),)
+    controllers: Annotated[tuple[Controller, ...], _ITEMS] = (PluginChoice(name="regulated_pure_pursuit"),)
+    smoothers: Annotated[tuple[Smoother, ...], _ITEMS] = (None,)
+    backends: Annotated[tuple[Backend, ...], _ITEMS] = (PluginChoice(name="mujoco"),)
+    missions: MissionsField = Missions(seeds=20)
+    vary: Vary = Vary()
+    limits: Limits = Limits()
+    require: Annotated[tuple[str, ...], BeforeValidator(as_items)] = ()
+    planning_deadline_s: Annotated[None, BeforeValidator(_refuse_deadline)] = Field(default=None, exclude=True)
+
+    @classmethod
+    def make(cls, **settings: Any) -> Self:
+        """Make a suite from keywords: `Suite.make(worlds="warehouse", planners=["auto", plan], seeds="0:500")`.
+
+        Args:
+            **settings: Its fields; also `maps` for `worlds`, and `seeds` for `missions`.
+
+        Raises:
+            InputError: If a setting cannot be used; one line for each.
+        """
+        if "maps" in settings:
+            worlds = [*_several(settings.pop("worlds", ())), *_several(settings.pop("maps"))]
+            settings["worlds"] = worlds
+        if "seeds" in settings:
+            missions = settings.get("missions", {})
+            if not isinstance(missions, dict):
+                raise InputError("seeds: give either seeds or missions; missions may have seeds: {seeds: 0:500}")
+            settings["missions"] = {**missions, "seeds": settings.pop("seeds")}
+        return build(settings, cls)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a suite from YAML, or one of those that trundle ships: `smoke`, `tight`, `warehouses`.
+
+        Relative paths in a file are relative to its folder.
+
+        Raises:
+            InputError: If it cannot be used; every mistake is listed as file:line:column.
+            UnknownNameError: If there is neither such a file nor such a suite.
+        """
+        text = as_path(path, "a suite's file")
+        file = Path(text)
+        if text in suite_names():
+            file = _shipped() / f"{text}.yaml"
+        elif file.suffix.lower() not in _SUFFIXES and not exists(file):
+            raise UnknownNameError("suite", text, suite_names())
+        suite = load_config(file, cls, kind=SUITE)
+        return suite._with_paths(lambda name: str(file.parent / name))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it as YAML that `load` reads back as the same suite; of a Python object, only its name is kept.
+
+        Files below the current folder are named relative to the YAML, where that is below it too; others in full.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        write_text(path, self.to_yaml(path), durable=True)
+
+    def to_yaml(self, path: str | os.PathLike[str]) -> str:
+        """The text that `save` writes at this path."""
+        plain = self._with_paths(lambda name: path_beside(name, path))._plain()
+        return yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, allow_unicode=True)
+
+    @property
+    def title(self) -> str:
+        """Its name, or what it drives in, fit for a folder's name."""
+        if self.name is not None:
+            return self.name
+        return "-".join(dict.fromkeys(Path(world.name).stem for world in self.worlds[:3]))
+
+    @cached_property
+    def expansion(self) -> Expansion:
+        """Its episodes by number, made one by one."""
+        from trundle.evaluation.suite.expand import Expansion
+
+        return Expansion(self)
+
+    def __len__(self) -> int:
+        """Number of its episodes."""
+        return self.expansion.total
+
+    def spec(self, index: int) -> EpisodeSpec:
+        """Everything that decides one of its episodes.
+
+        Raises:
+            InputError: If there is no episode of that number.
+        """
+        return self.expansion.spec(index)
+
+    def id_of(self, index: int) -> str:
+        """Hash of everything that decides one of its episodes, as `spec(index).id`, without the rest."""
+        return self.expansion.id_of(index)
+
+    def check(self) -> None:
+        """Check what can be checked before an episode runs: the number of episodes, names, options and files.
+
+        Raises:
+            InputError: What is wrong, and what to do.
+        """
+        from trundle.evaluation.suite.check import check_suite
+
+        check_suite(self)
+
+    def __repr__(self) -> str:
+        return f"Suite({self.title!r}, {self.expansion.total:,} episodes)"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def crossed(self) -> dict[str, tuple[Any, ...]]:
+        """Settings of the scenario that it gives, each with its values."""
+        return {name: getattr(self, name) for name in CROSSED if name in self.model_fields_set}
+
+    def _with_paths(self, moved: Any) -> Self:
+        worlds = [
+            world.model_copy(update={field: moved(path) for field, path in world.files().items()})
+            for world in self.worlds
+        ]
+        robots = tuple(moved(robot) if is_robot_file(robot) else robot for robot in self.robots)
+        return self.model_copy(update={"worlds": tuple(worlds), "robots": robots})
+
+    def _plain(self) -> dict[str, Any]:
+        dumped = self.model_dump(mode="json", exclude_defaults=True)
+        plain = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
+        for key in ("worlds", "planners", "controllers", "smoothers", "backends"):
+            if key in plain:
+                plain[key] = [None if each is None else shorten(each) for each in plain[key]]
+        return plain
+
+
+def suite_names() -> list[str]:
+    """Names of the suites that trundle ships, sorted."""
+    return sorted(path.stem for path in _shipped().glob("*.yaml"))
+
+
+def _shipped() -> Path:
+    return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
+
+
+def _several(given: Any) -> Any:
+    return given if isinstance(given, list | tuple) else (given,)
