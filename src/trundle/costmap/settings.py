@@ -47,8 +47,7 @@ class CostmapSettings(Config):
         Raises:
             InputError: If `unknown_cost` is given and unknown cells are not costly.
         """
-        if self.unknown_cost is not None and self.unknown != "costly":
-            raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
+        self.check_unknown_cost()
         return Costmap.from_grid(
             grid,
             footprint,
@@ -58,3 +57,12 @@ class CostmapSettings(Config):
             unknown=self.unknown,
             unknown_cost=DEFAULT_UNKNOWN_COST if self.unknown_cost is None else self.unknown_cost,
         )
+
+    def check_unknown_cost(self) -> None:
+        """Check that a cost of unknown cells comes with unknown cells that are costly.
+
+        Raises:
+            InputError: If it does not.
+        """
+        if self.unknown_cost is not None and self.unknown != "costly":
+            raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')

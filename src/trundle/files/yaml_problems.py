@@ -60,6 +60,8 @@ def describe_problems(
     found: dict[Location, str] = {}
     unknown: list[Location] = []
     for problem in problems:
+        if _is_other_branch(problem, problems):
+            continue
         location = _strip_tags(problem, given)
         if location in found:  # the value matches none of several types
             found[location] = "must be a single value, or a list of them"
@@ -75,6 +77,16 @@ def describe_problems(
         where = name if node is None else _place(location, node, name, of_key=location in unknown)
         lines.append(": ".join(part for part in (where, ".".join(map(str, location)), text) if part))
     return lines
+
+
+def _is_other_branch(problem: ErrorDetails, problems: Sequence[ErrorDetails]) -> bool:
+    """Whether a mapping is no number, or the like, where another type takes a mapping and says what is wrong in it."""
+    union = problem["loc"][:-1]
+    return (
+        isinstance(problem["input"], Mapping)
+        and problem["type"] in _TYPES
+        and any(other["loc"][: len(union)] == union and other["type"] not in _TYPES for other in problems)
+    )
 
 
 def _strip_tags(problem: ErrorDetails, given: object) -> Location:

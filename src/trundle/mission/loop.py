@@ -6,22 +6,26 @@ import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
+from trundle.costmap import Costmap
 from trundle.errors import PlanningError, ScenarioError, SimulationError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import plan_legs, read_goals
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import Audience, Observer, RunInfo, Step
 from trundle.mission.trajectory import Trajectory
-from trundle.mission.truth import measure_truth
+from trundle.mission.truth import Truth, measure_truth
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.path import Path
+from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, world_of
 from trundle.values import as_number, check_kind
+from trundle.worlds import World
 
 TIME_PER_GOAL_S = 60.0
 SLOWNESS = 4.0
@@ -63,6 +67,51 @@ def run(
         BlockedPoseError: If the robot cannot stand at the start or at a goal.
         OutsideMapError: If the start or a goal is outside the map.
     """
+    return run_measured(
+        sim,
+        navigator,
+        start,
+        goal,
+        time_limit_s=time_limit_s,
+        observers=observers,
+        seed=seed,
+        stop_on_contact=stop_on_contact,
+        name=name,
+    )
+
+
+class Measure(Protocol):
+    """Measures a run's surroundings; see `measure_truth`."""
+
+    def __call__(
+        self,
+        poses: FloatArray,
+        ends: Sequence[Sequence[float]],
+        robot: Robot,
+        world: World | None,
+        costmap: Costmap,
+        *,
+        arrived: bool,
+        touched: bool,
+    ) -> Truth:
+        """Measure it."""
+        ...
+
+
+def run_measured(
+    sim: Simulator,
+    navigator: Navigator,
+    start: Pose2D | Sequence[float],
+    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]],
+    *,
+    time_limit_s: float | None = None,
+    observers: Sequence[Observer] = (),
+    seed: int = 0,
+    stop_on_contact: bool = True,
+    name: str = "run",
+    measure: Measure = measure_truth,
+) -> Episode:
+    """As `run`, with what measures the surroundings: an evaluation keeps the maps for that."""
     check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
     check_kind(navigator, Navigator, "a run's navigator", "Navigator(grid, robot) makes one")
     begin, goals = Pose2D.of(start), read_goals(goal)
@@ -90,7 +139,7 @@ def run(
         seed=seed,
         speed_mask=navigator.speed_mask,
     )
-    return _Drive(sim, navigator, info, audience, stop_on_contact=stop_on_contact).run(unreachable)
+    return _Drive(sim, navigator, info, audience, measure, stop_on_contact=stop_on_contact).run(unreachable)
 
 
 class _Drive:
@@ -102,6 +151,7 @@ class _Drive:
         navigator: Navigator,
         info: RunInfo,
         audience: Audience,
+        measure: Measure,
         *,
         stop_on_contact: bool,
     ) -> None:
@@ -109,6 +159,7 @@ class _Drive:
         self._navigator = navigator
         self._info = info
         self._audience = audience
+        self._measure = measure
         self._stop_on_contact = stop_on_contact
         self._rows: list[tuple[float, ...]] = []
         self._paths: list[Path] = []
@@ -212,7 +263,7 @@ class _Drive:
         columns = [np.array(column) for column in zip(*self._rows, strict=True)]
         trajectory = Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
         arrived = outcome is Outcome.ARRIVED
-        truth = measure_truth(
+        truth = self._measure(
             trajectory.poses,
             (info.start.as_tuple(), *info.goals),
             info.robot,

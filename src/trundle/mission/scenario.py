@@ -12,7 +12,7 @@ import yaml
 from pydantic import Field, model_validator
 
 from trundle.control.controller import CONTROLLERS
-from trundle.costmap import CostmapSettings
+from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, ScenarioError
 from trundle.files.choice import Choice, shorten, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
@@ -188,11 +188,14 @@ class Scenario(CostmapSettings, RunSettings):
     def __str__(self) -> str:
         return repr(self)
 
-    def prepare(self, place: Place | None = None, *, planner: Planner | None = None) -> Setting:
+    def prepare(
+        self, place: Place | None = None, *, costmap: Costmap | None = None, planner: Planner | None = None
+    ) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
 
         Args:
             place: World, robot and map, where they were made before, by `make_place` of a scenario that has the same.
+            costmap: What `make_costmap` made of that place before.
             planner: An object to plan with instead of the scenario's planner.
 
         Raises:
@@ -201,15 +204,15 @@ class Scenario(CostmapSettings, RunSettings):
             ScenarioError: If no start or goal can be picked.
         """
         place = make_place(self) if place is None else place
+        if costmap is None:
+            costmap = self.part(CostmapSettings).make_costmap(place.grid, place.robot, keepout=place.keepout)
         navigator = Navigator(
-            place.grid,
+            costmap,
             place.robot,
             planner=self.planner if planner is None else planner,
             controller=self.controller,
             smoother=self.smoother,
-            costmap=self.part(CostmapSettings),
             settings=self.part(NavigatorSettings),
-            keepout=place.keepout,
             speed_mask=place.speed_mask,
         )
         start, goals = self._pick_ends(navigator)

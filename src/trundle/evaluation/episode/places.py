@@ -11,10 +11,14 @@ from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place, place_key
 from trundle.mission.truth import TrueMaps
 from trundle.sim import Simulator, simulate
+from trundle.sim.actuation import ActuatedSimulator
 
 MOST_PLACES = 4
 MOST_CELLS = 20_000_000
 """Of the maps that are kept."""
+
+_MOST_SIMULATORS = 2
+"""That are kept for a place."""
 
 _REPEATABLE = ("kinematic", "mujoco")
 """Backends that `reset` puts back bit for bit, so that one simulator serves many episodes."""
@@ -50,16 +54,20 @@ class KeptPlace:
         """A simulator for a scenario here: one that ran before where that makes no difference."""
         backend = scenario.backend
         key = json.dumps([backend.name, backend.options], sort_keys=True)
-        if key in self._simulators:
-            return self._simulators[key]
-        made = simulate(self.place.world, self.place.robot, backend=backend.name, **backend.options)
+        made = self._simulators.pop(key, None)
+        if made is None:
+            made = simulate(self.place.world, self.place.robot, backend=backend.name, **backend.options)
         if backend.name in _REPEATABLE:
             self._simulators[key] = made
-        return made
+            if len(self._simulators) > _MOST_SIMULATORS:
+                self._simulators.pop(next(iter(self._simulators))).close()
+        return made if scenario.actuation is None else scenario.actuation.simulate(made)
 
-    def keeps(self, simulator: Simulator) -> bool:
-        """Whether a simulator stays for the next episode."""
-        return any(simulator is kept for kept in self._simulators.values())
+    def release(self, simulator: Simulator) -> None:
+        """Close a simulator that does not serve another episode."""
+        inner = simulator.inner if isinstance(simulator, ActuatedSimulator) else simulator
+        if not any(inner is kept for kept in self._simulators.values()):
+            simulator.close()
 
     def close(self) -> None:
         """Close the simulators."""

@@ -47,7 +47,7 @@ def check_suite(suite: Suite) -> None:
         if smoother is not None:
             create_smoother(smoother.name, **smoother.options)
     expansion.check_identities()
-    expansion.spec(0)
+    expansion.check_settings()
 
 
 def _check_world_options(world: SuiteWorld) -> None:

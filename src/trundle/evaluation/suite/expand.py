@@ -22,6 +22,7 @@ from trundle.mission import Scenario
 if TYPE_CHECKING:
     from trundle.evaluation.suite.suite import Suite
 
+_MOST_CHECKED = 1000
 _ROLES = ("planner", "controller", "backend")
 
 
@@ -152,6 +153,15 @@ class Expansion:
         _refuse_twice("backend", self.backends, digests[3])
         for name, values in self._settings.items():
             _refuse_twice(name, [_text(value) for value in values], [digest(value) for value in values])
+
+    def check_settings(self) -> None:
+        """Refuse settings that do not go together, and what a backend cannot vary: of the first mission, all cases.
+
+        Raises:
+            InputError: If there are any.
+        """
+        for index in range(min(self._cases, _MOST_CHECKED)):
+            self.spec(index).scenario.check_unknown_cost()
 
     # Numbers --------------------------------------------------------------------------------------------------------
 

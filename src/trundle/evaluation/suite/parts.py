@@ -24,6 +24,21 @@ from trundle.worlds.world import WORLDS
 _MAP_SUFFIXES = (".yaml", ".yml", ".map")
 
 
+def as_items(given: object) -> object:
+    """Take a single value as a list of one; a generator or a set as a list."""
+    if isinstance(given, list | tuple | range | set | frozenset):
+        return cast("object", tuple(cast("Any", given)))
+    return (given,)
+
+
+def read_items(given: object) -> object:
+    """Take a single value as a list of one, and refuse an empty list."""
+    items = as_items(given)
+    if items == ():
+        raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
+    return items
+
+
 class ListedMission(Config):
     """A mission by its start and goal.
 
@@ -59,7 +74,7 @@ class Missions(Config):
     seeds: Seeds = 1
     ends: Literal["roomy", "tight"] = "roomy"
     min_distance: NotNegative = MIN_DISTANCE
-    listed: Annotated[tuple[ListedMission, ...], Field(min_length=1)] | None = None
+    listed: Annotated[tuple[ListedMission, ...], BeforeValidator(read_items)] | None = None
 
     @property
     def count(self) -> int:
@@ -214,10 +229,3 @@ class Limits(Config):
     time_limit_s: Positive | None = None
     wall_s: Positive = 300.0
     memory_mb: Positive = 2000.0
-
-
-def as_items(given: object) -> object:
-    """Take a single value as a list of one; a generator or a set as a list."""
-    if isinstance(given, list | tuple | range | set | frozenset):
-        return cast("object", tuple(cast("Any", given)))
-    return (given,)

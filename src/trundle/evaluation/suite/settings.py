@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, create_model
-from pydantic_core import PydanticCustomError
 
 from trundle.costmap import CostmapSettings
-from trundle.evaluation.suite.parts import as_items
+from trundle.evaluation.suite.parts import read_items
 from trundle.files.field_docs import describe_fields
 from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
@@ -20,14 +19,6 @@ CROSSED = tuple(
     if name != "planning_deadline_s"
 )
 """Settings of a scenario that a suite may cross."""
-
-
-def read_items(given: object) -> object:
-    """Take a single value as a list of one, and refuse an empty list."""
-    items = as_items(given)
-    if items == ():
-        raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
-    return items
 
 
 def _field(name: str) -> tuple[Any, Any]:

@@ -12,10 +12,10 @@ import yaml
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from trundle.errors import InputError, UnknownNameError
-from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField
+from trundle.errors import UnknownNameError
+from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
 from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
-from trundle.evaluation.suite.settings import CROSSED, CrossedSettings, read_items
+from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
 from trundle.evaluation.suite.vary import Vary
 from trundle.files.choice import shorten
 from trundle.files.field_docs import describe_fields
@@ -94,9 +94,8 @@ class Suite(CrossedSettings):
             settings["worlds"] = worlds
         if "seeds" in settings:
             missions = settings.get("missions", {})
-            if not isinstance(missions, dict):
-                raise InputError("seeds: give either seeds or missions; missions may have seeds: {seeds: 0:500}")
-            settings["missions"] = {**missions, "seeds": settings.pop("seeds")}
+            rest = missions if isinstance(missions, dict) else {"listed": missions}
+            settings["missions"] = {**rest, "seeds": settings.pop("seeds")}
         return build(settings, cls)
 
     @classmethod

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from trundle.errors import InputError
 from trundle.files.yaml_config import Config
+from trundle.geometry import Pose2D, wrap_angle
 from trundle.mission import Scenario
+from trundle.sim.actuation import Actuation
 
 
 class Distribution(Config):
@@ -70,17 +72,28 @@ class StartPose(Config):
     yaw: Varied = 0.0
 
 
+_RANGES = {
+    "friction": (0.05, 5.0),
+    "mass": (0.1, 10.0),
+    "wheel_radius": (0.5, 2.0),
+    "track": (0.5, 2.0),
+    "latency_s": (0.0, 2.0),
+}
+"""What can be simulated; see `Actuation` and `MujocoSimulator`."""
+
+
 class Vary(Config):
-    """What differs between what the robot was designed for and what it drives with; drawn by the mission's seed.
+    """What differs between what the robot's software believes and what it drives with; drawn by the mission's seed.
 
     Each is a fixed number, `{uniform: [lowest, highest]}` or `{normal: [mean, standard deviation]}`.
 
     Attributes:
-        friction: Sliding friction between wheels and floor.
-        mass: True mass of the chassis over the one that the robot's description has.
-        wheel_radius: True radius of the drive wheels over the one that the robot's description has.
-        track: True track width over the one that the robot's description has.
-        latency_s: Time [s] from a command until the robot acts on it.
+        friction: Friction between the robot and everything else, relative to rubber on concrete, 0.05 to 5; needs the
+            backend mujoco.
+        mass: True mass of the robot over the one that its servos are tuned for, 0.1 to 10; needs the backend mujoco.
+        wheel_radius: True wheel radius over the believed one, 0.5 to 2.
+        track: True distance between the wheels over the believed one, 0.5 to 2.
+        latency_s: Time [s] from a command until the wheels receive it, 0 to 2.
         start_pose: How far the robot stands from the start of its mission.
     """
 
@@ -91,20 +104,16 @@ class Vary(Config):
     latency_s: Varied | None = None
     start_pose: StartPose | None = None
 
-    @field_validator("friction", "mass", "wheel_radius", "track")
+    @field_validator(*_RANGES)
     @classmethod
-    def _check_positive(cls, value: Varied | None) -> Varied | None:
-        low = _lowest(value)
-        if low is not None and low <= 0.0:
-            raise ValueError(f"must stay above 0, and would reach {low:.3g}")
-        return value
-
-    @field_validator("latency_s")
-    @classmethod
-    def _check_not_negative(cls, value: Varied | None) -> Varied | None:
-        low = _lowest(value)
-        if low is not None and low < 0.0:
-            raise ValueError(f"must stay at 0 or more, and would reach {low:.3g}")
+    def _check_range(cls, value: Varied | None, info: ValidationInfo) -> Varied | None:
+        if value is None:
+            return None
+        least, most = _RANGES[str(info.field_name)]
+        low, high = value.support if isinstance(value, Distribution) else (value, value)
+        if low < least or high > most:
+            reach = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+            raise ValueError(f"{reach} is out of range: it must stay within {least:g} and {most:g}")
         return value
 
     def names(self) -> tuple[str, ...]:
@@ -128,29 +137,37 @@ class Vary(Config):
         return [(name, value) for name, value in parts if value != 0.0]
 
 
-def _lowest(value: Varied | None) -> float | None:
-    return value.support[0] if isinstance(value, Distribution) else value
-
-
 def draw(value: Varied, rng: np.random.Generator) -> float:
     """A fixed number itself, or one drawn."""
     return value.draw(rng) if isinstance(value, Distribution) else float(value)
 
 
-APPLIED: Mapping[str, Callable[[Scenario, float], Scenario]] = {}
-"""How a drawn value becomes part of a scenario, by name."""
+_OPTIONS = ("friction", "mass")
+"""Options of the backend mujoco."""
+
+_ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width", "latency_s": "latency_s"}
 
 
 def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
-    """Put drawn values into a scenario.
+    """Put drawn values into a scenario; those of the start pose are for `move_start`.
 
     Raises:
-        InputError: If a scenario cannot express one of them.
+        InputError: If the scenario's backend cannot simulate one of them.
     """
-    for name, value in drawn.items():
-        if name not in APPLIED:
+    options = {name: drawn[name] for name in _OPTIONS if name in drawn}
+    actuation = {field: drawn[name] for name, field in _ACTUATION.items() if name in drawn}
+    backend = scenario.backend
+    if options:
+        if backend.name != "mujoco":
             raise InputError(
-                f"vary: {name} cannot be varied by this version; there are: {', '.join(APPLIED) or 'none'}"
+                f"vary: {', '.join(options)} can only be varied with the backend mujoco, not {backend.name}"
             )
-        scenario = APPLIED[name](scenario, value)
-    return scenario
+        backend = backend.model_copy(update={"options": {**backend.options, **options}})
+    update = {"backend": backend, "actuation": Actuation(**actuation) if actuation else scenario.actuation}
+    return scenario.model_copy(update=update)
+
+
+def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:
+    """Where the robot really stands."""
+    x, y, yaw = (drawn.get(f"start_pose.{axis}", 0.0) for axis in ("x", "y", "yaw"))
+    return Pose2D(start.x + x, start.y + y, wrap_angle(start.yaw + yaw)) if x or y or yaw else start

@@ -1,0 +1,262 @@
+"""`EpisodeTask`: one episode of a suite, from its number to its row."""
+
+from __future__ import annotations
+
+import hashlib
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from trundle.costmap import CostmapSettings
+from trundle.errors import InputError, PlanningError
+from trundle.evaluation.episode.places import KeptPlace, Places
+from trundle.evaluation.episode.trail import simplify
+from trundle.evaluation.row import Row
+from trundle.evaluation.suite import EpisodeSpec, Suite
+from trundle.evaluation.suite.identity import mission_hash
+from trundle.evaluation.suite.vary import move_start
+from trundle.geometry import Goal, Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
+from trundle.mission.loop import run_measured
+from trundle.mission.place import place_key
+from trundle.mission.truth import Truth, measure_truth
+
+Note = Callable[[Mapping[str, Any]], None]
+"""Takes what is known of an episode so far, so that something is known of one that does not end."""
+
+
+def _ignore(_: Mapping[str, Any]) -> None:
+    pass
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Mission:
+    """An episode whose start and goal are known; `start` is where the robot really stands."""
+
+    scenario: Scenario
+    kept: KeptPlace
+    start: Pose2D
+    goals: tuple[Goal, ...]
+    hash: str
+
+
+@dataclass(slots=True, eq=False)
+class _Measured:
+    """Measures a run on the maps of its place, and keeps what it found."""
+
+    kept: KeptPlace
+    truth: Truth | None = field(default=None)
+
+    def __call__(self, *arguments: Any, **named: Any) -> Truth:
+        self.truth = measure_truth(*arguments, **named, true_maps=self.kept.true_maps)
+        return self.truth
+
+
+class EpisodeTask:
+    """Runs episodes of a suite by number. What it keeps from one to the next changes nothing in a row.
+
+    It can be pickled, for worker processes: by cloudpickle where the suite has Python objects of a notebook.
+
+    Args:
+        suite: The suite.
+
+    Attributes:
+        suite: The same.
+    """
+
+    def __init__(self, suite: Suite) -> None:
+        self.suite = suite
+        self._places = Places()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"suite": self.suite}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.suite = state["suite"]
+        self._places = Places()
+
+    def setup(self) -> None:
+        """Prepare a worker process; places are made when an episode needs them."""
+
+    def __call__(self, index: int, note: Note = _ignore) -> Row:
+        """Run one episode.
+
+        Args:
+            index: Its number.
+            note: Takes the stage ("setup" with the part that is being made, then "drive") and the columns of the row
+                that are known.
+
+        Raises:
+            InputError: If it cannot be prepared: no world, no start, an option that cannot be used.
+        """
+        wall, cpu = clock.perf_counter(), clock.process_time()
+        spec = self.suite.spec(index)
+        known = _facts(spec)
+        note({"stage": "setup", "part": _part(spec), "row": known})
+        mission = self._find_mission(spec)
+        known |= _ends(mission)
+        episode, truth = self._drive(spec, mission, known, note)
+        result = _no_episode(known, episode) if isinstance(episode, PlanningError) else _result(episode, truth)
+        times = {"wall_s": clock.perf_counter() - wall, "cpu_s": clock.process_time() - cpu}
+        return Row(**{**known, **result, **times})
+
+    def scenario_of(self, index: int) -> Scenario:
+        """The exact scenario of an episode, with its start and goal: it drives the same when it is run alone.
+
+        Raises:
+            InputError: If it cannot be prepared, or its planner is a Python object, which a scenario cannot name.
+        """
+        spec = self.suite.spec(index)
+        if spec.plugin.is_python:
+            raise InputError(
+                f"episode {spec.id} was planned by the Python object {spec.planner!r}, which a scenario cannot name: "
+                "run it again in Python, with EpisodeTask(suite)(index)"
+            )
+        return self._find_mission(spec).scenario
+
+    def grid_of(self, index: int) -> OccupancyGrid:
+        """The map of the place of an episode.
+
+        Raises:
+            InputError: If it cannot be made.
+        """
+        return self._place(self.suite.spec(index)).place.grid
+
+    # Parts of an episode --------------------------------------------------------------------------------------------
+
+    def _place(self, spec: EpisodeSpec) -> KeptPlace:
+        return self._places.get(spec.scenario)
+
+    def _find_mission(self, spec: EpisodeSpec) -> _Mission:
+        kept, scenario = self._place(spec), spec.scenario
+        if spec.listed is None:
+            costmap = kept.sampling_costmap()
+            if spec.missions.ends == "tight":
+                start, goal = sample_tight_ends(costmap, spec.seed)
+            else:
+                start, goal = sample_mission(costmap, spec.seed, min_distance=spec.missions.min_distance)
+            goals = (Goal.of(goal),)
+        else:
+            start = Pose2D.of(spec.listed.start)
+            goals = tuple(Goal.of(goal) for goal in spec.listed.goals or (spec.listed.goal or (),))
+        stands = move_start(start, spec.vary)
+        # A scenario with a start would look for the floor there.
+        is_file = scenario.world is not None and scenario.world.is_file
+        exact = scenario.model_copy(
+            update={
+                "floor_z": kept.place.floor_z if is_file else scenario.floor_z,
+                "start": stands.as_tuple(),
+                "goal": goals[0] if len(goals) == 1 else None,
+                "goals": goals if len(goals) > 1 else None,
+            }
+        )
+        return _Mission(exact, kept, stands, goals, mission_hash(spec.content, start, goals, spec.seed))
+
+    def _drive(
+        self, spec: EpisodeSpec, mission: _Mission, known: dict[str, Any], note: Note
+    ) -> tuple[Episode | PlanningError, Truth | None]:
+        scenario, kept = mission.scenario, mission.kept
+        note({"stage": "setup", "part": f"planner {spec.planner}, controller {spec.controller}", "row": known})
+        costmap = kept.costmap(scenario.part(CostmapSettings))
+        setting = scenario.prepare(kept.place, costmap=costmap, planner=spec.plugin.planner())
+        note({"stage": "setup", "part": f"backend {spec.backend} in {_part(spec)}", "row": known})
+        sim = kept.simulator(scenario)
+        note({"stage": "drive", "row": known})
+        measure = _Measured(kept)
+        try:
+            episode = run_measured(
+                sim,
+                setting.navigator,
+                mission.start,
+                mission.goals,
+                time_limit_s=scenario.time_limit_s,
+                seed=scenario.seed,
+                name=scenario.title,
+                measure=measure,
+            )
+        except PlanningError as error:  # the robot cannot stand at an end of the mission
+            return error, None
+        finally:
+            kept.release(sim)
+        return episode, measure.truth
+
+
+def _part(spec: EpisodeSpec) -> str:
+    """The place of an episode, in words: of generated worlds that each seed has its own of, with the seed."""
+    choice = spec.scenario.world
+    seeded = choice is not None and not choice.is_file and choice.seed is None
+    return f"world {spec.world}, robot {spec.robot}" + (f", seed {spec.seed}" if seeded else "")
+
+
+def _facts(spec: EpisodeSpec) -> dict[str, Any]:
+    """Columns that are known before anything is made."""
+    return {
+        "id": spec.id,
+        "mission": "",
+        "index": spec.index,
+        "world": spec.world,
+        "robot": spec.robot,
+        "planner": spec.planner,
+        "controller": spec.controller,
+        "backend": spec.backend,
+        "seed": spec.seed,
+        "settings": spec.settings,
+        "vary": dict(spec.vary) or None,
+        "place": hashlib.sha256(place_key(spec.scenario).encode()).hexdigest()[:8],
+    }
+
+
+def _ends(mission: _Mission) -> dict[str, Any]:
+    """Columns of the mission."""
+    goal = mission.goals[-1]
+    return {
+        "mission": mission.hash,
+        **dict(zip(("start_x", "start_y", "start_yaw"), mission.start.as_tuple(), strict=True)),
+        "goal_x": goal[0],
+        "goal_y": goal[1],
+        "goal_yaw": None if goal.yaw_free else goal[2],
+    }
+
+
+def _no_episode(known: Mapping[str, Any], error: PlanningError) -> dict[str, Any]:
+    """Columns of an episode that ended before it began."""
+    return {
+        "outcome": Outcome.NO_PATH.value,
+        "message": str(error),
+        "time_s": 0.0,
+        "distance_m": 0.0,
+        "contacts": 0,
+        "replans": 0,
+        **{f"end_{axis}": known[f"start_{axis}"] for axis in ("x", "y", "yaw")},
+    }
+
+
+def _result(episode: Episode, truth: Truth | None) -> dict[str, Any]:
+    """Columns of an episode that was driven."""
+    metrics, trajectory = episode.metrics, episode.trajectory
+    end = dict(zip(("end_x", "end_y", "end_yaw"), trajectory.poses[-1].tolist(), strict=True))
+    closest = {}
+    if truth is not None and truth.closest is not None:
+        at = truth.closest
+        closest = {"closest_x": float(trajectory.x[at]), "closest_y": float(trajectory.y[at])}
+    return {
+        "outcome": episode.outcome.value,
+        "message": episode.message,
+        "time_s": metrics.time_s,
+        "distance_m": metrics.distance_m,
+        "spl": metrics.spl,
+        "min_clearance_m": metrics.min_clearance_m,
+        "contacts": len(metrics.contacts),
+        "replans": metrics.replans,
+        "path_length_m": metrics.path_length_m,
+        "shortest_path_m": metrics.shortest_path_m,
+        "max_cross_track_error_m": metrics.max_cross_track_error_m,
+        "smoothness_rad_per_m": metrics.smoothness_rad_per_m,
+        "touched": ",".join(metrics.contacts),
+        **end,
+        **closest,
+        "trail": simplify(trajectory.poses[:, :2]),
+        "planning_ms": metrics.planning_ms,
+    }
