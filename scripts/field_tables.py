@@ -1,4 +1,4 @@
-"""Write the tables of fields into docs/scenario.md and docs/robots.md, and the JSON Schemas into docs/schemas.
+"""Write the tables of fields into docs/scenario.md, robots.md and evaluation.md, and the JSON Schemas into docs/schemas.
 
 python scripts/field_tables.py
 """
@@ -9,6 +9,7 @@ import json
 import re
 from pathlib import Path
 
+from trundle.evaluation.suite import Suite
 from trundle.files.field_docs import fields_table, json_schema, models_in
 from trundle.mission import Scenario
 from trundle.robots import Robot
@@ -20,12 +21,16 @@ _TABLE = re.compile(r"(<!-- fields: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 def contents() -> dict[Path, str]:
     """What each file should hold."""
-    schemas = {"scenario": json_schema(Scenario, "trundle scenario"), "robot": robot_schema()}
+    schemas = {
+        "scenario": json_schema(Scenario, "trundle scenario"),
+        "robot": robot_schema(),
+        "suite": json_schema(Suite, "trundle suite"),
+    }
     files = {
         DOCS / "schemas" / f"{name}.schema.json": json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         for name, schema in schemas.items()
     }
-    for page, model in (("scenario.md", Scenario), ("robots.md", Robot)):
+    for page, model in (("scenario.md", Scenario), ("robots.md", Robot), ("evaluation.md", Suite)):
         kinds = {kind.__name__: kind for kind in models_in(model)}
         text = (DOCS / page).read_text(encoding="utf-8")
         tables = {name: fields_table(kind) for name, kind in kinds.items()}

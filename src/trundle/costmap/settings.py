@@ -47,7 +47,7 @@ class CostmapSettings(Config):
         Raises:
             InputError: If `unknown_cost` is given and unknown cells are not costly.
         """
-        self.check_unknown_cost()
+        check_unknown_cost(self)
         return Costmap.from_grid(
             grid,
             footprint,
@@ -58,11 +58,12 @@ class CostmapSettings(Config):
             unknown_cost=DEFAULT_UNKNOWN_COST if self.unknown_cost is None else self.unknown_cost,
         )
 
-    def check_unknown_cost(self) -> None:
-        """Check that a cost of unknown cells comes with unknown cells that are costly.
 
-        Raises:
-            InputError: If it does not.
-        """
-        if self.unknown_cost is not None and self.unknown != "costly":
-            raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')
+def check_unknown_cost(settings: CostmapSettings) -> None:
+    """Check that a cost of unknown cells comes with unknown cells that are costly.
+
+    Raises:
+        InputError: If it does not.
+    """
+    if settings.unknown_cost is not None and settings.unknown != "costly":
+        raise InputError('unknown_cost is what unknown cells cost where unknown="costly": give both, or none')

@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import json
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
-from typing import Any
+from typing import Any, cast
 
 import yaml
 from docstring_parser import parse_from_object
@@ -92,6 +92,8 @@ def _plain(value: object) -> Any:
     if isinstance(value, BaseModel):
         shown = value.model_dump(mode="json", exclude_defaults=True)
         return shown["name"] if set(shown) == {"name"} else shown
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in cast("Sequence[object]", value)]
     return json.loads(json.dumps(value))
 
 

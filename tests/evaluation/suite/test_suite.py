@@ -6,6 +6,7 @@ import pytest
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite import Suite, suite_names
 from trundle.files.choice import Choice
+from trundle.planning import create_planner
 
 
 def write(folder, text, name="suite.yaml"):
@@ -210,6 +211,7 @@ def test_what_cannot_plan_is_refused(planner):
 
 
 def test_a_class_is_named_by_module_and_class():
-    suite = Suite.make(worlds="warehouse", planners="trundle.planning.astar:AStarPlanner", seeds=1)
+    made = create_planner("astar")
+    suite = Suite.make(worlds="warehouse", planners=f"{type(made).__module__}:{type(made).__name__}", seeds=1)
     suite.check()
     assert suite.spec(0).planner == "AStarPlanner"

@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trundle.costmap.settings import check_unknown_cost
 from trundle.errors import InputError
 from trundle.evaluation.suite.identity import digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
@@ -161,7 +162,7 @@ class Expansion:
             InputError: If there are any.
         """
         for index in range(min(self._cases, _MOST_CHECKED)):
-            self.spec(index).scenario.check_unknown_cost()
+            check_unknown_cost(self.spec(index).scenario)
 
     # Numbers --------------------------------------------------------------------------------------------------------
 
