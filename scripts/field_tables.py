@@ -1,4 +1,4 @@
-"""Write the tables of fields into docs/scenario.md, robots.md and evaluation.md, and the JSON Schemas into docs/schemas.
+"""Write the tables of fields into scenario.md, robots.md and evaluation.md of docs, and the JSON Schemas.
 
 python scripts/field_tables.py
 """
