@@ -59,6 +59,13 @@ class Ask(Echo):
 
         return json.loads("{")
 
+    def do_raise_unspeakable(self, note):
+        class UnspeakableError(Exception):
+            def __str__(self):
+                raise RuntimeError("planted")
+
+        raise UnspeakableError
+
     def do_interrupt(self, note):
         raise KeyboardInterrupt
 

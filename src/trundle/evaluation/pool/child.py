@@ -83,7 +83,11 @@ class _Server:
         request = json.loads(content)
         number = request["worker"]
         if request["do"] == "start":
-            pid = os.fork()
+            try:
+                pid = os.fork()
+            except OSError as error:
+                self._say(failed=f"{error.strerror or error}; give the pool fewer workers")
+                return True
             if pid == 0:
                 signal.set_wakeup_fd(-1)
                 for descriptor in wake:

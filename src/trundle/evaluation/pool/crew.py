@@ -14,6 +14,7 @@ from typing import Any
 
 from trundle.evaluation.pool.handle import Handle, State
 from trundle.evaluation.pool.launch import ForkServer, Launcher, LauncherGoneError, Spawner, WorkerEnds
+from trundle.evaluation.pool.outcome import PoolSetupError
 from trundle.evaluation.pool.worker import DUMP_SIGNAL
 
 _ASK_S = 0.25
@@ -83,10 +84,18 @@ class Crew:
             PoolSetupError: If no process can be started.
         """
         launcher = self._launcher or self._launch()
-        sock, their_sock = socket.socketpair()
-        output, their_output = os.pipe()
-        dump, their_dump = os.pipe()
         self._count += 1
+        pipes: list[int] = []
+        try:
+            pipes += os.pipe()
+            pipes += os.pipe()
+            sock, their_sock = socket.socketpair()
+        except OSError as error:
+            for number in pipes:
+                os.close(number)
+            reason = f"{error.strerror}, after {len(self.handles)} of them; give the pool fewer workers"
+            raise PoolSetupError(f"the workers cannot be started: {reason}") from error
+        output, their_output, dump, their_dump = pipes
         handle = Handle(self._count, sock, output, dump)
         self.handles[handle.number] = handle
         for number, what in ((sock.fileno(), "message"), (output, "output"), (dump, "dump")):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import os
 import pickle
@@ -9,11 +10,14 @@ import socket
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from trundle.errors import InputError
 from trundle.evaluation.pool import framing
 
 _TAIL_BYTES = 4096
 _DUMP_BYTES = 1 << 18
 _CHUNK = 1 << 16
+_MOST_JOB_BYTES = 4000
+"""Less than any socket keeps, so that sending never waits."""
 
 
 class State(enum.Enum):
@@ -68,22 +72,19 @@ class Handle:
         """Send it a job; it must have none.
 
         Raises:
-            Exception: If the job cannot be pickled.
+            InputError: If the job is too large.
         """
         content = framing.pack(framing.JOB, pickle.dumps(job))
+        if len(content) > _MOST_JOB_BYTES:
+            raise InputError(
+                f"a job takes {len(content):,} bytes when it is pickled; it may take {_MOST_JOB_BYTES:,}: put what is "
+                "large into the task"
+            )
         if self.tail:
             self.read_output()
         self._note, self.tail, self.dumped = None, b"", b""
-        try:
-            sent = self.sock.send(content)
-            while sent < len(content):  # a job larger than the socket's buffer
-                self.sock.settimeout(60.0)
-                self.sock.sendall(content[sent:])
-                sent = len(content)
-        except OSError:
-            pass  # it has ended, as will be found
-        finally:
-            self.sock.setblocking(False)
+        with contextlib.suppress(OSError):  # it has ended, as will be found
+            self.sock.sendall(content)
 
     def receive(self) -> tuple[list[tuple[bytes, bytes]], int | None]:
         """Read some bytes. Of notes the last is kept.
@@ -101,8 +102,13 @@ class Handle:
         return messages, size
 
     def noted(self) -> Mapping[str, Any] | None:
-        """The last note."""
-        return None if self._note is None else pickle.loads(self._note)
+        """The last note; None also if it cannot be read here."""
+        if self._note is None:
+            return None
+        try:
+            return pickle.loads(self._note)
+        except Exception:  # noqa: BLE001 - classes may refuse in any way
+            return None
 
     def read_output(self) -> bool:
         """Keep the end of what it has printed; False at the end of the stream."""

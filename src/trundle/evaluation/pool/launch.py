@@ -19,6 +19,7 @@ from typing import IO, Any, Protocol
 
 from trundle.evaluation.pool import child as code
 from trundle.evaluation.pool.outcome import PoolSetupError
+from trundle.evaluation.pool.words import describe_status
 
 logger = logging.getLogger(__name__)
 
@@ -263,17 +264,6 @@ class Spawner:
             process.wait()
             _close_input(process)
         self._workers.clear()
-
-
-def describe_status(status: int) -> str:
-    """An exit code in words."""
-    if status >= 0:
-        return f"status {status}"
-    try:
-        name = signal.Signals(-status).name
-    except ValueError:
-        return f"signal {-status}"
-    return f"{name} ({(signal.strsignal(-status) or name).lower()})"
 
 
 def _popen(

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 
+from trundle.evaluation.pool.words import describe_error
+
 HAS_LIMIT = sys.platform == "linux"
 """Whether the system keeps RLIMIT_AS; elsewhere the pool watches resident memory."""
 
@@ -44,9 +46,7 @@ def lifted_limit() -> Iterator[None]:
 
 def is_exhaustion(error: BaseException) -> bool:
     """Whether an exception, or what caused it, means that there was no memory left."""
-    return any(
-        isinstance(each, MemoryError) or says_exhausted(f"{type(each).__name__}: {each}") for each in _chain(error)
-    )
+    return any(isinstance(each, MemoryError) or says_exhausted(describe_error(each)) for each in _chain(error))
 
 
 def says_exhausted(text: str) -> bool:

@@ -22,7 +22,8 @@ _POOL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")  # noqa: PT
 
 def frames_of(trace: TracebackType | None) -> list[Frame]:
     """Frames of a traceback, the innermost first."""
-    return [(frame.filename, frame.lineno or 0, frame.name) for frame in reversed(traceback.extract_tb(trace))]
+    found = [(frame.f_code.co_filename, line, frame.f_code.co_name) for frame, line in traceback.walk_tb(trace)]
+    return found[::-1]
 
 
 def frames_of_dump(dump: str, main_thread: int) -> list[Frame]:

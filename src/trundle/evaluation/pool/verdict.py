@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from trundle.evaluation.pool import memory
-from trundle.evaluation.pool.launch import describe_status
 from trundle.evaluation.pool.outcome import Kind
 from trundle.evaluation.pool.places import describe_place, frames_of_dump
+from trundle.evaluation.pool.words import describe_status
 
 MOST_KILLS = 3
 """How often a job is repeated after somebody killed its worker: that is not the job's fault."""

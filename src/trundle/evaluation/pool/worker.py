@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from trundle.evaluation.pool import framing, memory
-from trundle.evaluation.pool.places import Frame, frames_of
+from trundle.evaluation.pool.places import frames_of
+from trundle.evaluation.pool.words import describe_error
 
 DUMP_SIGNAL = signal.SIGUSR1
 """Makes a worker write where its main thread is."""
@@ -61,7 +62,7 @@ def run_worker(sock: socket.socket, output: int, dump: int, start: WorkerStart) 
             task.setup()
         except BaseException as error:  # noqa: BLE001 - whatever it is, the pool is told
             with memory.lifted_limit():
-                _send(sock, framing.UNREADY, pickle.dumps((_describe(error), frames_of(error.__traceback__))))
+                _send(sock, framing.UNREADY, pickle.dumps((describe_error(error), frames_of(error.__traceback__))))
             os._exit(1)
         _Worker(sock, task, dump, start.ends_itself_s).work()
     except OSError:
@@ -90,6 +91,8 @@ class _Worker:
             self._do(pickle.loads(message[1]))
 
     def _do(self, job: Any) -> None:
+        if not faulthandler.is_enabled():  # a job before this one has disabled it
+            faulthandler.enable(file=self._dump, all_threads=True)
         if self._ends_itself_s is not None:
             faulthandler.dump_traceback_later(self._ends_itself_s + _SPARE_S, exit=True, file=self._dump)
         begin, cpu = time.perf_counter(), time.process_time()
@@ -123,7 +126,7 @@ class _Worker:
 
     def _pack_error(self, error: BaseException) -> bytes:
         exhausted, frames = memory.is_exhaustion(error), frames_of(error.__traceback__)
-        return framing.pack(framing.FAULT, pickle.dumps((exhausted, _describe(error), frames, self._is_worn())))
+        return framing.pack(framing.FAULT, pickle.dumps((exhausted, describe_error(error), frames, self._is_worn())))
 
     def _is_worn(self) -> bool:
         """Whether jobs have left so much behind that the worker should be replaced."""
@@ -149,11 +152,6 @@ def _pickle_result(value: Any) -> bytes:
 
 def _send(sock: socket.socket, kind: bytes, content: bytes) -> None:
     sock.sendall(framing.pack(kind, content))
-
-
-def _describe(error: BaseException) -> str:
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def _redirect(output: int) -> None:
@@ -204,6 +202,3 @@ def _count_children() -> int:
             return len(file.read().split())
     except OSError:
         return 0
-
-
-__all__ = ["DUMP_SIGNAL", "Frame", "WorkerStart", "run_worker"]
