@@ -149,7 +149,7 @@ class Gate:
         else:
             state, more = self._state(low, high), episodes_to_decide(n - successes, n, 1.0 - self.bound)
         end = low if self.sign == ">=" else high
-        measured = "no episode yet" if n == 0 else f"{write_share(share, n)} of {n} arrived"
+        measured = "no episode yet" if n == 0 else f"{write_share(share, n)} of {n:,} arrived"
         which = "low" if self.sign == ">=" else "high"
         text = f"{measured}; the {which} end of the 95 % interval is {write_share(end, n)}"
         return self._result(state, text, more)

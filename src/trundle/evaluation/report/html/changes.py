@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from trundle.evaluation.report.comparison_text import notes, write_difference, write_p, write_value
-from trundle.evaluation.report.html.charts import interval_bar
+from trundle.evaluation.report.html.charts import interval_bar, share_axis
 from trundle.evaluation.statistics.comparison import Comparison, PairComparison
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.intervals import CONFIDENCE, Interval, wilson
@@ -51,13 +51,13 @@ def _pair(pair: PairComparison, *, folded: bool) -> str:
         where = f' <span class="note">{remark}</span>' if remark else ""
         rows.append(
             f'<tr><th scope="row">{escape(change.figure.text)}{where}</th>'
-            f"<td>{write_value(change, change.first, pair.missions)}</td>"
-            f"<td>{write_value(change, change.second, pair.missions)}</td>"
-            f'<td><b>{difference}</b> <span class="ci">{interval}</span></td>'
-            f'<td class="text"><span class="{kind}">{word}</span></td></tr>'
+            f'<td data-name="{first}">{write_value(change, change.first, pair.missions)}</td>'
+            f'<td data-name="{second}">{write_value(change, change.second, pair.missions)}</td>'
+            f'<td data-name="difference"><b>{difference}</b> <span class="ci">{interval}</span></td>'
+            f'<td class="word"><span class="{kind}">{word}</span></td></tr>'
         )
     table = (
-        f'<div class="wide"><table><thead><tr><th>mean of</th><th>{first}</th><th>{second}</th>'
+        f'<div class="wide"><table class="stack"><thead><tr><th>mean of</th><th>{first}</th><th>{second}</th>'
         f'<th>difference, 95 % interval</th><th class="text">{second} is</th></tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div>"
     )
@@ -121,23 +121,22 @@ def _success_by_part(table: Table, name: str) -> str:
     edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, _PARTS + 1)))
     part = np.clip(np.searchsorted(edges, values[known], side="right") - 1, 0, len(edges) - 2)
     arrived = table.arrived[known]
+    parts = [(number, part == number) for number in range(len(edges) - 1)]
+    counts = [(number, int(arrived[inside].sum()), int(inside.sum())) for number, inside in parts if inside.any()]
+    intervals = [wilson(successes, n) for _, successes, n in counts]
+    axis, ends = share_axis([interval.low for interval in intervals])
     rows: list[str] = []
-    for number in range(len(edges) - 1):
-        inside = part == number
-        n, successes = int(inside.sum()), int(arrived[inside].sum())
-        if n == 0:
-            continue
-        interval = wilson(successes, n)
+    for (number, successes, n), interval in zip(counts, intervals, strict=True):
         share, low, high = (write_share(value, n) for value in (successes / n, *interval))
-        bar = interval_bar(successes / n, interval, (0.0, 1.0), text=f"{share}, {low} to {high}")
+        bar = interval_bar(successes / n, interval, axis, text=f"{share}, {low} to {high}")
         rows.append(
-            f"<tr><th scope='row'>{write_number(edges[number])} to {write_number(edges[number + 1])}</th>"
+            f'<tr><th scope="row">{write_number(edges[number])} to {write_number(edges[number + 1])}</th>'
             f'<td data-name="arrived">{successes:,} of {n:,}</td><td data-name="success">{share}</td>'
-            f'<td data-name="95 %">{low} to {high}</td><td class="mid">{bar}</td></tr>'
+            f'<td data-name="95 %">{low} to {high}</td><td class="mid" data-name="{ends}">{bar}</td></tr>'
         )
     title = escape(name)
     return (
         f'<h3>Success by {title}</h3><div class="wide"><table class="stack"><thead><tr><th>{title}</th>'
-        '<th>arrived</th><th>success</th><th>95 % interval</th><th class="mid">0 % to 100 %</th></tr></thead>'
+        f'<th>arrived</th><th>success</th><th>95 % interval</th><th class="mid">{ends}</th></tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div>"
     )

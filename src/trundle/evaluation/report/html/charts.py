@@ -41,6 +41,12 @@ def interval_bar(
     return f'<svg class="interval" viewBox="0 0 208 24" role="img" aria-label="{escape(text)}">{"".join(parts)}</svg>'
 
 
+def share_axis(lows: Sequence[float]) -> tuple[tuple[float, float], str]:
+    """An axis of shares that begins at a round number below all of these, and what it is called."""
+    least = max(0.0, math.floor(min(lows) * 20.0 - 0.2) / 20.0)
+    return (least, 1.0), f"{100.0 * least:.0f} % to 100 %"
+
+
 def outcome_bar(counts: Mapping[str, int]) -> str:
     """How episodes ended, as shares of a bar, in the given order."""
     total = sum(counts.values()) or 1
@@ -54,7 +60,8 @@ def outcome_bar(counts: Mapping[str, int]) -> str:
         parts.append(f'<rect class="c-{kind}" x="{min(left, 142.0):.1f}" width="{max(1.6, shown):.1f}" height="16"/>')
         left += wide
     text = ", ".join(f"{count} {outcome_text(outcome)}" for outcome, count in counts.items())
-    return f'<svg class="bar" viewBox="0 0 144 16" role="img" aria-label="{escape(text)}">{"".join(parts)}</svg>'
+    head = f'<svg class="bar" viewBox="0 0 144 16" preserveAspectRatio="none" role="img" aria-label="{escape(text)}">'
+    return f"{head}{''.join(parts)}</svg>"
 
 
 def distribution(series: Sequence[tuple[str, FloatArray]], unit: str) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 
-from trundle.evaluation.report.html.charts import interval_bar, outcome_bar
+from trundle.evaluation.report.html.charts import interval_bar, outcome_bar, share_axis
 from trundle.evaluation.report.html.marks import count_text
 from trundle.evaluation.report.summary import count_outcomes
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
@@ -86,9 +85,8 @@ def groups(table: Table, gates: Sequence[GateResult]) -> str:
         found = sorted(found, key=lambda entry: entry[1] / entry[2])[:_MOST_GROUPS]
     intervals = [wilson(successes, n) for _, successes, n in found]
     bound = next((Gate.parse(gate.gate).bound for gate in gates if gate.gate.startswith("success>=")), None)
-    least = min([interval.low for interval in intervals] + ([] if bound is None else [bound]))
-    axis = (max(0.0, math.floor(least * 20.0 - 0.2) / 20.0), 1.0)
-    ends = f"{100.0 * axis[0]:.0f} % to 100 %"
+    lows = [interval.low for interval in intervals] + ([] if bound is None else [bound])
+    axis, ends = share_axis(lows)
     rows: list[str] = []
     for (group, successes, n), interval in zip(found, intervals, strict=True):
         share, low, high = (write_share(value, n) for value in (successes / n, *interval))

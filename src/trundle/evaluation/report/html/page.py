@@ -47,10 +47,10 @@ def render_page(
             tiles(table),
             groups(table, gates),
             comparisons(compare_within(table, name)),
-            variations(table),
             map_definitions(places),
             world_maps(table, places),
             failure_cards(table, places, folder),
+            variations(table),
             distributions(table),
             extremes(table, folder),
         ]
@@ -66,6 +66,6 @@ def render_page(
         '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; img-src data:; '
         "style-src 'unsafe-inline'\">"
         f"<title>{escape(name)} – trundle evaluate</title><style>{STYLE}</style></head>\n<body>{definitions()}\n"
-        + "\n".join(part for part in body if part)
+        + "\n".join(part for part in body if part).replace(" %", "\u00a0%")
         + "\n</body></html>\n"
     )

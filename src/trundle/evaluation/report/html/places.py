@@ -147,8 +147,9 @@ def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
     more = "" if clusters <= len(numbers) else f" The {len(numbers)} largest of {clusters:,} clusters are shown."
     command = escape(f"trundle evaluate show {folder} --failed")
     return (
-        '<section><h2>Failures</h2><p class="note">Failures within 2 m of each other are one cluster, with one of its '
-        f"episodes as the example: ○ start, ◎ goal, and where it ended.{more} All of them: <code>{command}</code></p>"
+        '<section><h2>Failures</h2><p class="note">Failures within 2 m of each other are one cluster, with one of '
+        f"its episodes as the example: ○ start, ◎ goal, and ringed where it ended.{more} All of them: "
+        f"<code>{command}</code></p>"
         f'<div class="figures cards">{"".join(cards)}</div></section>'
     )
 
@@ -265,8 +266,9 @@ def _scale_bar(frame: Frame, width: float, height: float, scale: float = 1.0) ->
     length = max([step for step in _SCALE_STEPS if step * unit <= 0.3 * width] or [_SCALE_STEPS[0]])
     size = 22 if scale == 1.0 and width > 500.0 else 12
     y = height - 0.6 * size
+    bar = f"M{0.6 * size:.0f} {y:.0f}h{length * unit:.0f}"
     return (
-        f'<path class="scale" d="M{0.6 * size:.0f} {y:.0f}h{length * unit:.0f}"/>'
+        f'<path class="under" d="{bar}"/><path class="scale" d="{bar}"/>'
         f'<text class="scaletext" x="{0.6 * size:.0f}" y="{y - 0.35 * size:.0f}" font-size="{size}">{length:g} m</text>'
     )
 
@@ -279,7 +281,8 @@ def _variants(table: Table) -> list[str]:
 def _card(place: Place, cluster: Cluster, number: int, folder: str, variants: Sequence[str]) -> str:
     rows = [place.located[member] for member in cluster.members]
     title = f'<span class="no">{number}</span><b>{escape(place.title)}</b>'
-    near = f"near ({cluster.center[0]:.1f}, {cluster.center[1]:.1f})"
+    x, y = (round(number, 1) + 0.0 for number in cluster.center)
+    near = f"near ({x:.1f}, {y:.1f})"
     words = _words(rows, folder, variants)
     return f'<div class="card">{_thumbnail(place, rows)}<div><p>{title} {near}</p>{words}</div></div>'
 
@@ -348,6 +351,8 @@ def _thumbnail(place: Place, rows: Sequence[Row]) -> str:
     for row in rows[:_MOST_MARKS][::-1]:
         x, y = place_at(*(_failed_at(row) or (0.0, 0.0)))
         parts.append(f'<g transform="translate({x:.0f} {y:.0f}) scale(.7)">{_mark(kind_of(row.outcome), 0.0, 0.0)}</g>')
+    x, y = place_at(*(_failed_at(example) or (0.0, 0.0)))
+    parts.append(f'<circle class="ring" cx="{x:.0f}" cy="{y:.0f}" r="11"/>')
     parts.append(_scale_bar(frame, wide, high, scale))
     clearance = "" if example.min_clearance_m is None else f", closest {write_number(example.min_clearance_m)} m"
     text = f"{example.outcome} in {place.title}{clearance}"

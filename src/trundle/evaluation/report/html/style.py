@@ -37,7 +37,7 @@ table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums;font
 th,td{padding:.34rem .6rem;text-align:right;border-top:1px solid var(--line);vertical-align:middle}
 td{white-space:nowrap}td.text,table.stack td.text{white-space:normal}
 thead th{border-top:0;color:var(--faint);font-weight:600;font-size:.86rem;vertical-align:bottom}
-th:first-child,td:first-child,td.text,th.text{text-align:left}
+th:first-child,td:first-child,td.text,th.text,td.word{text-align:left}
 td.mid,th.mid{text-align:center}
 tbody th{font-weight:600;overflow-wrap:break-word}
 .ci{display:inline-block;min-width:10em;color:var(--faint)}
@@ -52,7 +52,7 @@ svg text{fill:var(--faint);font-family:inherit}
 .range{stroke:var(--accent);stroke-width:3}.dot{fill:var(--accent)}.zero{stroke:var(--faint);stroke-dasharray:3 3}
 .bound{stroke:var(--bad);stroke-width:1.6;stroke-dasharray:4 2}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr));gap:.9rem;margin:.7rem 0}
-.maps{grid-template-columns:repeat(auto-fit,minmax(min(100%,27rem),1fr))}
+.maps{align-items:start;grid-template-columns:repeat(auto-fit,minmax(min(100%,27rem),1fr))}
 .charts{grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr))}
 .cards{grid-template-columns:repeat(auto-fill,minmax(min(100%,20rem),1fr))}
 .maps svg{max-height:44rem}
@@ -65,7 +65,8 @@ figure b{font-size:.96rem}
 .halo{fill:none;stroke:var(--page);stroke-width:5;opacity:.75}
 .ring{fill:none;stroke:var(--ink);stroke-width:1.6}
 .number circle{fill:var(--ink)}.number text{fill:var(--page);font-weight:700;text-anchor:middle}
-.scale{stroke:var(--ink);stroke-width:2}.scaletext{fill:var(--ink)}
+.scale{stroke:var(--ink);stroke-width:2}.under{stroke:var(--page);stroke-width:5;opacity:.8}
+.scaletext{fill:var(--ink);stroke:var(--page);stroke-width:3;paint-order:stroke}
 .start{fill:#fff;stroke:var(--accent);stroke-width:3}.goal{fill:none;stroke:var(--good);stroke-width:3.5}
 .card{padding:0;overflow:hidden;display:flex;flex-direction:column}
 .card>div{padding:.6rem .8rem .75rem}
@@ -84,12 +85,13 @@ details code{display:inline-block;margin:.15rem 0}
 footer{margin-top:2.5rem;border-top:1px solid var(--line);padding-top:.6rem;color:var(--faint);font-size:.85rem}
 @media(max-width:40rem){body{padding:.8rem}th,td{padding:.3rem .25rem}
 table{font-size:.86rem}table.stack{font-size:.94rem}
-.ci{display:block;min-width:0}tbody .note{display:block}
+.ci{min-width:0}
 table.stack thead{display:none}table.stack tr{display:block;border-top:1px solid var(--line);padding:.45rem 0}
 table.stack th,table.stack td{display:block;border:0;padding:.1rem 0;text-align:left}
 table.stack td[data-name]::before{content:attr(data-name) " ";color:var(--faint);font-size:.86rem}
-table.stack td{white-space:normal}
-table.stack svg.interval,table.stack svg.bar{width:100%;height:auto}}
+table.stack td{white-space:normal;display:inline-block;margin-right:.9rem}
+table.stack td.mid,table.stack td.text{display:block;margin:0}
+table.stack svg.interval{width:100%;height:auto}table.stack svg.bar{width:100%;height:.8rem}}
 @media print{body{max-width:none;padding:0;font-size:9.5pt}h2,h3{break-after:avoid}
 .card,figure,tr,.tile{break-inside:avoid}.figures{grid-template-columns:1fr 1fr}
 *{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
