@@ -1,6 +1,7 @@
 # make demo   set up, then drive a robot across the built-in warehouse
 # make test   set up, then run the tests
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
+# make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
@@ -31,17 +32,21 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test test-wheels fuzz check docs build setup dev clean
+.PHONY: demo test test-wheels test-ray fuzz check docs build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
 
 test: dev
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel and not ray"
 
 # Builds wheels without the compiled files of this folder: minutes.
 test-wheels: dev
 	$(BIN)/python -m pytest -m wheel
+
+# Ray opens ports: its tests run in a network namespace with lo alone, and are skipped where there is none.
+test-ray: dev $(VENV)/.trundle-ray
+	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest -m ray tests/evaluation/cluster
 
 fuzz: dev
 	$(BIN)/python -m pytest -n 2 --explore --explore-seconds $(FUZZ_SECONDS)
@@ -70,6 +75,10 @@ $(VENV)/.trundle: Makefile scripts/requirements.py pyproject.toml constraints.tx
 
 $(VENV)/.trundle-dev: $(VENV)/.trundle
 	@$(INSTALL) $$($(BIN)/python scripts/requirements.py dev)
+	@touch $@
+
+$(VENV)/.trundle-ray: $(VENV)/.trundle-dev
+	@$(INSTALL) $$($(BIN)/python scripts/requirements.py ray)
 	@touch $@
 
 # NO_MKDOCS_2_WARNING: Material's advice to move to Zensical, which builds this site already.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
@@ -129,7 +130,7 @@ class Store:
                     path.rmdir()
             raise
 
-    def pending(self, ids: Iterable[str]) -> Iterable[int]:
+    def pending(self, ids: Iterable[str]) -> Sequence[int]:
         """The indices of the suite's episodes that have no row yet.
 
         Rows in the folder that are not of the suite stay there, and `Results` leaves them out.
@@ -143,7 +144,7 @@ class Store:
         self._select(keys)
         _, first = np.unique(keys, return_index=True)
         first.sort()
-        return (int(index) for index in first[~self.done.contains(keys[first])])
+        return array("q", first[~self.done.contains(keys[first])].astype(np.int64).tobytes())
 
     def append(self, row: Row) -> None:
         """Write a row; it survives this process as soon as this returns. A row of an id that is there is left out.

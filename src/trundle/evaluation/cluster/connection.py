@@ -1,0 +1,93 @@
+"""Connecting to a Ray cluster, or starting one on this machine."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import ModuleType
+
+from trundle.errors import InputError, MissingExtraError
+from trundle.evaluation.cluster.errors import ClusterError
+
+AUTO = "auto"
+_LOOPBACK = "127.0.0.1"
+_ADDRESS = re.compile(r"(?P<client>ray://)?(?P<host>\[[0-9a-fA-F:]+\]|[^:/\s]+):(?P<port>\d{1,5})")
+_REACH_S = 5.0
+
+
+@contextmanager
+def connect(address: str) -> Iterator[ModuleType]:
+    """Give Ray, connected to a cluster; disconnect afterwards, which ends what runs there for us.
+
+    A program that is connected already keeps its connection.
+
+    Args:
+        address: `host:port` of a cluster's head, from a machine of the cluster; `ray://host:port` from any other; or
+            `auto`, which starts a cluster on this machine that only this machine can reach.
+
+    Raises:
+        InputError: If the address is none.
+        ClusterError: If the cluster cannot be reached.
+        MissingExtraError: If Ray is not installed.
+    """
+    try:
+        import ray
+    except ImportError as error:
+        raise MissingExtraError("an evaluation on a cluster", "Ray", 'pip install "trundle[ray]"') from error
+    if ray.is_initialized():
+        yield ray
+        return
+    quiet = {"log_to_driver": False, "logging_level": "ERROR"}
+    if address == AUTO:
+        _start_here(ray, quiet)
+    else:
+        check_reachable(address)
+        try:
+            ray.init(address=address, **quiet)
+        except Exception as error:
+            reason = str(error).strip().splitlines() or [type(error).__name__]
+            raise ClusterError(f"cannot use the Ray cluster at {address}: {reason[0]}") from error
+    try:
+        yield ray
+    finally:
+        ray.shutdown()
+
+
+def check_reachable(address: str) -> None:
+    """Try whether somebody listens at an address.
+
+    Raises:
+        InputError: If the address is none.
+        ClusterError: If nobody does.
+    """
+    match = _ADDRESS.fullmatch(address)
+    if match is None:
+        raise InputError(
+            f"--ray {address!r} is no address: give auto, host:port (on a machine of the cluster) or ray://host:port"
+        )
+    try:
+        socket.create_connection((match["host"].strip("[]"), int(match["port"])), timeout=_REACH_S).close()
+    except (OSError, OverflowError) as error:
+        raise ClusterError(
+            f"cannot reach a Ray cluster at {address}: {error}; start one with `ray start --head`, which prints its "
+            "address, or give --ray auto to use this machine alone"
+        ) from error
+
+
+def _start_here(ray: ModuleType, quiet: dict[str, object]) -> None:
+    """Start a cluster that is bound to loopback: the address of a node comes from the environment."""
+    name = "RAY_NODE_IP_ADDRESS"
+    before = os.environ.get(name)
+    os.environ[name] = _LOOPBACK
+    try:
+        ray.init(address="local", include_dashboard=False, _node_ip_address=_LOOPBACK, **quiet)
+    except Exception as error:
+        raise ClusterError(f"cannot start Ray on this machine: {error}") from error
+    finally:
+        if before is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = before

@@ -1,0 +1,118 @@
+"""What runs on each node of a cluster: the local pool on shards, whose rows it writes as parts of its own."""
+
+from __future__ import annotations
+
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from trundle.errors import OutputError
+from trundle.evaluation.row import Row
+from trundle.evaluation.store.code import code_versions
+from trundle.evaluation.store.columns import encode_row
+from trundle.evaluation.store.layout import PARTS
+from trundle.evaluation.store.parts import connect, list_parts, write_part
+from trundle.evaluation.store.remote import RemoteFolder, is_remote
+
+
+class RowSource(Protocol):
+    """Runs episodes on one machine."""
+
+    def rows(self, indices: Iterable[int]) -> Iterator[Row]:
+        """Run these episodes of the suite, and give their rows as they end."""
+        ...
+
+    def close(self) -> None:
+        """End its processes."""
+        ...
+
+
+MakeSource = Callable[[int], RowSource]
+"""Makes a source with so many workers. It travels to the nodes by cloudpickle."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShardDone:
+    """What the driver learns of a shard: its rows are in a part.
+
+    Attributes:
+        episodes: How many it has.
+        outcomes: How many of them ended how.
+    """
+
+    episodes: int
+    outcomes: Mapping[str, int]
+
+
+class Node:
+    """Runs shards on one machine.
+
+    Args:
+        make_source: Makes what runs the episodes.
+        out: The folder of the evaluation, which all nodes share, or the URI of an object store.
+        tag: Of the parts that it writes; no other node has it.
+        workers: Processes of its pool.
+    """
+
+    def __init__(self, make_source: MakeSource, out: str, tag: str, workers: int) -> None:
+        self._make_source = make_source
+        self._out = out
+        self._tag = tag
+        self._workers = workers
+        self._source: RowSource | None = None
+        self._shards = 0
+
+    def start(self, token: str | None, packages: Sequence[str]) -> dict[str, str]:
+        """Check that it can write, and say with which code it runs.
+
+        Args:
+            token: A file that the driver wrote into the folder; None in an object store.
+            packages: Further packages whose versions are told.
+
+        Raises:
+            OutputError: If the folder is not the driver's.
+            MissingExtraError: If a library is not installed here.
+        """
+        connect("writing Parquet files").close()
+        if is_remote(self._out):
+            RemoteFolder(self._out)
+        elif token is not None and not (Path(self._out) / token).exists():
+            raise OutputError(
+                f"{self._out} is not the same folder here; give one that all machines of the cluster share, or an "
+                "object store (s3://bucket/folder)"
+            )
+        return code_versions(packages)
+
+    def run(self, indices: Sequence[int]) -> ShardDone:
+        """Run the episodes of a shard, and write their rows as one part.
+
+        Raises:
+            OutputError: If the part cannot be written.
+        """
+        if self._source is None:
+            self._source = self._make_source(self._workers)
+        outcomes: Counter[str] = Counter()
+        with tempfile.TemporaryDirectory(prefix="trundle-") as name:
+            lines = Path(name) / "rows.jsonl"
+            with lines.open("wb") as stream:
+                for row in self._source.rows(indices):
+                    stream.write(encode_row(row))
+                    outcomes[row.outcome] += 1
+            if outcomes:
+                self._write(lines, Path(name))
+        return ShardDone(outcomes.total(), dict(outcomes))
+
+    def _write(self, lines: Path, scratch: Path) -> None:
+        self._shards += 1
+        tag = f"-{self._tag}s{self._shards}"
+        with connect("writing Parquet files") as database:
+            if not is_remote(self._out):
+                write_part(database, lines, Path(self._out), tag)
+                return
+            (scratch / PARTS).mkdir()
+            write_part(database, lines, scratch, tag)
+        for part in list_parts(scratch):
+            RemoteFolder(self._out).put(part, f"{PARTS}/{part.name}")
