@@ -15,7 +15,11 @@ from typing import Any
 
 from trundle.evaluation.pool import Done, Pool
 
-PRELOAD = ("trundle.evaluation.episode",)
+PRELOAD = {
+    "kinematic": ("trundle.evaluation.episode",),
+    "mujoco": ("trundle.evaluation.episode", "trundle.sim.mujoco"),
+}
+"""What the server that workers are forked from imports, by backend."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +82,16 @@ def make_task(world: str | None, backend: str, episodes: int, seconds: float) ->
     return EpisodeTask(Suite.make(maps=[world], backends=backend, seeds=f"0:{episodes}"))
 
 
+def preload_of(task: Any) -> tuple[str, ...]:
+    """What workers for a task share."""
+    return () if isinstance(task, Burn) else PRELOAD[task.suite.backends[0].name]
+
+
 def run_pool(task: Any, jobs: int, workers: int) -> Cost:
     """Jobs in trundle's pool."""
 
-    preload = () if isinstance(task, Burn) else PRELOAD
-
     def times() -> Iterator[float]:
-        with Pool(task, workers=workers, deadline_s=600.0, memory_mb=4000.0, preload=preload) as pool:
+        with Pool(task, workers=workers, deadline_s=600.0, memory_mb=4000.0, preload=preload_of(task)) as pool:
             for outcome in pool.run(range(jobs)):
                 if not isinstance(outcome, Done):
                     raise SystemExit(f"job {outcome.job} failed: {outcome.text} {outcome.place or ''}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 
-from benchmarks.evaluation.pools import PRELOAD, descendants, make_task, private_mb
+from benchmarks.evaluation.pools import descendants, make_task, preload_of, private_mb
 from benchmarks.timing import print_table
 
 from trundle.evaluation.pool import Done, Pool
@@ -22,7 +22,7 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, default=20)
     options = parser.parse_args()
     task = make_task(options.map, options.backend, options.episodes, 0.0)
-    with Pool(task, workers=options.workers, deadline_s=600.0, memory_mb=None, preload=PRELOAD) as pool:
+    with Pool(task, workers=options.workers, deadline_s=600.0, memory_mb=None, preload=preload_of(task)) as pool:
         done = sum(isinstance(outcome, Done) for outcome in pool.run(range(options.episodes)))
         server, *workers = descendants(os.getpid())
         rows = [("driver", f"{private_mb(os.getpid()):.0f} MB"), ("server", f"{private_mb(server):.0f} MB")]
