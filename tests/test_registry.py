@@ -1,3 +1,5 @@
+import importlib.metadata
+
 import pytest
 
 from trundle.errors import InputError, UnknownNameError
@@ -43,3 +45,45 @@ def test_what_is_made_already_is_taken_if_it_can_do_what_is_asked_of_it():
             REGISTRY.take(other, "area")
     with pytest.raises(InputError, match="size: options need a shape given by name"):
         REGISTRY.take(shape, "area", size=2.0)
+
+
+def test_names_of_the_table_ask_for_no_entry_points(monkeypatch):
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: pytest.fail("asked for entry points"))
+    registry = Registry(
+        "shape", "trundle.nothing", {"box": "trundle.solids:Box"}, removed={"cube": "was renamed; use box"}
+    )
+    registry.load("box")
+    registry.check("box")
+    assert registry.removal("box") is None
+
+
+def test_checking_a_name_imports_nothing():
+    registry = Registry("shape", "trundle.nothing", {"broken": "trundle.no_such_module:Shape"})
+    registry.check("broken")
+    with pytest.raises(UnknownNameError, match="Did you mean 'broken'"):
+        registry.check("brokn")
+
+
+def test_a_class_is_taken_by_module_and_name():
+    from trundle.control import ProgressChecker
+
+    name = "trundle.control:ProgressChecker"
+    assert isinstance(REGISTRY.take(name, "reset", 0.5), ProgressChecker)
+    with pytest.raises(InputError, match=f"shape '{name}' has no option 'size'"):
+        REGISTRY.take(name, "reset", size=1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("trundle.solids:solids_bounds", r"is not a class with bounds\(…\), as a shape has"),
+        ("os:system", "is not a class"),
+        ("trundle.solids:Nothing", "cannot be imported"),
+        ("no_such_module:Shape", "cannot be imported"),
+        (":Shape", "cannot be imported"),
+        ("trundle.solids:", "cannot be imported"),
+    ],
+)
+def test_nothing_but_a_class_with_the_method_is_taken_by_module_and_name(name, message):
+    with pytest.raises(InputError, match=message):
+        REGISTRY.take(name, "bounds")

@@ -149,6 +149,7 @@ def test_labels_tell_equal_names_apart_by_their_options():
         ({"worlds": "gone.sdf"}, "cannot read gone.sdf"),
         ({"robots": "nova_cartr"}, "Did you mean 'nova_carter'"),
         ({"vary": {"friction": 0.5}}, "friction can only be varied with the backend mujoco, not kinematic"),
+        ({"require": "success[planner=astar]>=0.9"}, "unknown planner in a requirement of this suite 'astar'"),
         ({"unknown_cost": 10}, 'where unknown="costly"'),
     ],
 )

@@ -99,6 +99,8 @@ require: success>=0.99
         ("worlds: {name: map.yaml, seed: 1}\n", "seed is for generated worlds"),
         ("worlds: {name: hall.sdf, options: {a: {uniform: [1, 2]}}}\n", "option a is drawn"),
         ("worlds: warehouse\nplanners: [nowhere.to:Be]\n", "planner 'nowhere.to:Be' cannot be imported"),
+        ("worlds: warehouse\nrequire: [sucess>=0.9]\n", ":2:11: require.0: unknown figure in a requirement 'sucess'"),
+        ("worlds: warehouse\nrequire: success=0.9\n", ":2:10: require: cannot read the requirement 'success=0.9'"),
         ("worlds: warehouse\nplanners: [os:system]\n", "planner 'os:system' is not a class with plan"),
     ],
 )

@@ -6,7 +6,8 @@ import inspect
 from typing import TYPE_CHECKING, Any, cast
 
 from trundle.control import create_controller
-from trundle.errors import InputError
+from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.mission.choices import MapOptions
 from trundle.planning import create_planner, create_smoother
@@ -15,6 +16,7 @@ from trundle.worlds.options import check_options
 from trundle.worlds.world import WORLDS
 
 if TYPE_CHECKING:
+    from trundle.evaluation.suite.expand import Expansion
     from trundle.evaluation.suite.suite import Suite
 
 MOST_EPISODES = 10_000_000
@@ -46,8 +48,24 @@ def check_suite(suite: Suite) -> None:
     for smoother in suite.smoothers:
         if smoother is not None:
             create_smoother(smoother.name, **smoother.options)
+    for text in suite.require:
+        _check_requirement(Gate.parse(text), expansion)
     expansion.check_identities()
     expansion.check_settings()
+
+
+def _check_requirement(gate: Gate, expansion: Expansion) -> None:
+    """Refuse a requirement of a group that the suite does not have."""
+    labels = {
+        "world": expansion.worlds,
+        "robot": expansion.robots,
+        "planner": expansion.planners,
+        "controller": expansion.controllers,
+        "backend": expansion.backends,
+    }
+    for label, name in gate.labels.items():
+        if label in labels and name not in labels[label]:
+            raise UnknownNameError(f"{label} in a requirement of this suite", name, labels[label])
 
 
 def _check_world_options(world: SuiteWorld) -> None:

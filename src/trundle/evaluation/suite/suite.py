@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import yaml
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from trundle.errors import UnknownNameError
+from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
 from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
 from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
@@ -30,7 +31,12 @@ if TYPE_CHECKING:
     from trundle.evaluation.suite.expand import Expansion
     from trundle.evaluation.suite.spec import EpisodeSpec
 
-_ITEMS = BeforeValidator(read_items)
+
+def _some(kind: Any) -> BeforeValidator:
+    """Validate that a single value is taken as a list of one, and that a list is not empty."""
+    return BeforeValidator(read_items, json_schema_input_type=kind | list[kind])
+
+
 _SUFFIXES = (".yaml", ".yml")
 
 
@@ -42,6 +48,14 @@ def _refuse_deadline(_: object) -> None:
         "whole episode (limits: {{wall_s: 60}})",
         {},
     )
+
+
+def _check_requirement(text: str) -> str:
+    try:
+        Gate.parse(text)
+    except InputError as error:
+        raise PydanticCustomError("requirement", "{what}", {"what": str(error)}) from None
+    return text
 
 
 class Suite(CrossedSettings):
@@ -67,16 +81,19 @@ class Suite(CrossedSettings):
     """
 
     name: str | None = None
-    worlds: Annotated[tuple[SuiteWorldField, ...], _ITEMS]
-    robots: Annotated[tuple[str, ...], _ITEMS] = ("nova_carter",)
-    planners: Annotated[tuple[Planner, ...], _ITEMS] = (PluginChoice(name="auto"),)
-    controllers: Annotated[tuple[Controller, ...], _ITEMS] = (PluginChoice(name="regulated_pure_pursuit"),)
-    smoothers: Annotated[tuple[Smoother, ...], _ITEMS] = (None,)
-    backends: Annotated[tuple[Backend, ...], _ITEMS] = (PluginChoice(name="mujoco"),)
+    worlds: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)]
+    robots: Annotated[tuple[str, ...], _some(str)] = ("nova_carter",)
+    planners: Annotated[tuple[Planner, ...], _some(Planner)] = (PluginChoice(name="auto"),)
+    controllers: Annotated[tuple[Controller, ...], _some(Controller)] = (PluginChoice(name="regulated_pure_pursuit"),)
+    smoothers: Annotated[tuple[Smoother, ...], _some(Smoother)] = (None,)
+    backends: Annotated[tuple[Backend, ...], _some(Backend)] = (PluginChoice(name="mujoco"),)
     missions: MissionsField = Missions(seeds=20)
     vary: Vary = Vary()
     limits: Limits = Limits()
-    require: Annotated[tuple[str, ...], BeforeValidator(as_items)] = ()
+    require: Annotated[
+        tuple[Annotated[str, AfterValidator(_check_requirement)], ...],
+        BeforeValidator(as_items, json_schema_input_type=str | list[str]),
+    ] = ()
     planning_deadline_s: Annotated[None, BeforeValidator(_refuse_deadline)] = Field(default=None, exclude=True)
 
     @classmethod
