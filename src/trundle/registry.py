@@ -59,7 +59,7 @@ class Registry(Generic[_Made]):
                 of a name that was removed.
             InputError: If the name is not a string, or another package's entry point cannot be imported.
         """
-        given: object = name
+        given = cast("object", name)
         if not isinstance(given, str):  # asked first, as names() reads the entry points of every installed package
             check_kind(name, str, f"the name of a {self._kind}", f"there are: {', '.join(self.names())}")
         if name in self._builtin:

@@ -128,7 +128,7 @@ class Suite(CrossedSettings):
         text = as_path(path, "a suite's file")
         file = Path(text)
         if text in suite_names():
-            file = _shipped() / f"{text}.yaml"
+            file = shipped_folder() / f"{text}.yaml"
         elif file.suffix.lower() not in _SUFFIXES and not exists(file):
             raise UnknownNameError("suite", text, suite_names())
         suite = load_config(file, cls, kind=SUITE)
@@ -218,10 +218,11 @@ class Suite(CrossedSettings):
 
 def suite_names() -> list[str]:
     """Names of the suites that trundle ships, sorted."""
-    return sorted(path.stem for path in _shipped().glob("*.yaml"))
+    return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
 
 
-def _shipped() -> Path:
+def shipped_folder() -> Path:
+    """Where the suites are that trundle ships."""
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
 
 
