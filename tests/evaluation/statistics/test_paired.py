@@ -54,7 +54,7 @@ def test_where_worlds_differ_the_interval_is_as_wide_as_that_of_clustered_errors
 
 def test_columns_with_gaps_have_the_means_of_what_they_have():
     values = np.array([[1.0, math.nan], [2.0, 5.0], [3.0, 7.0], [4.0, math.nan]])
-    means = bootstrap_means(values, np.zeros(4))
+    means = bootstrap_means(values.T, np.zeros(4))
     assert [mean.value for mean in means] == [2.5, 6.0]
     assert [mean.n for mean in means] == [4, 2]
     assert means[1].interval == pytest.approx((5.0, 7.0))
@@ -67,7 +67,7 @@ def test_the_same_seed_gives_the_same_interval_and_worlds_may_be_named():
 
 
 def test_means_of_nothing_have_no_interval():
-    (none,) = bootstrap_means(np.empty((0, 1)), [])
+    (none,) = bootstrap_means([[]], [])
     assert math.isnan(none.value)
     assert none.n == 0
     (one,) = bootstrap_means([[2.0]], [0])
@@ -76,15 +76,19 @@ def test_means_of_nothing_have_no_interval():
 
 
 def test_the_bootstraps_p_is_small_where_all_differ_one_way_and_1_where_none_differs():
-    differ, same = bootstrap_means(np.array([[1.0, 0.0]] * 30) + [[0.1, 0.0]] * 30, np.zeros(30))
+    differ, same = bootstrap_means([[1.1] * 30, [0.0] * 30], np.zeros(30))
     assert differ.p < 0.001
     assert same.p == 1.0
 
 
-def test_very_many_missions_are_resampled_less_often_but_still_are():
-    values = np.random.default_rng(0).normal(0.1, 1.0, 250_000)
-    mean, interval = paired_bootstrap(values, np.zeros(250_000), resamples=20)
-    assert interval.low < mean < interval.high
+def test_blocks_of_very_many_missions_give_the_interval_of_single_ones():
+    rng = np.random.default_rng(0)
+    values, worlds = rng.normal(0.1, 1.0, 300_000), rng.integers(3, size=300_000)
+    mean, interval = paired_bootstrap(values, np.zeros(300_000))
+    assert mean == pytest.approx(values.mean())
+    assert interval.high - interval.low == pytest.approx(2 * 1.96 / math.sqrt(300_000), rel=0.06)
+    _, of_worlds = paired_bootstrap(values, worlds)
+    assert of_worlds.low < mean < of_worlds.high
 
 
 def test_clusters_of_another_length_are_refused():

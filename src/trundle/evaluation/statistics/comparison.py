@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from trundle.evaluation.statistics.figures import FIGURES, Figure
 from trundle.evaluation.statistics.paired import Mean, bootstrap_means, holm, mcnemar_exact
 from trundle.evaluation.statistics.pairing import Pairing, pair_between, pair_within
 from trundle.evaluation.statistics.table import Table
+from trundle.geometry import FloatArray
 
 CLEAR = 0.05
 """A change is clear where its p, adjusted by Holm for all comparisons made at once, is below this."""
@@ -259,17 +260,25 @@ def _compare_pairs(first: Table, second: Table, pairings: Sequence[Pairing]) -> 
 
 def _compare_pair(first: Table, second: Table, pairing: Pairing) -> PairComparison:
     mine, theirs = pairing.first_rows, pairing.second_rows
-    before = np.stack([figure.values(first)[mine] for figure in FIGURES], axis=1)
-    after = np.stack([figure.values(second)[theirs] for figure in FIGURES], axis=1)
-    missing = np.isnan(before) | np.isnan(after)
-    before, after = np.where(missing, np.nan, before), np.where(missing, np.nan, after)
-    means = bootstrap_means(after - before, first.clusters[mine])
+    before: list[float] = []
+    after: list[float] = []
+
+    def differences() -> Iterator[FloatArray]:
+        """A figure at a time: all at once would need much memory for a million episodes."""
+        for figure in FIGURES:
+            one, other = figure.values(first)[mine], figure.values(second)[theirs]
+            known = ~(np.isnan(one) | np.isnan(other))
+            before.append(float(one[known].mean()) if known.any() else math.nan)
+            after.append(float(other[known].mean()) if known.any() else math.nan)
+            yield other - one
+
+    means = bootstrap_means(differences(), first.clusters[mine])
     arrived, arrived_after = first.arrived[mine], second.arrived[theirs]
     lost, won = arrived & ~arrived_after, ~arrived & arrived_after
     changes: list[Change] = []
-    for column, (figure, mean) in enumerate(zip(FIGURES, means, strict=True)):
+    for figure, mean, one, other in zip(FIGURES, means, before, after, strict=True):
         p = mcnemar_exact(int(lost.sum()), int(won.sum())) if figure.name == "success" else mean.p
-        changes.append(Change(figure, _mean(before[:, column]), _mean(after[:, column]), mean, p, p))
+        changes.append(Change(figure, one, other, mean, p, p))
     return PairComparison(
         first=pairing.first,
         second=pairing.second,
@@ -290,11 +299,6 @@ def _turned(first: Table, second: Table, pairing: Pairing, at: int, *, lost: boo
         second=second.id_of(other),
         outcome=second.named["outcome"].of(other) if lost else first.named["outcome"].of(row),
     )
-
-
-def _mean(values: np.ndarray) -> float:
-    known = values[~np.isnan(values)]
-    return float(known.mean()) if len(known) else math.nan
 
 
 def _known(value: float) -> float | None:

@@ -169,9 +169,9 @@ class Gate:
         return self._result("passed", f"in all {len(known)} episodes; at 95 %, at most {bound} of missions do not", 0)
 
     def _judge_mean(
-        self, figure: Figure, values: npt.NDArray[np.float64], clusters: npt.NDArray[np.bytes_]
+        self, figure: Figure, values: npt.NDArray[np.float64], clusters: npt.NDArray[np.uint64]
     ) -> GateResult:
-        (mean,) = bootstrap_means(values[:, None], clusters)
+        (mean,) = bootstrap_means([values], clusters)
         over = " of those that arrived" if figure.arrived else ""
         if mean.n < 2:
             return self._result("undecided", f"too few episodes{over} for an interval", 2 - mean.n)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +16,9 @@ from trundle.geometry import FloatArray
 from trundle.values import check_count
 
 RESAMPLES = 10_000
-_MOST_DRAWS = 2 * 10**8
-"""Of very many missions fewer resamples are drawn: their means vary little."""
-_FEWEST_RESAMPLES = 1_000
-_DRAWS_AT_ONCE = 2 * 10**6
+_MOST_UNITS = 10_000
+"""More missions than this are taken together in blocks, each of one world; the means of blocks vary as theirs do."""
+_DRAWS_AT_ONCE = 10**6
 
 
 def mcnemar_exact(only_first: int, only_second: int) -> float:
@@ -78,14 +78,12 @@ def paired_bootstrap(
     confidence: float = CONFIDENCE,
 ) -> tuple[float, Interval]:
     """Mean of paired differences, and its bootstrap interval clustered by world; see `bootstrap_means`."""
-    (mean,) = bootstrap_means(
-        np.asarray(differences, dtype=float)[:, None], clusters, seed=seed, resamples=resamples, confidence=confidence
-    )
+    (mean,) = bootstrap_means([differences], clusters, seed=seed, resamples=resamples, confidence=confidence)
     return mean.value, mean.interval
 
 
 def bootstrap_means(
-    values: npt.ArrayLike,
+    columns: Iterable[npt.ArrayLike],
     clusters: npt.ArrayLike,
     *,
     seed: int = 0,
@@ -100,69 +98,80 @@ def bootstrap_means(
     worlds, the intervals are rather wide than narrow.
 
     Args:
-        values: Shape (N, K); NaN where a column has no value.
+        columns: Each of shape (N,), used once and one after the other; NaN where a column has no value.
         clusters: The world of each row, shape (N,).
         seed: Of the resamples; the same one gives the same intervals.
-        resamples: How many; fewer are drawn for more than 20,000 rows.
+        resamples: How many.
         confidence: Of the intervals.
 
     Raises:
-        InputError: If the shapes do not fit.
+        InputError: If the lengths differ.
     """
-    table = np.asarray(values, dtype=float)
-    _, cluster = np.unique(np.asarray(clusters), return_inverse=True)
-    if table.ndim != 2 or cluster.shape != table.shape[:1]:
-        raise InputError(f"a bootstrap needs a cluster for each of its rows, got {table.shape} and {cluster.shape}")
+    unit, sizes = _make_units(np.asarray(clusters))
     resamples = check_count("resamples", resamples, 1, 10**7)
-    known = ~np.isnan(table)
-    counts = known.sum(axis=0)
-    if len(table) == 0:
-        return [_no_mean(math.nan, 0) for _ in counts]
-    filled = np.where(known, table, 0.0)
-    drawn = min(resamples, max(_FEWEST_RESAMPLES, _MOST_DRAWS // len(table)))
-    sums, weights = _resample(filled, known, cluster, drawn, np.random.default_rng(seed))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means, resampled = filled.sum(axis=0) / counts, sums / weights
-    edge = (1.0 - confidence) / 2.0
+    sums: list[FloatArray] = []
+    counts: list[FloatArray] = []
+    for column in columns:
+        values = np.asarray(column, dtype=float)
+        if values.shape != unit.shape:
+            raise InputError(f"a bootstrap needs a cluster for each of its rows, got {values.shape} and {unit.shape}")
+        known = ~np.isnan(values)
+        sums.append(np.bincount(unit[known], values[known], minlength=int(sizes.sum())).astype(float))
+        counts.append(np.bincount(unit[known], minlength=int(sizes.sum())).astype(float))
+    if len(unit) == 0 or not sums:
+        return [_no_mean(math.nan, 0) for _ in sums]
+    drawn = _resample(np.stack([*sums, *counts], axis=1), sizes, resamples, np.random.default_rng(seed))
     results: list[Mean] = []
-    for column, n in enumerate(counts):
-        found = resampled[~np.isnan(resampled[:, column]), column]
-        if n < 2 or len(found) == 0:
-            results.append(_no_mean(float(means[column]), int(n)))
-            continue
-        low, high = np.quantile(found, [edge, 1.0 - edge])
-        tail = min(int((found <= 0.0).sum()), int((found >= 0.0).sum()))
-        p = min(1.0, 2.0 * (tail + 1) / (len(found) + 1))
-        results.append(Mean(float(means[column]), Interval(low, high), p, int(n)))
+    for place, (total, count) in enumerate(zip(sums, counts, strict=True)):
+        n = round(float(count.sum()))
+        value = float(total.sum()) / n if n else math.nan
+        with np.errstate(invalid="ignore", divide="ignore"):
+            means = drawn[:, place] / drawn[:, len(sums) + place]
+        results.append(_summarise(value, means[~np.isnan(means)], n, confidence))
     return results
+
+
+def _summarise(value: float, means: FloatArray, n: int, confidence: float) -> Mean:
+    if n < 2 or len(means) == 0:
+        return _no_mean(value, n)
+    edge = (1.0 - confidence) / 2.0
+    low, high = np.quantile(means, [edge, 1.0 - edge])
+    tail = min(int((means <= 0.0).sum()), int((means >= 0.0).sum()))
+    return Mean(value, Interval(low, high), min(1.0, 2.0 * (tail + 1) / (len(means) + 1)), n)
 
 
 def _no_mean(value: float, n: int) -> Mean:
     return Mean(value, Interval(math.nan, math.nan), math.nan, n)
 
 
-def _resample(
-    filled: FloatArray,
-    known: npt.NDArray[np.bool_],
-    cluster: npt.NDArray[np.intp],
-    resamples: int,
-    rng: np.random.Generator,
-) -> tuple[FloatArray, FloatArray]:
-    """Sums of the columns, and how many values they have, in each resample, both of shape (resamples, K)."""
-    n, columns = filled.shape
+def _make_units(clusters: npt.NDArray[Any]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """What is drawn: the unit of each row, numbered world by world, and how many units each world has.
+
+    A unit is a row, or of very many rows a block of them.
+    """
+    _, cluster = np.unique(clusters, return_inverse=True)
+    rows = np.bincount(cluster) if len(cluster) else np.zeros(0, dtype=np.intp)
+    block = max(1, -(-len(cluster) // _MOST_UNITS))
+    sizes = -(-rows // block)
     order = np.argsort(cluster, kind="stable")
-    both = np.concatenate([filled[order], known[order].astype(float)], axis=1)
-    sizes = np.bincount(cluster)
-    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    within = np.arange(len(cluster)) - np.repeat(np.cumsum(rows) - rows, rows)
+    unit = np.empty(len(cluster), dtype=np.intp)
+    unit[order] = np.repeat(np.cumsum(sizes) - sizes, rows) + within // block
+    return unit, sizes
+
+
+def _resample(table: FloatArray, sizes: npt.NDArray[np.intp], resamples: int, rng: np.random.Generator) -> FloatArray:
+    """Sums of the columns of `table`, shape (units, K), in each resample, shape (resamples, K)."""
+    n = len(table)
+    starts = np.cumsum(sizes) - sizes
     parts: list[FloatArray] = []
     chunk = max(1, _DRAWS_AT_ONCE // n)
     for first in range(0, resamples, chunk):
         count = min(chunk, resamples - first)
         draws = _draw_one_stage(n, count, rng) if len(sizes) in (1, n) else _draw(sizes, starts, count, rng)
         weights = np.bincount(draws, minlength=count * n).reshape(count, n)
-        parts.append(weights.astype(float) @ both)
-    whole = np.concatenate(parts)
-    return whole[:, :columns], whole[:, columns:]
+        parts.append(weights.astype(float) @ table)
+    return np.concatenate(parts)
 
 
 def _draw_one_stage(n: int, count: int, rng: np.random.Generator) -> npt.NDArray[np.int64]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,14 +22,16 @@ VARIANT = ("planner", "controller", "backend", "settings")
 """Those of them that are compared on the same missions: a mission fixes world and robot."""
 
 _EXACT = ("time_s", "distance_m", "spl", "min_clearance_m")
-_SMALL = ("contacts", "replans", "path_length_m", "max_cross_track_error_m", "smoothness_rad_per_m")
+_SMALL = ("contacts", "replans", "max_cross_track_error_m", "smoothness_rad_per_m")
 _CLOCKS = ("planning_ms", "cpu_s", "wall_s")
 _PLACES = ("start_x", "start_y", "end_x", "end_y", "closest_x", "closest_y")
 NUMBERS = (*_EXACT, *_SMALL, *_CLOCKS, *_PLACES)
 _NAMED = (*LABELS, "outcome")
-_KEYS = {"id": "S16", "mission": "S32", "place": "S32"}
+_KEYS = {"id": "S16", "mission": "S16"}
 
-_AT_ONCE = 8192
+_AT_ONCE = 4096
+_BLOCK = 32 * _AT_ONCE
+"""Rows of an array that is filled: large ones go back to the system when they are joined."""
 MOST_FAILED = 10_000
 """Failed rows that are kept whole."""
 _MOST_TRAILS = 2_000
@@ -44,7 +48,7 @@ class Names:
     """
 
     names: tuple[str, ...]
-    codes: npt.NDArray[np.int32]
+    codes: npt.NDArray[np.signedinteger]
 
     def where(self, name: str) -> npt.NDArray[np.bool_]:
         """Which rows have this text."""
@@ -62,7 +66,8 @@ class Table:
     Attributes:
         numbers: Columns of numbers, NaN where a row has none; see `NUMBERS`.
         named: Columns of labels, and `outcome`.
-        keys: `id`, `mission` and `place` as bytes.
+        keys: `id` and `mission` as bytes, up to 16 of them.
+        clusters: A number for the world of each row, for the bootstrap; see `cluster_of`.
         index: Number of the episode in its suite.
         seed: Of the mission.
         vary: What was varied, by name; NaN where a row does not have it.
@@ -73,6 +78,7 @@ class Table:
     numbers: Mapping[str, npt.NDArray[np.floating]]
     named: Mapping[str, Names]
     keys: Mapping[str, npt.NDArray[np.bytes_]]
+    clusters: npt.NDArray[np.uint64]
     index: npt.NDArray[np.int64]
     seed: npt.NDArray[np.uint64]
     vary: Mapping[str, FloatArray]
@@ -105,13 +111,6 @@ class Table:
         """Which rows arrived."""
         return self.named["outcome"].where(ARRIVED)
 
-    @property
-    def clusters(self) -> npt.NDArray[np.bytes_]:
-        """The world of each row, for the bootstrap: its map where it is known, as a label may stand for many worlds."""
-        worlds = self.named["world"]
-        names = np.array([name.encode()[:32] for name in worlds.names] or [b""], dtype="S32")
-        return np.where(self.keys["place"] == b"", names[worlds.codes], self.keys["place"])
-
     def id_of(self, row: int) -> str:
         """The id of one row."""
         return self.keys["id"][row].decode()
@@ -121,13 +120,19 @@ class Table:
         return {name: self.named[name].of(row) for name in LABELS}
 
 
+def cluster_of(row: Row) -> int:
+    """A number of 64 bits for a row's world: of its map where it is known, as one label may stand for many worlds."""
+    text = f"place {row.place}" if row.place else f"world {row.world}"
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
+
+
 class _Reader:
     """Rows into arrays, a batch at a time."""
 
     def __init__(self) -> None:
-        self._chunks: dict[str, list[npt.NDArray]] = {}
+        self._blocks: dict[str, list[npt.NDArray]] = {}
         self._names: dict[str, dict[str, int]] = {name: {} for name in _NAMED}
-        self._vary: dict[str, list[tuple[int, float]]] = {}
+        self._vary: dict[str, list[tuple[int, FloatArray]]] = {}
         self._rows = 0
         self._failed: list[Row] = []
         self._examples: dict[str, list[Row]] = {}
@@ -142,14 +147,21 @@ class _Reader:
             self._put(name, [(getattr(row, name) or "").encode() for row in batch], kind)
         self._put("index", [row.index for row in batch], np.int64)
         self._put("seed", [row.seed & 0xFFFF_FFFF_FFFF_FFFF for row in batch], np.uint64)
+        self._put("cluster", [cluster_of(row) for row in batch], np.uint64)
+        for name in sorted({name for row in batch for name in row.vary or ()}):
+            values = np.array([(row.vary or {}).get(name, np.nan) for row in batch], dtype=float)
+            self._vary.setdefault(name, []).append((self._rows, values))
+        self._rows += len(batch)
         for row in batch:
             self._keep(row)
-            for name, value in (row.vary or {}).items():
-                self._vary.setdefault(name, []).append((self._rows, value))
-            self._rows += 1
 
-    def _put(self, name: str, values: list, kind: object) -> None:
-        self._chunks.setdefault(name, []).append(np.array(values, dtype=kind))  # type: ignore[arg-type]
+    def _put(self, name: str, values: list, kind: Any) -> None:
+        """Add a batch to a column; only the last batch may be shorter than the others."""
+        blocks = self._blocks.setdefault(name, [])
+        at = self._rows % _BLOCK
+        if at == 0:
+            blocks.append(np.empty(_BLOCK, dtype=kind))
+        blocks[-1][at : at + len(values)] = values
 
     def _keep(self, row: Row) -> None:
         if row.outcome != ARRIVED:
@@ -160,21 +172,32 @@ class _Reader:
         if len(examples) < _TRAILS_OF_ARRIVED and row.trail:
             examples.append(row)
 
-    def _take(self, name: str, kind: object) -> npt.NDArray:
-        chunks = self._chunks.pop(name, [])
-        return np.concatenate(chunks) if chunks else np.empty(0, dtype=kind)  # type: ignore[call-overload]
+    def _take(self, name: str, kind: Any) -> npt.NDArray:
+        """A whole column, whose blocks are given back."""
+        blocks = self._blocks.pop(name, [])
+        whole = np.empty(self._rows, dtype=blocks[0].dtype if blocks else kind)
+        for number in range(len(blocks)):
+            first = number * _BLOCK
+            whole[first : first + _BLOCK] = blocks[number][: self._rows - first]
+            blocks[number] = blocks[number][:0].copy()
+        return whole
+
+    def _take_names(self, name: str) -> Names:
+        names = tuple(self._names[name])
+        return Names(names, self._take(name, np.int32).astype(np.int16 if len(names) < 2**15 else np.int32))
 
     def finish(self) -> Table:
         vary: dict[str, FloatArray] = {}
         for name in sorted(self._vary):
             column = np.full(self._rows, np.nan)
-            places, values = zip(*self._vary.pop(name), strict=True)
-            column[list(places)] = values
+            for first, values in self._vary.pop(name):
+                column[first : first + len(values)] = values
             vary[name] = column
         return Table(
             numbers={name: self._take(name, np.float64) for name in NUMBERS},
-            named={name: Names(tuple(self._names[name]), self._take(name, np.int32)) for name in _NAMED},
+            named={name: self._take_names(name) for name in _NAMED},
             keys={name: self._take(name, kind) for name, kind in _KEYS.items()},
+            clusters=self._take("cluster", np.uint64),
             index=self._take("index", np.int64),
             seed=self._take("seed", np.uint64),
             vary=vary,
@@ -209,10 +232,15 @@ def group_rows(table: Table, columns: Sequence[str] = LABELS) -> list[Group]:
     """
     if len(table) == 0:
         return []
-    codes = np.stack([table.named[name].codes for name in columns], axis=1)
-    found, place = np.unique(codes, axis=0, return_inverse=True)
-    order = np.argsort(place, kind="stable")
-    parts = np.split(order, np.cumsum(np.bincount(place, minlength=len(found)))[:-1])
+    counts = [len(table.named[name].names) for name in columns]
+    key = np.zeros(len(table), dtype=np.int64)
+    for name, count in zip(columns, counts, strict=True):
+        key *= count
+        key += table.named[name].codes
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    parts = np.split(order, starts[1:])
+    found = np.stack(np.unravel_index(key[order[starts]], counts), axis=1)
     differ = [name for name, column in zip(columns, found.T, strict=True) if np.ptp(column) > 0]
     named = differ or [name for name in ("world", "planner") if name in columns] or list(columns[:1])
     groups: list[Group] = []

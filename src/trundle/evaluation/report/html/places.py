@@ -17,7 +17,7 @@ from trundle.evaluation.report.html.world_map import Frame, WorldMap, draw_map
 from trundle.evaluation.report.table import cause
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.figures import write_number
-from trundle.evaluation.statistics.table import VARIANT, Table
+from trundle.evaluation.statistics.table import VARIANT, Table, cluster_of
 from trundle.maps.grid import OccupancyGrid
 
 Maps = Callable[[str], OccupancyGrid | None]
@@ -43,9 +43,10 @@ class Place:
     """One world with what happened in it.
 
     Attributes:
-        key: Of its map.
+        key: Its number in the table.
         title: For people.
         rows: Numbers of its rows in the table.
+        map_key: Of its map; None where no row that was kept has one.
         failed: Its rows that did not arrive, as far as they were kept.
         located: Those of them that have a place, in order; clusters refer to them.
         clusters: Of `located`.
@@ -53,9 +54,10 @@ class Place:
         name: Of the map in the page.
     """
 
-    key: str
+    key: int
     title: str
     rows: np.ndarray
+    map_key: str | None = None
     failed: list[Row] = field(default_factory=list)
     located: list[Row] = field(default_factory=list)
     clusters: list[Cluster] = field(default_factory=list)
@@ -70,14 +72,15 @@ def find_places(table: Table, maps: Maps) -> list[Place]:
     several = Counter(worlds.of(row) for row in first)
     order = np.argsort(codes, kind="stable")
     parts = np.split(order, np.cumsum(np.bincount(codes, minlength=len(keys)))[:-1])
-    places: dict[str, Place] = {}
+    places: dict[int, Place] = {}
     for key, row, rows in zip(keys.tolist(), first.tolist(), parts, strict=True):
         world = worlds.of(row)
         title = world if several[world] == 1 else f"{world}, seed {int(table.seed[row])}"
-        places[key.decode(errors="replace")] = Place(key.decode(errors="replace"), title, rows)
+        places[key] = Place(key, title, rows)
     for row in table.failed:
-        place = places[row.place or row.world.encode()[:32].decode(errors="replace")]
-        place.failed.append(row)
+        places[cluster_of(row)].failed.append(row)
+    for row in (*table.failed, *(row for rows in table.examples.values() for row in rows)):
+        places[cluster_of(row)].map_key = row.place
     ordered = sorted(places.values(), key=lambda place: (-len(place.failed), int(place.rows.min())))
     for number, place in enumerate(ordered):
         place.located = [row for row in place.failed if _failed_at(row) is not None]
@@ -90,7 +93,8 @@ def find_places(table: Table, maps: Maps) -> list[Place]:
 def _draw_maps(places: Sequence[Place], maps: Maps) -> None:
     room = _MAP_BYTES
     for rank, place in enumerate(places[:_MOST_MAPS]):
-        grid = maps(place.key) if place.failed or rank < _MOST_WORLDS else None
+        wanted = place.failed or rank < _MOST_WORLDS
+        grid = maps(place.map_key) if wanted and place.map_key is not None else None
         if grid is None:
             continue
         drawn = draw_map(grid)
@@ -154,7 +158,7 @@ def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
     )
 
 
-def _numbers(places: Sequence[Place]) -> dict[tuple[str, int], int]:
+def _numbers(places: Sequence[Place]) -> dict[tuple[int, int], int]:
     """The numbers of the clusters that have a card, by place and position in it; the largest first."""
     every = [
         (-len(cluster.members), rank, at)
@@ -171,7 +175,7 @@ def _failed_at(row: Row) -> tuple[float, float] | None:
     return None if row.start_x is None or row.start_y is None else (row.start_x, row.start_y)
 
 
-def _world_figure(table: Table, place: Place, numbers: dict[tuple[str, int], int]) -> str:
+def _world_figure(table: Table, place: Place, numbers: dict[tuple[int, int], int]) -> str:
     frame = _frame(table, place)
     if frame is None:
         return ""
@@ -215,7 +219,7 @@ def _frame(table: Table, place: Place) -> Frame | None:
 
 
 def _is_in(row: Row, place: Place) -> bool:
-    return row.place == place.key or (row.place is None and row.world.encode()[:32] == place.key.encode())
+    return cluster_of(row) == place.key
 
 
 def _ground(place: Place, frame: Frame) -> str:
