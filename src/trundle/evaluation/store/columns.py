@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import cache
 from operator import attrgetter
 from typing import Any
 
@@ -33,9 +34,14 @@ _values = attrgetter(*_PLAIN)
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 
 
+@cache
+def _trail_format(count: int) -> str:
+    return ",".join(["%.2f"] * count)
+
+
 def encode_row(row: Row) -> bytes:
     """A row as a line of JSON; its trail is written with two decimals, to which it is rounded."""
-    trail = ",".join(["%.2f"] * len(row.trail)) % row.trail
+    trail = _trail_format(len(row.trail)) % row.trail
     if "n" in trail:  # nan and inf, which JSON's reader knows by other names
         trail = _encode(row.trail)[1:-1]
     return f'{_encode(dict(zip(_PLAIN, _values(row), strict=True)))[:-1]},"trail":[{trail}]}}\n'.encode()

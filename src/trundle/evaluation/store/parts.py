@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"\d{6,}(-\w+)?-(?P<digest>[0-9a-f]{16})\.parquet")
 _NEEDED = ("id", "index", "outcome")
+_LONGEST_LINE = 4 << 20
+_PLACE = ", filename = true, file_row_number = true"
 INSTALL = 'pip install "trundle[evaluate]"'
 
 
@@ -33,7 +36,7 @@ def has_duckdb() -> bool:
 
 
 def connect(purpose: str) -> duckdb.DuckDBPyConnection:
-    """Start DuckDB in memory, on one thread.
+    """Start DuckDB in memory, on one thread, without keeping what it reads of files.
 
     Args:
         purpose: What needs it, for the message where it is missing.
@@ -45,7 +48,10 @@ def connect(purpose: str) -> duckdb.DuckDBPyConnection:
         import duckdb
     except ImportError as error:
         raise MissingExtraError(purpose, "DuckDB", INSTALL) from error
-    return duckdb.connect(":memory:", config={"threads": 1, "memory_limit": "1GB", "temp_directory": ""})
+    database = duckdb.connect(":memory:", config={"threads": 1, "temp_directory": ""})
+    with suppress(duckdb.CatalogException):  # DuckDB before 1.3 keeps nothing.
+        database.execute("SET enable_external_file_cache = false")
+    return database
 
 
 def list_parts(folder: Path) -> list[Path]:
@@ -125,22 +131,41 @@ def select_lines(rows: Path) -> str:
     columns = ", ".join(f"{quote_name(name)}: {quote(kind)}" for name, kind in SQL_TYPES.items())
     return (
         f"SELECT * FROM read_json({quote(rows)}, format = 'newline_delimited', columns = {{{columns}}}, "
-        "maximum_object_size = 16777216)"
+        f"maximum_object_size = {_LONGEST_LINE})"
     )
 
 
-def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES)) -> str:
-    """SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL."""
+def select_parts(parts: Sequence[Path], columns: Iterable[str] = tuple(SQL_TYPES), *, without: str = "") -> str:
+    """SQL that gives these columns of the rows of all parts; a column that a part lacks is NULL.
+
+    Args:
+        parts: The files.
+        columns: Names.
+        without: Table of rows that are left out, as `select_repeated` gives; empty for none.
+    """
     names = list(columns)
     typed = ", ".join(f"NULL::{SQL_TYPES[name]} AS {quote_name(name)}" for name in names)
     empty = f"(SELECT {typed} LIMIT 0)"
     if not parts:
         return empty
-    files = ", ".join(quote(path) for path in parts)
     wanted = ", ".join(quote_name(name) for name in names)
+    source = _read_parts(parts)
+    if without:
+        source = f"{_read_parts(parts, _PLACE)} ANTI JOIN {quote_name(without)} USING (filename, file_row_number)"
+    return f"SELECT {wanted} FROM ({empty} UNION ALL BY NAME SELECT * FROM {source})"
+
+
+def select_repeated(parts: Sequence[Path]) -> str:
+    """SQL that gives the places of rows whose id is in another row before."""
     return (
-        f"SELECT {wanted} FROM ({empty} UNION ALL BY NAME SELECT * FROM read_parquet([{files}], union_by_name = true))"
+        "SELECT filename, file_row_number FROM (SELECT filename, file_row_number, "
+        "row_number() OVER (PARTITION BY id ORDER BY filename, file_row_number) AS number "
+        f"FROM {_read_parts(parts, _PLACE)}) WHERE number > 1"
     )
+
+
+def _read_parts(parts: Sequence[Path], options: str = "") -> str:
+    return f"read_parquet([{', '.join(quote(path) for path in parts)}], union_by_name = true{options})"
 
 
 def read_keys(database: duckdb.DuckDBPyConnection, parts: Sequence[Path]) -> tuple[Keys, NDArray[np.int64]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from trundle.errors import InputError
 from trundle.evaluation.store.columns import SQL_TYPES, decode_row, to_key
-from trundle.evaluation.store.ids import Keys
+from trundle.evaluation.store.ids import IdSet, Keys
 from trundle.evaluation.store.journal import read_journal
 from trundle.evaluation.store.layout import JOURNAL
 from trundle.evaluation.store.parts import (
@@ -21,12 +21,14 @@ from trundle.evaluation.store.parts import (
     list_parts,
     quote,
     quote_name,
+    read_keys,
     select_lines,
     select_parts,
+    select_repeated,
 )
 
 Column = NDArray[Any]
-_BATCH = 1000
+_BATCH = 5000
 _NUMBERS = {"DOUBLE": np.float64, "BIGINT": np.int64, "UBIGINT": np.uint64}
 
 
@@ -135,10 +137,13 @@ class SqlTable:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Their values, one after the other."""
         names = list(SQL_TYPES)
-        cursor = self.database.cursor()
-        cursor.execute(f'SELECT {_list(names)} FROM rows ORDER BY "index"')
-        while batch := cursor.fetchmany(_BATCH):
-            for values in batch:
+        indices = self.columns(["index"])["index"]
+        for place in range(0, len(indices), _BATCH):  # Sorting whole rows would need memory for all of them.
+            batch = indices[place : place + _BATCH]
+            found = self._fetch(
+                f'SELECT {_list(names)} FROM rows WHERE "index" BETWEEN {batch[0]} AND {batch[-1]} ORDER BY "index"'
+            )
+            for values in found:
                 yield dict(zip(names, values, strict=True))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
@@ -167,19 +172,24 @@ class SqlTable:
         self.database.close()
 
     def _load_journal(self, folder: Path, damage: list[str]) -> None:
+        seen = IdSet(np.empty(0, np.uint64))
         with tempfile.NamedTemporaryFile(suffix=".jsonl") as copy:
-            copy.writelines(entry.line for entry in read_journal(folder / JOURNAL, damage))
+            entries = read_journal(folder / JOURNAL, damage)
+            copy.writelines(entry.line for entry in entries if seen.add(entry.values["id"]))
             copy.flush()
             source = select_lines(Path(copy.name)) if Path(copy.name).stat().st_size else select_parts([])
             self._fetch(f"CREATE TABLE journal AS {source}")
 
     def _make_view(self, parts: Sequence[Path], selection: Keys | None) -> None:
-        every = f"{select_parts(parts)} UNION ALL SELECT * FROM journal"
-        self._fetch(f"CREATE VIEW every_row AS {every}")
-        count, unique = self._fetch("SELECT count(*), count(DISTINCT id) FROM every_row")[0]
+        keys, _ = read_keys(self.database, parts)
+        repeated = ""
+        if len(np.unique(keys)) < len(keys):  # Shards of a cluster that ran twice.
+            repeated = "repeated"
+            self._fetch(f"CREATE TABLE repeated AS {select_repeated(parts)}")
+        self._fetch(f"CREATE VIEW in_parts AS {select_parts(parts, without=repeated)}")
+        self._fetch("DELETE FROM journal WHERE id IN (SELECT id FROM in_parts)")
+        self._fetch("CREATE VIEW every_row AS SELECT * FROM in_parts UNION ALL SELECT * FROM journal")
         source = "every_row"
-        if count != unique:  # by a kill, or by shards that ran twice
-            source = "(SELECT * FROM every_row QUALIFY row_number() OVER (PARTITION BY id) = 1)"
         if selection is not None:
             keys, first = np.unique(selection, return_index=True)
             self.database.register("given", {"key": keys, "number": first})
