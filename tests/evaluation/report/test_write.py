@@ -28,6 +28,8 @@ def test_a_label_that_does_not_occur_is_refused_before_anything_is_written(tmp_p
     with pytest.raises(UnknownNameError, match="Did you mean 'jps'"):
         write_reports(tmp_path, make_rows(2), require=[Gate.parse("success[planner=jp]>=0.9")])
     assert list(tmp_path.iterdir()) == []
+    summary = write_reports(tmp_path, make_rows(2), total=900, require=[Gate.parse("success[planner=auto]>=0.9")])
+    assert summary["passed"] is False
 
 
 def test_a_folder_that_is_gone_is_named(tmp_path):

@@ -45,11 +45,14 @@ def write_reports(
         What summary.json has; `passed` is the verdict.
 
     Raises:
-        UnknownNameError: If a requirement names a label that does not occur.
+        UnknownNameError: If all episodes are done, and a requirement names a label that none has.
         OutputError: If a file cannot be written.
     """
     path, shown = Path(folder), os.fspath(folder)
     table = rows if isinstance(rows, Table) else Table.of(rows)
+    if total is None or len(table) >= total:
+        for gate in require:
+            gate.check_labels({label: table.named[label].names for label in gate.labels})
     gates = [gate.judge(table) for gate in require]
     name = path.resolve().name if name is None else name
     summary = summarise(table, total=total, gates=gates)

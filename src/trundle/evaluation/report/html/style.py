@@ -92,7 +92,8 @@ table.stack td[data-name]::before{content:attr(data-name) " ";color:var(--faint)
 table.stack td{white-space:normal;display:inline-block;margin-right:.9rem}
 table.stack td.mid,table.stack td.text{display:block;margin:0}
 table.stack svg.interval{width:100%;height:auto}table.stack svg.bar{width:100%;height:.8rem}}
-@media print{body{max-width:none;padding:0;font-size:9.5pt}h2,h3{break-after:avoid}
+@media print{:root{font-size:10.5px}body{max-width:none;padding:0}td{white-space:normal}td.mid br{display:none}
+svg.interval{width:10rem}svg.bar{width:6rem}h2,h3{break-after:avoid}
 .card,figure,tr,.tile{break-inside:avoid}.figures{grid-template-columns:1fr 1fr}
 *{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 """
