@@ -90,15 +90,18 @@ def _is_other_branch(problem: ErrorDetails, problems: Sequence[ErrorDetails]) ->
 
 
 def _strip_tags(problem: ErrorDetails, given: object) -> Location:
-    """The location of a problem, without the type names that pydantic adds for unions."""
-    location = problem["loc"]
-    for index, part in enumerate(location):
+    """The location of a problem, without what pydantic adds: type names of unions, and the 0 of a list of one."""
+    location: list[int | str] = []
+    parts = problem["loc"]
+    for index, part in enumerate(parts):
         is_key = isinstance(given, Mapping) and part in given
         is_item = isinstance(given, list | tuple) and isinstance(part, int) and part < len(given)
-        if not is_key and not is_item:
-            return location[: index + 1] if problem["type"] == "missing" else location[:index]
-        given = given[part]  # type: ignore[index]
-    return location
+        if is_key or is_item:
+            given = given[part]  # type: ignore[index]
+            location.append(part)
+        elif problem["type"] == "missing" and index == len(parts) - 1:
+            location.append(part)
+    return tuple(location)
 
 
 def _describe(problem: ErrorDetails, location: Location, model: type[BaseModel], in_file: bool) -> str:
@@ -172,7 +175,7 @@ def _length(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
 
 def _keys(model: type[BaseModel], location: Location, in_file: bool) -> list[str]:
     """Keys that a mapping at this location may have, in a file or as arguments in Python."""
-    owner, _ = _descend(model, location)
+    owner = _item(_descend(model, location)[0])
     if not _is_model(owner):
         return []
     return [*owner.model_fields, *(getattr(owner, "file_keys", ()) if in_file else ())]
@@ -194,6 +197,8 @@ def _descend(model: type[BaseModel], location: Location) -> tuple[Any, FieldInfo
     kind: Any = model
     field: FieldInfo | None = None
     for part in location:
+        if isinstance(part, str):
+            kind = _item(kind)
         arguments = typing.get_args(kind)
         if _is_model(kind):
             field = kind.model_fields.get(str(part))
@@ -209,6 +214,12 @@ def _descend(model: type[BaseModel], location: Location) -> tuple[Any, FieldInfo
     return kind, field
 
 
+def _item(kind: Any) -> Any:
+    """The type of a list's items, as a single value may be given for the list; any other type is returned as it is."""
+    arguments = typing.get_args(kind)
+    return _unwrap(arguments[0])[0] if typing.get_origin(kind) in (list, tuple) and arguments else kind
+
+
 def _unwrap(kind: Any) -> tuple[Any, FieldInfo | None]:
     """A type without `| None` and `Annotated`, and the field that an annotation holds."""
     field = None
@@ -217,7 +228,8 @@ def _unwrap(kind: Any) -> tuple[Any, FieldInfo | None]:
             field = FieldInfo.from_annotation(kind)
             kind = field.annotation
         elif typing.get_origin(kind) in (types.UnionType, typing.Union):
-            kind = next((one for one in typing.get_args(kind) if one is not type(None)), None)
+            several = [one for one in typing.get_args(kind) if one is not type(None)]
+            kind = next((one for one in several if _is_model(one)), several[0] if several else None)
         else:
             return kind, field
 

@@ -100,6 +100,23 @@ require: success>=0.99
         ("worlds: {name: hall.sdf, options: {a: {uniform: [1, 2]}}}\n", "option a is drawn"),
         ("worlds: warehouse\nplanners: [nowhere.to:Be]\n", "planner 'nowhere.to:Be' cannot be imported"),
         ("worlds: warehouse\nrequire: [sucess>=0.9]\n", ":2:11: require.0: unknown figure in a requirement 'sucess'"),
+        (
+            "worlds: warehouse\nplanners: {name: auto, lable: x}\n",
+            ":2:24: planners.lable: unknown key. Did you mean 'label'? There are: name, options, label",
+        ),
+        (
+            "worlds: warehouse\nplanners: [auto, {name: astar, lable: x}]\n",
+            ":2:32: planners.1.lable: unknown key. Did you mean 'label'? There are: name, options, label",
+        ),
+        (
+            "worlds: {name: warehouse, options: {aisle_width: {unifrm: [1, 2]}}}\n",
+            ":1:51: worlds.options.aisle_width.unifrm: unknown key. Did you mean 'uniform'? There are: uniform, normal",
+        ),
+        (
+            "worlds: warehouse\nvary: {start_pose: {x: {uniform: [0]}}}\n",
+            ":2:34: vary.start_pose.x.uniform: has 1 items, it must have 2",
+        ),
+        ("worlds: warehouse\nvary: {mass: {uniform: [a, 1]}}\n", ":2:25: vary.mass.uniform.0: must be a number"),
         ("worlds: warehouse\nrequire: success=0.9\n", ":2:10: require: cannot read the requirement 'success=0.9'"),
         ("worlds: warehouse\nplanners: [os:system]\n", "planner 'os:system' is not a class with plan"),
     ],

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, cast
 
 from trundle.control import create_controller
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.parts import SuiteWorld
+from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.mission.choices import MapOptions
 from trundle.planning import create_planner, create_smoother
+from trundle.registry import keywords_taken
 from trundle.robots import Robot
+from trundle.sim.simulator import SIMULATORS
 from trundle.worlds.options import check_options
 from trundle.worlds.world import WORLDS
 
@@ -48,6 +52,8 @@ def check_suite(suite: Suite) -> None:
     for smoother in suite.smoothers:
         if smoother is not None:
             create_smoother(smoother.name, **smoother.options)
+    for backend in suite.backends:
+        _check_backend_options(backend)
     for text in suite.require:
         _check_requirement(Gate.parse(text), expansion)
     expansion.check_identities()
@@ -66,6 +72,17 @@ def _check_requirement(gate: Gate, expansion: Expansion) -> None:
     for label, name in gate.labels.items():
         if label in labels and name not in labels[label]:
             raise UnknownNameError(f"{label} in a requirement of this suite", name, labels[label])
+
+
+def _check_backend_options(backend: PluginChoice) -> None:
+    """Refuse options that a simulator does not take; their values are checked when it is made."""
+    if not backend.options:
+        return
+    maker = cast("Callable[..., object]", SIMULATORS.load(backend.name))
+    taken = keywords_taken(maker, backend.options)
+    unknown = [name for name in backend.options if name not in taken]
+    if unknown:
+        raise InputError(f"backend {backend.name!r} has no option {unknown[0]!r}")
 
 
 def _check_world_options(world: SuiteWorld) -> None:

@@ -156,12 +156,14 @@ class Expansion:
             _refuse_twice(name, [_text(value) for value in values], [digest(value) for value in values])
 
     def check_settings(self) -> None:
-        """Refuse settings that do not go together, and what a backend cannot vary: of the first mission, all cases.
+        """Refuse settings that do not go together, and what a backend cannot vary.
+
+        All cases of the first mission are looked at, and the first mission of each world.
 
         Raises:
             InputError: If there are any.
         """
-        for index in range(min(self._cases, _MOST_CHECKED)):
+        for index in {*range(min(self._cases, _MOST_CHECKED)), *self._ends[:-1]}:
             check_unknown_cost(self.spec(index).scenario)
 
     # Numbers --------------------------------------------------------------------------------------------------------

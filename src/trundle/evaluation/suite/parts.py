@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 
@@ -76,17 +77,21 @@ class Missions(Config):
     min_distance: NotNegative = MIN_DISTANCE
     listed: Annotated[tuple[ListedMission, ...], BeforeValidator(read_items)] | None = None
 
-    @property
+    @cached_property
+    def _seeds(self) -> range | tuple[int, ...]:
+        return read_seeds(self.seeds)
+
+    @cached_property
     def count(self) -> int:
         """Number of missions."""
-        seeds = read_seeds(self.seeds)
+        seeds = self._seeds
         # A range may be longer than len() can say.
         number = (seeds.stop - seeds.start + seeds.step - 1) // seeds.step if isinstance(seeds, range) else len(seeds)
         return number * (1 if self.listed is None else len(self.listed))
 
     def at(self, index: int) -> tuple[int, ListedMission | None]:
         """Seed and listed mission, if there are any, of one of them."""
-        seeds = read_seeds(self.seeds)
+        seeds = self._seeds
         if self.listed is None:
             return seeds[index], None
         listed, seed = divmod(index, self.count // len(self.listed))

@@ -11,6 +11,8 @@ from pydantic_core import PydanticCustomError
 
 _RANGE = re.compile(r"(\d+):(\d+)(?::(\d+))?")
 _ADVICE = 'a number of seeds, a range "0:500", or a list of integers of 0 or more'
+_MOST = 2**63
+"""Seeds are below it, so that results can hold them."""
 
 
 def read_seeds(given: object) -> range | tuple[int, ...]:
@@ -46,6 +48,8 @@ def read_seeds(given: object) -> range | tuple[int, ...]:
 def _check(given: object) -> object:
     try:
         seeds = read_seeds(given)
+        if (seeds.stop if isinstance(seeds, range) else max(seeds, default=0)) > _MOST:
+            raise ValueError("seeds must be below 2^63")
     except ValueError as error:
         raise PydanticCustomError("seeds", "{message}", {"message": str(error)}) from None
     if not seeds:
