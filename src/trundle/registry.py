@@ -51,6 +51,10 @@ class Registry(Generic[_Made]):
         if name not in self._builtin and name not in self.names():
             raise UnknownNameError(self._kind, name, self.names(), hint=self._removed.get(name))
 
+    def module_of(self, name: str) -> str | None:
+        """The module behind a built-in name or `"module:Class"`; None for any other name."""
+        return self._builtin.get(name, name if ":" in name else "").partition(":")[0] or None
+
     def load(self, name: str) -> object:
         """Import what a name stands for.
 

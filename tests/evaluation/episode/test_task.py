@@ -1,4 +1,6 @@
 import pickle
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -67,6 +69,29 @@ def test_a_copied_task_gives_the_same_rows(rows):
     task = EpisodeTask(suite())
     task(0)
     assert pickle.loads(pickle.dumps(task))(1).unmeasured() == rows[1]
+
+
+IMPORTED_BY_AN_EPISODE = """
+import importlib, sys
+from trundle.evaluation.episode import EpisodeTask
+from trundle.evaluation.suite import Suite
+
+world = {"name": "cylinders", "seed": 1}
+task = EpisodeTask(Suite.make(worlds=world, maps=sys.argv[1], backends=["kinematic", "mujoco"]))
+for name in task.modules:
+    importlib.import_module(name)
+before = set(sys.modules)
+for index in (0, 1, len(task.suite) - 1):
+    task(index)
+print(*sorted(name for name in set(sys.modules) - before if name.partition(".")[0] in ("mujoco", "numpy", "PIL")))
+"""
+
+
+def test_a_process_with_the_modules_of_a_task_imports_no_library_for_an_episode(room, tmp_path):
+    room.save(tmp_path / "room.yaml")
+    command = [sys.executable, "-c", IMPORTED_BY_AN_EPISODE, str(tmp_path / "room.yaml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
 
 
 def test_what_is_known_is_noted_before_each_stage():
@@ -150,3 +175,12 @@ def test_rows_survive_json(rows):
     row = EpisodeTask(suite())(0)
     assert type(row).of(row.as_dict()) == row
     assert replace(row, wall_s=1.0).unmeasured() == row.unmeasured()
+
+
+def test_a_row_does_not_depend_on_where_a_map_is(room, tmp_path, monkeypatch):
+    for folder in (tmp_path, tmp_path / "other"):
+        folder.mkdir(exist_ok=True)
+        room.save(folder / "room.yaml")
+    there = EpisodeTask(suite(worlds=str(tmp_path / "other" / "room.yaml"), backends="kinematic", seeds=1))(0)
+    monkeypatch.chdir(tmp_path)
+    assert EpisodeTask(suite(worlds="room.yaml", backends="kinematic", seeds=1))(0).unmeasured() == there.unmeasured()

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-import hashlib
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
 from trundle.evaluation.episode.trail import simplify
 from trundle.evaluation.row import Row
 from trundle.evaluation.suite import EpisodeSpec, Suite
-from trundle.evaluation.suite.identity import mission_hash
+from trundle.evaluation.suite.identity import digest, mission_hash, short
 from trundle.evaluation.suite.vary import move_start
 from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
 from trundle.mission.loop import run_measured
-from trundle.mission.place import place_key
 from trundle.mission.truth import Truth, measure_truth
+from trundle.planning.planner import PLANNERS
+from trundle.planning.smoother import SMOOTHERS
+from trundle.sim.simulator import SIMULATORS
+from trundle.worlds.world import WORLDS
+
+_MAP_MODULES = ("trundle.maps.ros_reader", "PIL.PngImagePlugin")
 
 Note = Callable[[Mapping[str, Any]], None]
 """Takes what is known of an episode so far, so that something is known of one that does not end."""
@@ -76,6 +81,20 @@ class EpisodeTask:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.suite = state["suite"]
         self._places = Places()
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Modules that its episodes need, for a process that worker processes are forked from."""
+        suite = self.suite
+        chosen = [
+            *(PLANNERS.module_of(planner.name) for planner in suite.planners if not planner.is_python),
+            *(CONTROLLERS.module_of(controller.name) for controller in suite.controllers),
+            *(SMOOTHERS.module_of(smoother.name) for smoother in suite.smoothers if smoother is not None),
+            *(SIMULATORS.module_of(backend.name) for backend in suite.backends),
+            *(WORLDS.module_of(world.name) for world in suite.worlds if not world.is_file),
+            *(_MAP_MODULES if any(world.is_map for world in suite.worlds) else ()),
+        ]
+        return tuple(dict.fromkeys(["numpy.random", __name__, *(module for module in chosen if module is not None)]))
 
     def setup(self) -> None:
         """Prepare a worker process; places are made when an episode needs them."""
@@ -204,7 +223,7 @@ def _facts(spec: EpisodeSpec) -> dict[str, Any]:
         "seed": spec.seed,
         "settings": spec.settings,
         "vary": dict(spec.vary) or None,
-        "place": hashlib.sha256(place_key(spec.scenario).encode()).hexdigest()[:8],
+        "place": short([digest([*spec.content, spec.scenario.resolution])])[:8],
     }
 
 
