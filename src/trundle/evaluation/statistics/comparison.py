@@ -206,7 +206,7 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
     """Compare two evaluations on the missions that both have.
 
     Settings with the same labels are compared with each other. Where no labels are the same, what differs between the
-    two is what is compared: planner `jps` in one with `astar` in the other.
+    two is what is compared: planner `least_cost` in one with `astar` in the other.
 
     Args:
         first: Rows of the first, which is the reference.

@@ -159,6 +159,18 @@ def test_many_worlds_show_those_with_most_failures():
     assert re.search(r"corridor, seed \d+", shown)
 
 
+def test_however_many_fail_the_page_shows_some_and_says_how_many_there_are():
+    rng = np.random.default_rng(0)
+    rows = [
+        replace(row, end_x=float(rng.uniform(-11, 11)), end_y=float(rng.uniform(-11, 11)))
+        for row in make_rows(200, worlds=("office",), planners=("a", "b"), failing=(1.1, 1.1))
+    ]
+    found = page(rows)
+    assert found.shown.count("near (") == 24
+    assert re.search(r"The 24 largest of \d+ clusters are shown", found.shown)
+    assert "1 in 2 failures is marked" in found.shown
+
+
 def test_a_variation_that_decides_is_named():
     rows = make_rows(300, planners=("astar",), failing=(0.0,), vary=True)
     shown = page(rows).shown

@@ -152,8 +152,8 @@ def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
     command = escape(f"trundle evaluate show {folder} --failed")
     return (
         '<section><h2>Failures</h2><p class="note">Failures within 2 m of each other are one cluster, with one of '
-        f"its episodes as the example: ○ start, ◎ goal, and ringed where it ended.{more} All of them: "
-        f"<code>{command}</code></p>"
+        "its episodes as the example: ○ start, ◎ goal (dashed: which way it is), and ringed where it ended."
+        f"{more} All of them: <code>{command}</code></p>"
         f'<div class="figures cards">{"".join(cards)}</div></section>'
     )
 
@@ -198,7 +198,7 @@ def _world_figure(table: Table, place: Place, numbers: dict[tuple[int, int], int
     n, failed = len(place.rows), int((~table.arrived[place.rows]).sum())
     counted = "1 failure" if failed == 1 else f"{failed:,} failures"
     note = "" if place.drawn is not None else " (its map is not in this page)"
-    fewer = "" if step == 1 else f"; every {step}. failure is marked"
+    fewer = "" if step == 1 else f"; 1 in {step} failures is marked"
     text = f"{place.title}: {n:,} episodes, {counted}"
     size = f"0 0 {frame.width:.0f} {frame.height:.0f}"
     return (
@@ -351,6 +351,8 @@ def _thumbnail(place: Place, rows: Sequence[Row]) -> str:
         parts.append(f'<circle class="start" cx="{x:.0f}" cy="{y:.0f}" r="5"/>')
     if example.goal_x is not None and example.goal_y is not None:
         x, y = place_at(example.goal_x, example.goal_y)
+        ended = place_at(*(_failed_at(example) or (0.0, 0.0)))
+        parts.append(f'<path class="aim" d="M{ended[0]:.0f} {ended[1]:.0f}L{x:.0f} {y:.0f}"/>')
         parts.append(f'<g class="goal" transform="translate({x:.0f} {y:.0f})"><circle r="7"/><circle r="1.5"/></g>')
     for row in rows[:_MOST_MARKS][::-1]:
         x, y = place_at(*(_failed_at(row) or (0.0, 0.0)))

@@ -63,8 +63,10 @@ figure b{font-size:.96rem}
 .lost{fill:none;stroke:var(--fail);stroke-width:1.3;opacity:.55;stroke-linejoin:round}
 .route{fill:none;stroke:var(--trail);stroke-width:2.4;stroke-linejoin:round}
 .halo{fill:none;stroke:var(--page);stroke-width:5;opacity:.75}
+.aim{fill:none;stroke:var(--good);stroke-width:1.4;stroke-dasharray:2 4}
 .ring{fill:none;stroke:var(--ink);stroke-width:1.6}
-.number circle{fill:var(--ink)}.number text{fill:var(--page);font-weight:700;text-anchor:middle}
+.number circle{fill:var(--ink);stroke:var(--page);stroke-width:3}
+.number text{fill:var(--page);font-weight:700;text-anchor:middle}
 .scale{stroke:var(--ink);stroke-width:2}.under{stroke:var(--page);stroke-width:5;opacity:.8}
 .scaletext{fill:var(--ink);stroke:var(--page);stroke-width:3;paint-order:stroke}
 .start{fill:#fff;stroke:var(--accent);stroke-width:3}.goal{fill:none;stroke:var(--good);stroke-width:3.5}
