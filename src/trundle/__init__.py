@@ -8,10 +8,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from trundle.lazy import lazy_names
+from trundle.version import __version__
 
 if TYPE_CHECKING:
     from trundle.costmap import Costmap, CostmapSettings
     from trundle.errors import InputError, PlanningError, TrundleError
+    from trundle.evaluation import Evaluation, Suite, evaluate
     from trundle.geometry import Goal, Pose2D, Twist2D
     from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
     from trundle.sim import RobotState, simulate
     from trundle.worlds import World
 
-__version__ = "0.1.0"
-
 __getattr__ = lazy_names(
     __name__,
     {
@@ -30,6 +30,7 @@ __getattr__ = lazy_names(
         "Costmap": "trundle.costmap",
         "CostmapSettings": "trundle.costmap",
         "Episode": "trundle.mission",
+        "Evaluation": "trundle.evaluation",
         "Goal": "trundle.geometry",
         "HeightField": "trundle.maps",
         "InputError": "trundle.errors",
@@ -43,9 +44,11 @@ __getattr__ = lazy_names(
         "Robot": "trundle.robots",
         "RobotState": "trundle.sim",
         "Scenario": "trundle.mission",
+        "Suite": "trundle.evaluation",
         "TrundleError": "trundle.errors",
         "Twist2D": "trundle.geometry",
         "World": "trundle.worlds",
+        "evaluate": "trundle.evaluation",
         "run": "trundle.mission",
         "sample_mission": "trundle.mission",
         "simulate": "trundle.sim",
@@ -57,6 +60,7 @@ __all__ = [
     "Costmap",
     "CostmapSettings",
     "Episode",
+    "Evaluation",
     "Goal",
     "HeightField",
     "InputError",
@@ -70,10 +74,12 @@ __all__ = [
     "Robot",
     "RobotState",
     "Scenario",
+    "Suite",
     "TrundleError",
     "Twist2D",
     "World",
     "__version__",
+    "evaluate",
     "run",
     "sample_mission",
     "simulate",

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
-from trundle import __version__
 from trundle.errors import InputError, TrundleError, UnknownNameError
+from trundle.version import __version__
 
 if TYPE_CHECKING:
     from cyclopts import App
@@ -39,6 +39,7 @@ VERBS = {
     ),
     "plan": ("trundle.cli.plan:app", "Plan a path on a map and draw it."),
     "run": ("trundle.cli.run:app", "Drive a robot through a map, a world or a scenario to its goal."),
+    "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, compare and judge them."),
     "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
     "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),

@@ -7,7 +7,8 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import missions, options, scenarios
+from trundle.cli.shared import evaluations, missions, options, scenarios
+from trundle.errors import InputError
 
 app = App(
     name="run",
@@ -21,6 +22,7 @@ app = App(
         "  trundle run warehouse --planner least_cost --inflation-radius 0.8 --goal-tolerance 0.1\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json\n"
+        "  trundle run --from runs/nightly:7f3a21\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
     ),
 )
@@ -28,10 +30,11 @@ app = App(
 
 @app.default
 def run(
-    source: str,
+    source: str | None = None,
     /,
     *,
     given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
+    from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -49,9 +52,20 @@ def run(
         source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name (warehouse, office,
             maze, cylinders, corridors, lot), or a world's file. With
             --backend isaac also an environment of Isaac Sim whose file is at hand.
+        from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
         video: Write video.mp4.
         view: Watch it in a window while it drives, where there is a screen.
         out: Folder to write into, which must not hold a run; left out: a new one under runs.
     """
-    scenario = given.make(source)
+    if from_ is not None:
+        if source is not None or given != scenarios.DEFAULTS:
+            raise InputError(
+                "--from repeats an episode exactly: give no map, world or setting with it. To change something, give "
+                "other options with the scenario.yaml that it writes"
+            )
+        scenario = evaluations.find_scenario(from_)
+    elif source is None:
+        raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
+    else:
+        scenario = given.make(source)
     return missions.drive(scenario, out=out, overwrite=overwrite, video=video, view=view, json=json, quiet=quiet)

@@ -1,3 +1,25 @@
 """Evaluation: thousands of missions run, judged and compared."""
 
-__all__: list[str] = []
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from trundle.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from trundle.evaluation.evaluation import Evaluation, evaluate
+    from trundle.evaluation.row import Row
+    from trundle.evaluation.suite import Suite, suite_names
+
+__all__ = ["Evaluation", "Row", "Suite", "evaluate", "suite_names"]
+
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "Evaluation": "trundle.evaluation.evaluation",
+        "Row": "trundle.evaluation.row",
+        "Suite": "trundle.evaluation.suite",
+        "evaluate": "trundle.evaluation.evaluation",
+        "suite_names": "trundle.evaluation.suite",
+    },
+)

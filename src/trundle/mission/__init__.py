@@ -2,10 +2,11 @@
 
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
+from trundle.mission.fields import RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer, RunInfo, Step
 from trundle.mission.sampling import sample_mission, sample_tight_ends
-from trundle.mission.scenario import Mission, RunSettings, Scenario, Setting
+from trundle.mission.scenario import Mission, Scenario, Setting
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [

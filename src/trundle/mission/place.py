@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from trundle.errors import ScenarioError
 from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.choices import MapOptions
+from trundle.mission.fields import ScenarioFields
 from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
-
-if TYPE_CHECKING:
-    from trundle.mission.scenario import Scenario
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
@@ -49,7 +47,7 @@ class Place:
     speed_mask: SpeedMask | None
 
 
-def make_place(scenario: Scenario) -> Place:
+def make_place(scenario: ScenarioFields) -> Place:
     """Make the world, the robot and the map of a scenario.
 
     Raises:
@@ -69,7 +67,7 @@ def make_place(scenario: Scenario) -> Place:
     )
 
 
-def place_key(scenario: Scenario) -> str:
+def place_key(scenario: ScenarioFields) -> str:
     """What `make_place` depends on, as JSON: scenarios of one key have one place."""
     fields = ("map", "map_options", "compat", "keepout", "speed_mask", "robot", "resolution", "floor_z")
     key = scenario.model_dump(mode="json", include={"world", *fields})
@@ -83,12 +81,12 @@ def place_key(scenario: Scenario) -> str:
     return json.dumps(key, sort_keys=True)
 
 
-def _unknown(scenario: Scenario) -> Any:
+def _unknown(scenario: ScenarioFields) -> Any:
     walls = scenario.map_options or MapOptions()
     return walls.unknown or ("solid" if scenario.unknown == "blocked" else "free")
 
 
-def _make_world(scenario: Scenario, robot: Robot) -> tuple[World, OccupancyGrid, float]:
+def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, OccupancyGrid, float]:
     """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
     if scenario.map is not None:
         grid = OccupancyGrid.load(scenario.map, compat=scenario.compat)
@@ -109,7 +107,7 @@ def _make_world(scenario: Scenario, robot: Robot) -> tuple[World, OccupancyGrid,
     return world, grid, floor_z
 
 
-def _choose_floor(scenario: Scenario, world: World, robot: Robot) -> float:
+def _choose_floor(scenario: ScenarioFields, world: World, robot: Robot) -> float:
     """Height of the floor [m]; that of a generated world is 0."""
     choice = scenario.world
     if scenario.floor_z is not None or choice is None or not choice.is_file or scenario.backend.name == "isaac":
@@ -119,7 +117,7 @@ def _choose_floor(scenario: Scenario, world: World, robot: Robot) -> float:
     return find_floor(world, robot, Pose2D.of(scenario.start))
 
 
-def _map_bounds(scenario: Scenario, world: World, robot: Robot) -> Bounds | None:
+def _map_bounds(scenario: ScenarioFields, world: World, robot: Robot) -> Bounds | None:
     """Bounds that hold a file's world, and the robot at its start and goals near it; none where that is the world.
 
     A file's world may have no walls around it, and a robot comes from outside.

@@ -16,7 +16,6 @@ from typing import Self
 
 from PIL import Image
 
-from trundle import __version__
 from trundle.errors import OutputError, TrundleError
 from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
@@ -24,6 +23,7 @@ from trundle.mission.path_file import save_paths
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.overlay import draw_run
 from trundle.record.video import MakeFrames, Report, write_video
+from trundle.version import __version__
 
 _LOGGER = logging.getLogger(__name__)
 

@@ -16,6 +16,11 @@ def print_json(value: object) -> None:
     print(json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False))
 
 
+def print_json_line(value: object) -> None:
+    """Print one JSON value on one line, as the last of several."""
+    print(json.dumps(plain(value), allow_nan=False, ensure_ascii=False), flush=True)
+
+
 def print_error(error: Exception, *, hint: str = "") -> None:
     """Print an error as one JSON value: its type, its message, and what to do where that is apart from it."""
     fields = {"type": type(error).__name__, "message": str(error), **({"hint": hint} if hint else {})}

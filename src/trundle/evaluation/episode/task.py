@@ -112,8 +112,8 @@ class EpisodeTask:
         """
         wall, cpu = clock.perf_counter(), clock.process_time()
         spec = self.suite.spec(index)
-        known = _facts(spec)
-        note({"stage": "setup", "part": _part(spec), "row": known})
+        known = facts_of(spec)
+        note({"stage": "setup", "part": parts_of(spec)[0], "row": known})
         mission = self._find_mission(spec)
         known |= _ends(mission)
         episode, truth = self._drive(spec, mission, known, note)
@@ -177,10 +177,11 @@ class EpisodeTask:
         self, spec: EpisodeSpec, mission: _Mission, known: dict[str, Any], note: Note
     ) -> tuple[Episode | PlanningError, Truth | None]:
         scenario, kept = mission.scenario, mission.kept
-        note({"stage": "setup", "part": f"planner {spec.planner}, controller {spec.controller}", "row": known})
+        _, navigation, simulation = parts_of(spec)
+        note({"stage": "setup", "part": navigation, "row": known})
         costmap = kept.costmap(scenario.part(CostmapSettings))
         setting = scenario.prepare(kept.place, costmap=costmap, planner=spec.plugin.planner())
-        note({"stage": "setup", "part": f"backend {spec.backend} in {_part(spec)}", "row": known})
+        note({"stage": "setup", "part": simulation, "row": known})
         sim = kept.simulator(scenario)
         note({"stage": "drive", "row": known})
         measure = _Measured(kept)
@@ -202,15 +203,23 @@ class EpisodeTask:
         return episode, measure.truth
 
 
-def _part(spec: EpisodeSpec) -> str:
-    """The place of an episode, in words: of generated worlds that each seed has its own of, with the seed."""
+def parts_of(spec: EpisodeSpec) -> tuple[str, str, str]:
+    """What is set up for an episode, in words: its place, planner and controller there, and simulator there.
+
+    A part that cannot be set up for one episode cannot be for another that needs the same.
+    """
     choice = spec.scenario.world
     seeded = choice is not None and not choice.is_file and choice.seed is None
-    return f"world {spec.world}, robot {spec.robot}" + (f", seed {spec.seed}" if seeded else "")
+    place = f"world {spec.world}, robot {spec.robot}" + (f", seed {spec.seed}" if seeded else "")
+    return (
+        place,
+        f"planner {spec.planner}, controller {spec.controller}, settings {spec.settings!r} in {place}",
+        f"backend {spec.backend} in {place}",
+    )
 
 
-def _facts(spec: EpisodeSpec) -> dict[str, Any]:
-    """Columns that are known before anything is made."""
+def facts_of(spec: EpisodeSpec) -> dict[str, Any]:
+    """Columns that are known before anything is made; the mission's hash is empty."""
     return {
         "id": spec.id,
         "mission": "",

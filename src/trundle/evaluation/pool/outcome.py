@@ -25,7 +25,7 @@ class Task(Protocol):
         """Called once in each worker, before its first job."""
         ...
 
-    def __call__(self, job: Any, note: Note) -> Any:
+    def __call__(self, job: Any, note: Note, /) -> Any:
         """Do a job; what it returns is pickled.
 
         Args:

@@ -21,6 +21,8 @@ from trundle.evaluation.pool.places import describe_place
 from trundle.evaluation.pool.verdict import MOST_KILLS, Judge, Verdict
 from trundle.values import check_count, check_number
 
+MOST_WORKERS = 4096
+
 SETUP_S = 300.0
 """For starting a worker and the task's `setup` [s]."""
 
@@ -76,7 +78,7 @@ class Pool:
         environment: Mapping[str, str] | None = None,
         fork: bool | None = None,
     ) -> None:
-        self._most = check_count("workers", workers, 1, 4096)
+        self._most = check_count("workers", workers, 1, MOST_WORKERS)
         self._deadline_s = None if deadline_s is None else check_number("deadline_s", deadline_s, 1e-3, 1e9, "s")
         self._memory_bytes = (
             None if memory_mb is None else int(check_number("memory_mb", memory_mb, 1, 1e9, "MB") * 1e6)

@@ -10,7 +10,7 @@ from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import trundle
+import trundle.version
 from trundle._core import _kernels
 
 COMMIT = "commit"
@@ -31,12 +31,12 @@ def code_versions(packages: Iterable[str] = ()) -> dict[str, str]:
     Args:
         packages: Further packages to list, for example of plug-ins.
     """
-    versions = {"trundle": trundle.__version__, "python": platform.python_version()}
+    versions = {"trundle": trundle.version.__version__, "python": platform.python_version()}
     for package in (*_PACKAGES, *packages):
         with suppress(PackageNotFoundError):
             versions[package] = version(package)
     versions["machine"] = platform.machine()
-    package = Path(trundle.__file__).parent
+    package = Path(trundle.version.__file__).parent
     versions[SOURCES] = _digest(sorted(_sources(package)), package)
     compiled = Path(str(_kernels.__file__))
     versions[KERNELS] = _digest([compiled], compiled.parent)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from trundle.control import create_controller
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.statistics import Gate
+from trundle.evaluation.suite.expand import Expansion
+from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.mission.choices import MapOptions
@@ -19,21 +21,16 @@ from trundle.sim.simulator import SIMULATORS
 from trundle.worlds.options import check_options
 from trundle.worlds.world import WORLDS
 
-if TYPE_CHECKING:
-    from trundle.evaluation.suite.expand import Expansion
-    from trundle.evaluation.suite.suite import Suite
-
 MOST_EPISODES = 10_000_000
 """More than this is a mistake, or several evaluations."""
 
 
-def check_suite(suite: Suite) -> None:
+def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
     """Check the number of episodes, names, options and files of a suite.
 
     Raises:
         InputError: What is wrong, and what to do.
     """
-    expansion = suite.expansion
     if expansion.total > MOST_EPISODES:
         product = " × ".join(f"{size:,} {name}" for name, size in expansion.factors().items())
         raise InputError(

@@ -9,19 +9,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from trundle.costmap.settings import check_unknown_cost
 from trundle.errors import InputError
+from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.identity import digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.evaluation.suite.spec import EpisodeSpec
 from trundle.evaluation.suite.vary import apply
 from trundle.mission import Scenario
-
-if TYPE_CHECKING:
-    from trundle.evaluation.suite.suite import Suite
 
 _MOST_CHECKED = 1000
 _ROLES = ("planner", "controller", "backend")
@@ -51,7 +49,7 @@ class Expansion:
         worlds, robots, planners, controllers, backends: Labels.
     """
 
-    def __init__(self, suite: Suite) -> None:
+    def __init__(self, suite: SuiteFields) -> None:
         self._suite = suite
         self._missions: list[Missions] = [world.missions or suite.missions for world in suite.worlds]
         self._settings = suite.crossed()

@@ -37,6 +37,11 @@ def mission_hash(content: tuple[str, str], start: Pose2D, goals: Iterable[Goal],
     return short([digest([*content, ends, seed])])
 
 
+def unsampled_hash(content: tuple[str, str], rule: dict[str, Any], seed: int) -> str:
+    """Hash in place of a mission's, where its start and goal could not be sampled: of how they would have been."""
+    return short([digest([*content, rule, seed])])
+
+
 def robot_content(robot: str) -> bytes:
     """Hash of a robot, wherever its description is."""
     return digest(Robot.load(robot).model_dump(mode="json"))

@@ -6,18 +6,15 @@ import os
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Any, Self
 
 import yaml
-from pydantic import AfterValidator, BeforeValidator, Field
-from pydantic_core import PydanticCustomError
 
-from trundle.errors import InputError, UnknownNameError
-from trundle.evaluation.statistics import Gate
-from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
-from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
-from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
-from trundle.evaluation.suite.vary import Vary
+from trundle.errors import UnknownNameError
+from trundle.evaluation.suite.check import check_suite
+from trundle.evaluation.suite.expand import Expansion
+from trundle.evaluation.suite.fields import SuiteFields
+from trundle.evaluation.suite.spec import EpisodeSpec
 from trundle.files.choice import shorten
 from trundle.files.field_docs import describe_fields
 from trundle.files.kinds import SUITE
@@ -27,74 +24,15 @@ from trundle.files.yaml_config import build, load_config
 from trundle.robots import is_robot_file
 from trundle.values import as_path
 
-if TYPE_CHECKING:
-    from trundle.evaluation.suite.expand import Expansion
-    from trundle.evaluation.suite.spec import EpisodeSpec
-
-
-def _some(kind: Any) -> BeforeValidator:
-    """Validate that a single value is taken as a list of one, and that a list is not empty."""
-    return BeforeValidator(read_items, json_schema_input_type=kind | list[kind])
-
-
 _SUFFIXES = (".yaml", ".yml")
 
 
-def _refuse_deadline(_: object) -> None:
-    raise PydanticCustomError(
-        "deadline",
-        "planning has no deadline on the clock inside an evaluation, as the episodes would depend on how busy the "
-        "computer is; limit the search instead ({{name: hybrid_astar, options: {{max_expansions: 50000}}}}), or the "
-        "whole episode (limits: {{wall_s: 60}})",
-        {},
-    )
-
-
-def _check_requirement(text: str) -> str:
-    try:
-        Gate.parse(text)
-    except InputError as error:
-        raise PydanticCustomError("requirement", "{what}", {"what": str(error)}) from None
-    return text
-
-
-class Suite(CrossedSettings):
+class Suite(SuiteFields):
     """Which episodes an evaluation runs: every world with its missions, crossed with robots, planners and settings.
 
-    Beside its own fields it has settings of a scenario; one that is given as a list is crossed. Every field that takes
-    a list takes a single value as well.
-
-    Attributes:
-        name: Name of the suite.
-        worlds: Where the robots drive: generated worlds, maps and worlds' files.
-        robots: Catalogue names or paths of robots' YAML; a path in a file is relative to that file.
-        planners: Planners by name, `{name: …, options: {…}}`, or `module:Class`. In Python also planners, classes of
-            planners, and functions (costmap, start, goal) → path or poses.
-        controllers: Controllers, likewise, but for Python objects.
-        smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
-        backends: Simulators, likewise.
-        missions: Where the robots are to go.
-        vary: What differs between what the robot was designed for and what it drives with.
-        limits: What an episode may take.
-        require: What must hold of the results: "success>=0.99".
-        planning_deadline_s: Must be left out: planning has no deadline on the clock inside an evaluation.
+    Its fields are those of `SuiteFields`, and settings of a scenario; one that is given as a list is crossed. Every
+    field that takes a list takes a single value as well.
     """
-
-    name: str | None = None
-    worlds: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)]
-    robots: Annotated[tuple[str, ...], _some(str)] = ("nova_carter",)
-    planners: Annotated[tuple[Planner, ...], _some(Planner)] = (PluginChoice(name="auto"),)
-    controllers: Annotated[tuple[Controller, ...], _some(Controller)] = (PluginChoice(name="regulated_pure_pursuit"),)
-    smoothers: Annotated[tuple[Smoother, ...], _some(Smoother)] = (None,)
-    backends: Annotated[tuple[Backend, ...], _some(Backend)] = (PluginChoice(name="mujoco"),)
-    missions: MissionsField = Missions(seeds=20)
-    vary: Vary = Vary()
-    limits: Limits = Limits()
-    require: Annotated[
-        tuple[Annotated[str, AfterValidator(_check_requirement)], ...],
-        BeforeValidator(as_items, json_schema_input_type=str | list[str]),
-    ] = ()
-    planning_deadline_s: Annotated[None, BeforeValidator(_refuse_deadline)] = Field(default=None, exclude=True)
 
     @classmethod
     def make(cls, **settings: Any) -> Self:
@@ -159,8 +97,6 @@ class Suite(CrossedSettings):
     @cached_property
     def expansion(self) -> Expansion:
         """Its episodes by number, made one by one."""
-        from trundle.evaluation.suite.expand import Expansion
-
         return Expansion(self)
 
     def __len__(self) -> int:
@@ -185,19 +121,13 @@ class Suite(CrossedSettings):
         Raises:
             InputError: What is wrong, and what to do.
         """
-        from trundle.evaluation.suite.check import check_suite
-
-        check_suite(self)
+        check_suite(self, self.expansion)
 
     def __repr__(self) -> str:
         return f"Suite({self.title!r}, {self.expansion.total:,} episodes)"
 
     def __str__(self) -> str:
         return repr(self)
-
-    def crossed(self) -> dict[str, tuple[Any, ...]]:
-        """Settings of the scenario that it gives, each with its values."""
-        return {name: getattr(self, name) for name in CROSSED if name in self.model_fields_set}
 
     def _with_paths(self, moved: Any) -> Self:
         worlds = [

@@ -1,0 +1,9 @@
+"""`trundle evaluate`: thousands of missions, run, compared and judged."""
+
+from trundle.cli.evaluate.run import app
+
+app.command("trundle.cli.evaluate.report:app", name="report", help="Write report.html, junit.xml and summary.json.")
+app.command("trundle.cli.evaluate.compare:app", name="compare", help="Compare two evaluations of the same missions.")
+app.command("trundle.cli.evaluate.show:app", name="show", help="List episodes, each with the command that repeats it.")
+
+__all__ = ["app"]

@@ -1,0 +1,106 @@
+"""One line that says how far an evaluation is; with --json, one JSON line a second."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from typing import Self
+
+from trundle.evaluation.engine import Progress
+
+_WIDTH = 79
+_EVERY_S = {"terminal": 0.2, "plain": 10.0, "json": 1.0}
+
+
+class ProgressLine:
+    """Shows the progress of an evaluation; use it in a `with` block.
+
+    On a terminal it is a line that is written over; elsewhere a line every ten seconds, both on the error stream. As
+    JSON it is a line a second on stdout.
+
+    Args:
+        json: Print JSON lines.
+        quiet: Show nothing; JSON lines are printed all the same.
+    """
+
+    def __init__(self, *, json: bool = False, quiet: bool = False) -> None:
+        self._kind = "json" if json else "terminal" if sys.stderr.isatty() else "plain"
+        self._hidden = quiet and not json
+        self._next = 0.0
+        self._last: Progress | None = None
+        self._shown = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._last is not None:
+            self._print(self._last)
+        if self._kind == "terminal" and self._shown:
+            print(file=sys.stderr)
+
+    def show(self, progress: Progress) -> None:
+        """Show it, if the last time is long enough ago."""
+        self._last = progress
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + _EVERY_S[self._kind]
+            self._print(progress)
+
+    def _print(self, progress: Progress) -> None:
+        if self._hidden:
+            return
+        self._shown = True
+        if self._kind == "json":
+            print(json.dumps(as_dict(progress)), flush=True)
+        elif self._kind == "plain":
+            print(describe(progress), file=sys.stderr, flush=True)
+        else:
+            print(f"\r{describe(progress):<{_WIDTH}}", end="", file=sys.stderr, flush=True)
+
+
+def describe(progress: Progress) -> str:
+    """Done, rate, time left, success with its interval, and outcomes so far, in at most 79 columns."""
+    parts = [f"{progress.done:,}/{progress.total:,}"]
+    counts = sum(progress.outcomes.values())
+    if counts:
+        low, high = progress.success
+        share = progress.outcomes["arrived"] / counts
+        parts += [f"{progress.rate:.3g}/s", f"{_duration(progress.left_s)} left"]
+        parts.append(f"arrived {100.0 * share:.1f} % ({100.0 * low:.1f}-{100.0 * high:.1f})")
+        others = [(name, count) for name, count in progress.outcomes.most_common() if name != "arrived"]
+        parts += [f"{count:,} {name}" for name, count in others]
+    line = ""
+    for part in parts:
+        longer = f"{line}  {part}" if line else part
+        if len(longer) > _WIDTH - 2:
+            return f"{line} …"
+        line = longer
+    return line
+
+
+def as_dict(progress: Progress) -> dict[str, object]:
+    """The same as plain values."""
+    counts = sum(progress.outcomes.values())
+    low, high = progress.success
+    return {
+        "done": progress.done,
+        "total": progress.total,
+        "resumed": progress.resumed,
+        "rate": round(progress.rate, 3),
+        "left_s": None if progress.left_s is None else round(progress.left_s, 1),
+        "outcomes": dict(progress.outcomes),
+        "success": progress.outcomes["arrived"] / counts if counts else None,
+        "success_low": low,
+        "success_high": high,
+        "folder": str(progress.folder),
+    }
+
+
+def _duration(seconds: float | None) -> str:
+    if seconds is None:
+        return "?"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

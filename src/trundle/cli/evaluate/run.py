@@ -1,0 +1,122 @@
+"""`trundle evaluate`: run the episodes of a suite, and judge them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from trundle.cli.evaluate import verdict
+from trundle.cli.evaluate.progress import ProgressLine
+from trundle.cli.shared import options, output, sources
+from trundle.cli.shared.given import check_given
+from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation import Evaluation, Suite, suite_names
+from trundle.evaluation.engine import InterruptedEvaluationError, run_suite
+from trundle.files.kinds import MAP, SUITE, WORLD, find_kind
+from trundle.worlds import world_names
+
+app = App(
+    name="evaluate",
+    version_flags=[],
+    help_epilogue=(
+        "Examples:\n"
+        "  trundle evaluate smoke\n"
+        "  trundle evaluate map.yaml --planners auto,astar --backends kinematic --seeds 0:100\n"
+        "  trundle evaluate suite.yaml -o runs/nightly --workers 16 --require 'success>=0.99'\n"
+        "  trundle evaluate show runs/nightly --failed\n"
+        "  trundle evaluate compare runs/before runs/after"
+    ),
+)
+
+
+def _names(help_text: str) -> Any:
+    return Parameter(help=help_text, negative="")
+
+
+_INTERRUPTED = 130
+"""128 + SIGINT, as shells count."""
+
+
+@app.default
+def run(
+    *given: str,
+    robots: Annotated[str | None, _names("Robots, separated by commas: names or files.")] = None,
+    planners: Annotated[str | None, _names("Planners, separated by commas: auto,astar.")] = None,
+    controllers: Annotated[str | None, _names("Controllers, separated by commas.")] = None,
+    backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
+    seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
+    time_limit: float | None = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    workers: options.Integer | None = None,
+    require: verdict.Require = (),
+    mixed: Annotated[bool, Parameter(negative="")] = False,
+    overwrite: options.Overwrite = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> int:
+    """Run thousands of missions, and judge them.
+
+    Writes a folder with suite.yaml, the rows (journal.jsonl, parts/*.parquet), report.html, junit.xml and summary.json.
+    The same command continues an evaluation that was stopped. Exit code 1 says that a requirement was not met.
+
+    Args:
+        given: A suite (a file, or smoke, tight or warehouses, which trundle ships), or maps and worlds, whose missions
+            are picked by seed.
+        time_limit: Simulated time after which an episode is stopped [s].
+        out: Folder to write into, or to continue; left out: a new one under runs.
+        workers: Number of processes; left out: one for each CPU.
+        mixed: Continue although the code has changed since the earlier rows.
+    """
+    if len(given) == 0:
+        raise InputError(
+            f"give a suite ({', '.join(suite_names())}, or a file), or maps and worlds; trundle evaluate --help has "
+            "examples"
+        )
+    lists = {"robots": robots, "planners": planners, "controllers": controllers, "backends": backends}
+    changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
+    if seeds is not None:
+        changes["missions"] = {"seeds": _read_seeds(seeds)}
+    if time_limit is not None:
+        changes["limits"] = {"time_limit_s": time_limit}
+    if require:
+        changes["require"] = require
+    suite = _make_suite(given, changes)
+    try:
+        with ProgressLine(json=json, quiet=quiet) as line:
+            folder = run_suite(suite, out, workers=workers, mixed=mixed, overwrite=overwrite, on_progress=line.show)
+    except InterruptedEvaluationError as stopped:
+        output.remark(f"trundle: {stopped}", quiet=False)
+        return _INTERRUPTED
+    return verdict.give(Evaluation(folder, suite=suite), json=json)
+
+
+def _read_seeds(text: str) -> object:
+    numbers = _split(text)
+    if not all(part.isdecimal() for part in numbers):
+        return text
+    return [int(part) for part in numbers] if len(numbers) > 1 else int(text)
+
+
+def _split(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
+    """The suite that is given, changed by the options; or one of maps and worlds."""
+    for text in given:
+        check_given(text, SUITE, MAP, WORLD)
+    suites = [text for text in given if text in suite_names() or find_kind(text) == SUITE]
+    if not suites:
+        unknown = [text for text in given if not sources.looks_like_file(text) and text not in world_names()]
+        if unknown:
+            raise UnknownNameError("suite or world", unknown[0], [*suite_names(), *world_names()])
+        return Suite.make(worlds=list(given), **changes)
+    if len(given) > 1:
+        raise InputError(f"give one suite alone, or maps and worlds; got {' '.join(given)}")
+    base = Suite.load(suites[0])
+    for part in ("missions", "limits"):
+        if part in changes:
+            changes[part] = {**getattr(base, part).model_dump(exclude_unset=True), **changes[part]}
+    return Suite.make(**{**{name: getattr(base, name) for name in base.model_fields_set}, **changes})

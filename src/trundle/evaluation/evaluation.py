@@ -1,0 +1,200 @@
+"""`Evaluation`: the episodes in a folder as one value, and `evaluate`, which makes one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trundle.errors import TrundleError
+from trundle.evaluation.engine import OnProgress, run_suite
+from trundle.evaluation.episode import EpisodeTask
+from trundle.evaluation.report.summary import count_outcomes, summarise
+from trundle.evaluation.report.write import HTML, write_reports
+from trundle.evaluation.row import Row
+from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
+from trundle.evaluation.store import Results
+from trundle.evaluation.suite import Suite
+from trundle.maps import OccupancyGrid
+from trundle.mission import Scenario
+
+if TYPE_CHECKING:
+    import pandas  # pyright: ignore[reportMissingImports] - an extra
+
+
+def evaluate(
+    suite: Suite | str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    workers: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    mixed: bool = False,
+    overwrite: bool = False,
+    on_progress: OnProgress | None = None,
+) -> Evaluation:
+    """Run a suite's episodes in worker processes, and write the report.
+
+    Args:
+        suite: A suite, the path of one, the name of one that trundle ships, or the fields of one.
+        workers: Number of worker processes; none means one for each CPU.
+        out: Folder for the rows and the report; none means a new `runs/<time>-<name>`. An unfinished evaluation in it
+            is continued.
+        mixed: Continue although earlier rows were made by other code.
+        overwrite: Delete the evaluation that the folder holds.
+        on_progress: Called at the start and after every episode.
+
+    Raises:
+        InputError: If the suite cannot be run.
+        OutputError: If the folder cannot be used.
+        InterruptedEvaluationError: After Ctrl-C; the same call with this folder as `out` continues.
+    """
+    if isinstance(suite, Mapping):
+        suite = Suite.make(**suite)
+    elif not isinstance(suite, Suite):
+        suite = Suite.load(suite)
+    folder = run_suite(suite, out, workers=workers, mixed=mixed, overwrite=overwrite, on_progress=on_progress)
+    evaluation = Evaluation(folder, suite=suite)
+    evaluation.write_report()
+    return evaluation
+
+
+class Evaluation:
+    """The episodes in the folder of an evaluation: those that it held when this was made.
+
+    Args:
+        folder: The folder that `trundle evaluate` wrote; its evaluation may be unfinished.
+        suite: The suite, where it is known; none reads the folder's, which has no Python objects.
+
+    Attributes:
+        folder: The folder.
+        results: Its rows.
+
+    Raises:
+        InputError: If the folder holds no evaluation, or is damaged.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], *, suite: Suite | None = None) -> None:
+        self.folder = Path(folder)
+        self.results = Results.open(self.folder)
+        self._suite = suite
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __repr__(self) -> str:
+        arrived = int(self.table.arrived.sum())
+        return f"Evaluation({str(self.folder)!r}, {len(self)} of {self.results.total} episodes, {arrived} arrived)"
+
+    @cached_property
+    def suite(self) -> Suite:
+        """What was run."""
+        return self._suite or Suite.load(self.folder / "suite.yaml")
+
+    @cached_property
+    def table(self) -> Table:
+        """Its rows by column."""
+        return Table.of(self.results.rows())
+
+    @property
+    def success(self) -> Interval:
+        """Wilson's 95 % interval of the share of episodes that arrived."""
+        return wilson(int(self.table.arrived.sum()), len(self))
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many episodes ended how: `arrived` first, then the others from the most frequent."""
+        return count_outcomes(self.table)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all episodes of the suite have a row."""
+        return len(self) >= self.results.total
+
+    def rows(self) -> Iterator[Row]:
+        """Its rows, by index."""
+        return self.results.rows()
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Its rows as a data frame (extra `evaluate`)."""
+        return self.results.to_pandas()
+
+    def query(self, sql: str) -> pandas.DataFrame:
+        """Ask in SQL, e.g. `SELECT planner, avg(spl) FROM episodes GROUP BY planner` (extra `evaluate`).
+
+        Raises:
+            InputError: If the query cannot be run.
+        """
+        return self.results.query(sql)
+
+    def gates(self, require: Sequence[str] | None = None) -> list[GateResult]:
+        """Judge it by requirements; none means the suite's.
+
+        Raises:
+            InputError: If one cannot be read, or names what there is not.
+        """
+        return [gate.judge(self.table) for gate in self._parse(require)]
+
+    def summary(self, require: Sequence[str] | None = None) -> dict[str, Any]:
+        """The figures of `summary.json`."""
+        return summarise(self.table, total=self.results.total, gates=self.gates(require))
+
+    def compare(self, other: Evaluation | str | os.PathLike[str]) -> Comparison:
+        """Compare it, as the reference, with another evaluation of the same missions.
+
+        Raises:
+            InputError: If they have no mission in common.
+        """
+        after = other if isinstance(other, Evaluation) else Evaluation(other)
+        return compare(self.table, after.table, names=(str(self.folder), str(after.folder)))
+
+    def scenario_of(self, prefix: str) -> Scenario:
+        """The exact scenario of the episode whose id starts so; running it repeats the episode.
+
+        Raises:
+            InputError: If there is none or more than one, or the suite's files have changed since.
+        """
+        row = self.results.find(prefix)
+        return EpisodeTask(self.suite).scenario_of(row.index)
+
+    def map_of(self, place: str) -> OccupancyGrid | None:
+        """The map of a place by the key that its rows have; None where it cannot be made (any more).
+
+        It knows the places of `table.failed` and `table.examples`, which reports draw.
+        """
+        examples = chain(self.table.failed, *self.table.examples.values())
+        row = next((row for row in examples if row.place == place), None)
+        if row is None:
+            return None
+        try:
+            return EpisodeTask(self.suite).grid_of(row.index)
+        except TrundleError:
+            return None
+
+    def write_report(self, require: Sequence[str] | None = None) -> Path:
+        """Write report.html, junit.xml and summary.json into the folder.
+
+        Args:
+            require: What to judge by; none means the suite's requirements.
+
+        Returns:
+            The path of report.html.
+
+        Raises:
+            OutputError: If they cannot be written.
+        """
+        results = self.results
+        write_reports(
+            self.folder,
+            self.table,
+            name=results.name,
+            total=results.total,
+            require=self._parse(require),
+            maps=self.map_of,
+            facts={"started": results.started, **results.versions},
+        )
+        return self.folder / HTML
+
+    def _parse(self, require: Sequence[str] | None) -> list[Gate]:
+        return [Gate.parse(text) for text in (self.suite.require if require is None else require)]

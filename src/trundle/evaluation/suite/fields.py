@@ -1,0 +1,81 @@
+"""`SuiteFields`: what a suite's YAML says."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic_core import PydanticCustomError
+
+from trundle.errors import InputError
+from trundle.evaluation.statistics import Gate
+from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
+from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
+from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
+from trundle.evaluation.suite.vary import Vary
+
+
+def _some(kind: Any) -> BeforeValidator:
+    """Validate that a single value is taken as a list of one, and that a list is not empty."""
+    return BeforeValidator(read_items, json_schema_input_type=kind | list[kind])
+
+
+def _refuse_deadline(_: object) -> None:
+    raise PydanticCustomError(
+        "deadline",
+        "planning has no deadline on the clock inside an evaluation, as the episodes would depend on how busy the "
+        "computer is; limit the search instead ({{name: hybrid_astar, options: {{max_expansions: 50000}}}}), or the "
+        "whole episode (limits: {{wall_s: 60}})",
+        {},
+    )
+
+
+def _check_requirement(text: str) -> str:
+    try:
+        Gate.parse(text)
+    except InputError as error:
+        raise PydanticCustomError("requirement", "{what}", {"what": str(error)}) from None
+    return text
+
+
+class SuiteFields(CrossedSettings):
+    """The fields of a suite; see `Suite`.
+
+    Beside its own fields it has settings of a scenario; one that is given as a list is crossed. Every field that takes
+    a list takes a single value as well.
+
+    Attributes:
+        name: Name of the suite.
+        worlds: Where the robots drive: generated worlds, maps and worlds' files.
+        robots: Catalogue names or paths of robots' YAML; a path in a file is relative to that file.
+        planners: Planners by name, `{name: …, options: {…}}`, or `module:Class`. In Python also planners, classes of
+            planners, and functions (costmap, start, goal) → path or poses.
+        controllers: Controllers, likewise, but for Python objects.
+        smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
+        backends: Simulators, likewise.
+        missions: Where the robots are to go.
+        vary: What differs between what the robot was designed for and what it drives with.
+        limits: What an episode may take.
+        require: What must hold of the results: "success>=0.99".
+        planning_deadline_s: Must be left out: planning has no deadline on the clock inside an evaluation.
+    """
+
+    name: str | None = None
+    worlds: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)]
+    robots: Annotated[tuple[str, ...], _some(str)] = ("nova_carter",)
+    planners: Annotated[tuple[Planner, ...], _some(Planner)] = (PluginChoice(name="auto"),)
+    controllers: Annotated[tuple[Controller, ...], _some(Controller)] = (PluginChoice(name="regulated_pure_pursuit"),)
+    smoothers: Annotated[tuple[Smoother, ...], _some(Smoother)] = (None,)
+    backends: Annotated[tuple[Backend, ...], _some(Backend)] = (PluginChoice(name="mujoco"),)
+    missions: MissionsField = Missions(seeds=20)
+    vary: Vary = Vary()
+    limits: Limits = Limits()
+    require: Annotated[
+        tuple[Annotated[str, AfterValidator(_check_requirement)], ...],
+        BeforeValidator(as_items, json_schema_input_type=str | list[str]),
+    ] = ()
+    planning_deadline_s: Annotated[None, BeforeValidator(_refuse_deadline)] = Field(default=None, exclude=True)
+
+    def crossed(self) -> dict[str, tuple[Any, ...]]:
+        """Settings of the scenario that it gives, each with its values."""
+        return {name: getattr(self, name) for name in CROSSED if name in self.model_fields_set}

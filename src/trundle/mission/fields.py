@@ -1,0 +1,94 @@
+"""`ScenarioFields`: what a scenario's YAML says."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from trundle.control.controller import CONTROLLERS
+from trundle.costmap import CostmapSettings
+from trundle.files.choice import Choice, takes_name
+from trundle.files.config_fields import PoseNumbers, Positive
+from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
+from trundle.navigation import NavigatorSettings
+from trundle.planning.planner import PLANNERS
+from trundle.sim.actuation import Actuation
+
+
+class RunSettings(NavigatorSettings):
+    """Those of a navigator; without a planning deadline, so that a run is the same however busy the computer is.
+
+    Attributes:
+        planning_deadline_s: How long a plan may take [s] of the computer's time, three times at most; none means as
+            long as it takes.
+    """
+
+    planning_deadline_s: Positive | None = None
+
+
+class ScenarioFields(CostmapSettings, RunSettings):
+    """The fields of a scenario; see `Scenario`.
+
+    Beside its own fields it has those of `CostmapSettings` and `RunSettings`.
+
+    Attributes:
+        name: Name of the run; none means robot and place.
+        world: A world, generated or from a file; its map is made as the robot needs it. Either this or `map`.
+        map: Path of a ROS map's YAML, extruded into a world. In a file, it is relative to that file.
+        map_options: How the map is extruded; none means walls of 1 m.
+        floor_z: Height [m] of the floor in the world's file; none means the one under the start, or where none is
+            given, under most of the world (with backend isaac 0, as Isaac Sim takes the file as it is).
+        compat: "humble" reads the map and the masks as ROS 2 Humble does.
+        keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
+        speed_mask: Path of a speed mask's YAML; in a file, relative to that file.
+        robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
+        start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
+        goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
+        goals: Several of these, to be reached in order.
+        planner: Planner by name, or `{name: …, options: {…}}`.
+        controller: Controller, likewise.
+        smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
+        backend: Simulator, likewise.
+        actuation: How the robot's motion differs from what its software believes; none means not at all.
+        seed: For everything random: the world, the picked poses and the simulator.
+        resolution: Edge of a cell [m] of the map that is made of a world.
+        time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
+    """
+
+    name: str | None = None
+    world: Annotated[WorldChoice | None, takes_name(WorldChoice)] = None
+    map: str | None = None
+    map_options: MapOptions | None = None
+    floor_z: float | None = None
+    compat: Literal["humble"] | None = None
+    keepout: str | None = None
+    speed_mask: str | None = None
+    robot: str = "nova_carter"
+    start: PoseNumbers | None = None
+    goal: PoseNumbers | None = None
+    goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
+    planner: Annotated[Choice, takes_name(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
+    controller: Annotated[Choice, takes_name(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
+        name="regulated_pure_pursuit"
+    )
+    smoother: Annotated[Choice | None, takes_name(Choice)] = None
+    backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
+    actuation: Actuation | None = None
+    seed: Annotated[int, Field(ge=0)] = 0
+    resolution: Positive = 0.05
+    time_limit_s: Positive | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.world is None) == (self.map is None):
+            raise ValueError("give either world or map")
+        if self.goal is not None and self.goals is not None:
+            raise ValueError("give either goal or goals")
+        if self.map_options is not None and self.map is None:
+            raise ValueError("map_options say how a map becomes a world: they need map")
+        if self.floor_z is not None and self.world is None:
+            raise ValueError("floor_z is the height of the floor in a world: it needs world")
+        if self.compat is not None and self.map is None:
+            raise ValueError("compat says how a map is read: it needs map")
+        return self

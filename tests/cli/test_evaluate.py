@@ -1,0 +1,119 @@
+import json
+
+import pytest
+
+from support.faulty_planner import FaultyPlanner
+
+
+@pytest.fixture
+def suite(room_map, tmp_path):
+    (tmp_path / "suite.yaml").write_text(
+        f"name: rooms\nworlds: [{room_map}]\nbackends: kinematic\nplanners: [auto, astar]\nmissions: 2\n"
+    )
+    return tmp_path / "suite.yaml"
+
+
+def test_maps_and_worlds_need_no_file(trundle, room_map):
+    done = trundle(
+        "evaluate", room_map, "--planners", "auto,astar", "--backends", "kinematic", "--seeds", "0:2", "-o", "a"
+    )
+    assert done.code == 0, done.err
+    assert "4" in done.out.splitlines()[0]
+    assert "100.0 %" in done.out
+    assert "4/4" in done.err
+
+
+def test_a_suite_is_run_shown_reported_and_compared(trundle, suite, tmp_path):
+    assert trundle("evaluate", suite, "-o", "a", "--quiet").code == 0
+    assert trundle("evaluate", suite, "-o", "b", "--planners", "astar", "--quiet").code == 0
+    shown = trundle("evaluate", "show", "a", "--json")
+    assert [row["planner"] for row in shown.json] == ["auto", "astar"] * 2
+    assert trundle("evaluate", "show", "a", "--failed").out == "no such episode\n"
+    assert trundle("evaluate", "report", "a", "--require", "success>=0.3").code == 0
+    failed = trundle("evaluate", "report", "a", "--require", "success>=0.99")
+    assert failed.code == 1
+    assert "more" in failed.out
+    compared = trundle("evaluate", "compare", "a", "b", "--json")
+    assert compared.code == 0
+    assert compared.json["worse"] is False
+    assert {path.name for path in (tmp_path / "a").iterdir()} >= {
+        "suite.yaml",
+        "journal.jsonl",
+        "parts",
+        "report.html",
+        "junit.xml",
+        "summary.json",
+    }
+
+
+def test_a_finished_evaluation_is_not_run_again(trundle, suite):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    lines = trundle("evaluate", suite, "-o", "a", "--json").out.splitlines()
+    assert json.loads(lines[0])["resumed"] == json.loads(lines[0])["total"] == 4
+    assert json.loads(lines[-1])["episodes"] == 4
+
+
+def test_an_episode_is_run_again_with_its_pictures(trundle, suite, tmp_path):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    row = trundle("evaluate", "show", "a", "--json").json[1]
+    done = trundle("run", "--from", f"a:{row['id'][:6]}", "-o", "again", "--no-video", "--json")
+    assert done.code == 0, done.err
+    assert done.json["time_s"] == row["time_s"]
+    assert done.json["planner"] == "astar"
+    assert (tmp_path / "again" / "overlay.png").exists()
+
+
+def test_failed_episodes_are_listed_with_the_command_that_repeats_them(trundle, room_map, tmp_path):
+    (tmp_path / "suite.yaml").write_text(
+        f"worlds: [{room_map}]\nbackends: kinematic\n"
+        f"planners: [{{name: '{FaultyPlanner.__module__}:FaultyPlanner', label: faulty}}]\n"
+        "missions: [{start: [2.5, 0.0], goal: [5.0, 1.0]}]\n"
+    )
+    trundle("evaluate", "suite.yaml", "-o", "a", "--quiet")
+    shown = trundle("evaluate", "show", "a", "--failed").out
+    assert "error" in shown
+    assert "trundle run --from a:" in shown
+    assert "planted" in shown
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "give a suite"),
+        (["smok"], "Did you mean 'smoke'"),
+        (["room.yaml", "--planners", "astr"], "astar"),
+        (["room.yaml", "--planners", ""], "planners"),
+        (["room.yaml", "--require", "sucess>=0.9"], "success"),
+        (["room.yaml", "--require", "success[planner=astar]>=0.9"], "astar"),
+        (["room.yaml", "--seeds", "0:1000000000"], "1,000,000,000 episodes"),
+        (["room.yaml", "--workers", "0"], "workers"),
+        (["smoke", "office"], "one suite alone"),
+        (["show", "nowhere"], "no such folder"),
+        (["compare", "nowhere", "nowhere"], "no such folder"),
+    ],
+)
+def test_bad_input_is_named(trundle, room_map, tmp_path, arguments, words):
+    room_map.rename(tmp_path / "room.yaml")
+    for image in room_map.parent.iterdir():
+        image.rename(tmp_path / image.name)
+    done = trundle("evaluate", *arguments)
+    assert done.code == 2
+    assert words in done.err, done.err
+    assert "Traceback" not in done.err
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--from", "a"], "FOLDER:ID"),
+        (["--from", "a:000000000000"], "no episode"),
+        (["--from", "a:1", "--seed", "3"], "exactly"),
+        ([], "--from"),
+    ],
+)
+def test_what_cannot_be_repeated_is_named(trundle, suite, arguments, words):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    done = trundle("run", *arguments)
+    assert done.code == 2
+    assert words in done.err, done.err
