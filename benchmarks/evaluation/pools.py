@@ -15,12 +15,6 @@ from typing import Any
 
 from trundle.evaluation.pool import Done, Pool
 
-PRELOAD = {
-    "kinematic": ("trundle.evaluation.episode",),
-    "mujoco": ("trundle.evaluation.episode", "trundle.sim.mujoco"),
-}
-"""What the server that workers are forked from imports, by backend."""
-
 
 @dataclass(frozen=True)
 class Cost:
@@ -83,8 +77,8 @@ def make_task(world: str | None, backend: str, episodes: int, seconds: float) ->
 
 
 def preload_of(task: Any) -> tuple[str, ...]:
-    """What workers for a task share."""
-    return () if isinstance(task, Burn) else PRELOAD[task.suite.backends[0].name]
+    """Modules that workers for a task share."""
+    return () if isinstance(task, Burn) else task.modules
 
 
 def run_pool(task: Any, jobs: int, workers: int) -> Cost:
