@@ -95,6 +95,18 @@ def test_evaluations_of_other_missions_are_refused_with_what_differs():
         compare(Table.of(rows()), Table.of([]))
 
 
+def test_a_changed_robot_is_compared_by_starts_and_goals_and_this_is_said():
+    second = [replace(row, mission=f"{row.index:x}", time_s=row.time_s + 3.0) for row in rows(name="b")]
+    second[0] = replace(second[0], goal_x=40.0)
+    comparison = compare(Table.of(rows()), Table.of(second))
+    assert comparison.pairs[0].missions == 119
+    assert comparison.pairs[0].change("time_s").difference.value == pytest.approx(3.0)
+    assert comparison.as_dict()["paired_by"] == "ends"
+    assert "No mission is the same in both" in "\n".join(comparison_lines(comparison))
+    assert max(map(len, comparison_lines(comparison))) <= 80
+    assert compare(Table.of(rows()), Table.of(rows(name="b"))).as_dict()["paired_by"] == "mission"
+
+
 def test_settings_of_one_evaluation_are_compared_with_each_other():
     comparison = compare_within(Table.of(make_rows(40, planners=("a", "b", "c"), failing=(0.3, 0.0, 0.0))))
     assert [(pair.first, pair.second) for pair in comparison.pairs] == [("a", "b"), ("a", "c"), ("b", "c")]

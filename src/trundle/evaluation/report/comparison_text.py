@@ -22,6 +22,12 @@ def comparison_lines(comparison: Comparison) -> list[str]:
     No line that trundle words is longer than 80 columns; names of folders may make one so.
     """
     lines = [f"A = {comparison.first}", f"B = {comparison.second}"]
+    if comparison.by_ends:
+        lines += textwrap.wrap(
+            "No mission is the same in both: a robot or a world was changed. Compared are those with the same name of "
+            "the world, seed, start and goal.",
+            _WIDTH,
+        )
     for name, left_out in (("A", comparison.only_first), ("B", comparison.only_second)):
         if left_out:
             lines.append(f"{left_out} {_episodes(left_out)} of {name} left out: their missions are not in the other")

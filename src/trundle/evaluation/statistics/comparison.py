@@ -171,6 +171,8 @@ class Comparison:
         pairs: The settings that are compared.
         only_first: Episodes of the first that have no partner and are left out.
         only_second: Likewise of the second.
+        by_ends: Whether the missions are the same by the names of their worlds, seeds, starts and goals alone, as the
+            content of the worlds or the robots is not.
     """
 
     first: str
@@ -178,6 +180,7 @@ class Comparison:
     pairs: tuple[PairComparison, ...]
     only_first: int
     only_second: int
+    by_ends: bool = False
 
     @property
     def worse(self) -> bool:
@@ -197,6 +200,7 @@ class Comparison:
             "worse": self.worse,
             "only_in_a": self.only_first,
             "only_in_b": self.only_second,
+            "paired_by": "ends" if self.by_ends else "mission",
             "comparisons": self.count,
             "pairs": [pair.as_dict() for pair in self.pairs],
         }
@@ -206,7 +210,8 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
     """Compare two evaluations on the missions that both have.
 
     Settings with the same labels are compared with each other. Where no labels are the same, what differs between the
-    two is what is compared: planner `least_cost` in one with `astar` in the other.
+    two is what is compared: planner `least_cost` in one with `astar` in the other. Where no mission is the same, as the
+    robot was changed, those with the same world's name, seed, start and goal are compared, and the text says so.
 
     Args:
         first: Rows of the first, which is the reference.
@@ -219,18 +224,22 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
     for name, table in zip(names, (first, second), strict=True):
         if len(table) == 0:
             raise InputError(f"{name} has no episode yet; resume it with trundle evaluate")
-    pairings = [pairing for pairing in pair_between(first, second) if len(pairing.first_rows)]
-    if not pairings:
+    for by_ends in (False, True):
+        found = pair_between(first, second, by_ends=by_ends)
+        pairings = [pairing for pairing in found if len(pairing.first_rows)]
+        if pairings:
+            break
+    else:
         raise InputError(
-            f"no mission of {names[0]} is in {names[1]}: a mission is fixed by the content of its world and robot, its "
-            f"start, its goal and its seed. {_differences(first, second)}"
+            f"no mission of {names[0]} is in {names[1]}, and none has the same name of the world, seed, start and goal. "
+            f"{_differences(first, second)}"
         )
     used, others = (
         np.unique(np.concatenate([getattr(pairing, side) for pairing in pairings]))
         for side in ("first_rows", "second_rows")
     )
     pairs = _compare_pairs(first, second, pairings)
-    return Comparison(*names, pairs, len(first) - len(used), len(second) - len(others))
+    return Comparison(*names, pairs, len(first) - len(used), len(second) - len(others), by_ends)
 
 
 def compare_within(table: Table, name: str = "") -> Comparison | None:

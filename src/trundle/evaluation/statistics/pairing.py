@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,8 +43,14 @@ def pair_within(table: Table) -> list[Pairing]:
     return [_pair(table, one, table, other, (one.name, other.name)) for one, other in pairs]
 
 
-def pair_between(first: Table, second: Table) -> list[Pairing]:
+def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[Pairing]:
     """Pairs of the settings of two evaluations: those with the same labels, or else those that differ in one respect.
+
+    Args:
+        first: Rows of the first.
+        second: Rows of the second.
+        by_ends: Whether missions are the same by their ends and the names of their worlds alone, whatever the content
+            of world and robot.
 
     Raises:
         InputError: If it is not clear which settings to compare.
@@ -60,7 +67,7 @@ def pair_between(first: Table, second: Table) -> list[Pairing]:
     pairings: list[Pairing] = []
     for one, other in matches:
         names = name_labels(one.labels, columns), name_labels(other.labels, columns)
-        pairings.append(_pair(first, one, second, other, names))
+        pairings.append(_pair(first, one, second, other, names, by_ends=by_ends))
     return pairings
 
 
@@ -94,16 +101,19 @@ def _values(groups: Sequence[Group], name: str) -> set[str]:
     return {group.labels[name] for group in groups}
 
 
-def _pair(first: Table, one: Group, second: Table, other: Group, names: tuple[str, str]) -> Pairing:
-    mine, my_rows = _missions(first, one.rows)
-    theirs, their_rows = _missions(second, other.rows)
+def _pair(
+    first: Table, one: Group, second: Table, other: Group, names: tuple[str, str], *, by_ends: bool = False
+) -> Pairing:
+    mine, my_rows = _missions(first, one.rows, by_ends=by_ends)
+    theirs, their_rows = _missions(second, other.rows, by_ends=by_ends)
     _, at, their_at = np.intersect1d(mine, theirs, assume_unique=True, return_indices=True)
     order = np.argsort(first.index[my_rows[at]], kind="stable")
     return Pairing(*names, my_rows[at][order], their_rows[their_at][order])
 
 
-def _missions(table: Table, rows: Rows) -> tuple[npt.NDArray[np.bytes_], Rows]:
+def _missions(table: Table, rows: Rows, *, by_ends: bool) -> tuple[npt.NDArray[Any], Rows]:
     """The missions of these rows, each once, and the first row of each; a row that has none is left out."""
-    rows = rows[table.keys["mission"][rows] != b""]
-    missions, first = np.unique(table.keys["mission"][rows], return_index=True)
-    return missions, rows[first]
+    keys = table.ends[rows] if by_ends else table.keys["mission"][rows]
+    known = keys != (np.uint64(0) if by_ends else b"")
+    missions, first = np.unique(keys[known], return_index=True)
+    return missions, rows[known][first]

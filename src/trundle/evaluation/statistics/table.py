@@ -68,6 +68,8 @@ class Table:
         named: Columns of labels, and `outcome`.
         keys: `id` and `mission` as bytes, up to 16 of them.
         clusters: A number for the world of each row, for the bootstrap; see `cluster_of`.
+        ends: A number for the world's label, the seed, the start and the goal of each row, whatever the content of
+            world and robot; 0 where the start is not known.
         index: Number of the episode in its suite.
         seed: Of the mission.
         vary: What was varied, by name; NaN where a row does not have it.
@@ -79,6 +81,7 @@ class Table:
     named: Mapping[str, Names]
     keys: Mapping[str, npt.NDArray[np.bytes_]]
     clusters: npt.NDArray[np.uint64]
+    ends: npt.NDArray[np.uint64]
     index: npt.NDArray[np.int64]
     seed: npt.NDArray[np.uint64]
     vary: Mapping[str, FloatArray]
@@ -122,7 +125,17 @@ class Table:
 
 def cluster_of(row: Row) -> int:
     """A number of 64 bits for a row's world: of its map where it is known, as one label may stand for many worlds."""
-    text = f"place {row.place}" if row.place else f"world {row.world}"
+    return _hash(f"place {row.place}" if row.place else f"world {row.world}")
+
+
+def _ends_of(row: Row) -> int:
+    if row.start_x is None:
+        return 0
+    goal = row.goal_x, row.goal_y, row.goal_yaw
+    return _hash(repr((row.world, row.seed, row.start_x, row.start_y, row.start_yaw, *goal)))
+
+
+def _hash(text: str) -> int:
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
 
 
@@ -147,6 +160,7 @@ class _Reader:
             self._put(name, [(getattr(row, name) or "").encode() for row in batch], kind)
         self._put("index", [row.index for row in batch], np.int64)
         self._put("seed", [row.seed & 0xFFFF_FFFF_FFFF_FFFF for row in batch], np.uint64)
+        self._put("ends", [_ends_of(row) for row in batch], np.uint64)
         self._put("cluster", [cluster_of(row) for row in batch], np.uint64)
         for name in sorted({name for row in batch for name in row.vary or ()}):
             values = np.array([(row.vary or {}).get(name, np.nan) for row in batch], dtype=float)
@@ -198,6 +212,7 @@ class _Reader:
             named={name: self._take_names(name) for name in _NAMED},
             keys={name: self._take(name, kind) for name, kind in _KEYS.items()},
             clusters=self._take("cluster", np.uint64),
+            ends=self._take("ends", np.uint64),
             index=self._take("index", np.int64),
             seed=self._take("seed", np.uint64),
             vary=vary,
