@@ -231,8 +231,8 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
             break
     else:
         raise InputError(
-            f"no mission of {names[0]} is in {names[1]}, and none has the same name of the world, seed, start and goal. "
-            f"{_differences(first, second)}"
+            f"no mission of {names[0]} is in {names[1]}, and none has the same name of the world, seed, start and "
+            f"goal. {_differences(first, second)}"
         )
     used, others = (
         np.unique(np.concatenate([getattr(pairing, side) for pairing in pairings]))

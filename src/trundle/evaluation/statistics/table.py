@@ -24,7 +24,7 @@ VARIANT = ("planner", "controller", "backend", "settings")
 _EXACT = ("time_s", "distance_m", "spl", "min_clearance_m")
 _SMALL = ("contacts", "replans", "max_cross_track_error_m", "smoothness_rad_per_m")
 _CLOCKS = ("planning_ms", "cpu_s", "wall_s")
-_PLACES = ("start_x", "start_y", "end_x", "end_y", "closest_x", "closest_y")
+_PLACES = ("end_x", "end_y", "closest_x", "closest_y")
 NUMBERS = (*_EXACT, *_SMALL, *_CLOCKS, *_PLACES)
 _NAMED = (*LABELS, "outcome")
 _KEYS = {"id": "S16", "mission": "S16"}
@@ -82,7 +82,7 @@ class Table:
     keys: Mapping[str, npt.NDArray[np.bytes_]]
     clusters: npt.NDArray[np.uint64]
     ends: npt.NDArray[np.uint64]
-    index: npt.NDArray[np.int64]
+    index: npt.NDArray[np.int32]
     seed: npt.NDArray[np.uint64]
     vary: Mapping[str, FloatArray]
     failed: tuple[Row, ...]
@@ -158,7 +158,7 @@ class _Reader:
             self._put(name, [known.setdefault(getattr(row, name), len(known)) for row in batch], np.int32)
         for name, kind in _KEYS.items():
             self._put(name, [(getattr(row, name) or "").encode() for row in batch], kind)
-        self._put("index", [row.index for row in batch], np.int64)
+        self._put("index", [row.index for row in batch], np.int32)
         self._put("seed", [row.seed & 0xFFFF_FFFF_FFFF_FFFF for row in batch], np.uint64)
         self._put("ends", [_ends_of(row) for row in batch], np.uint64)
         self._put("cluster", [cluster_of(row) for row in batch], np.uint64)
@@ -213,7 +213,7 @@ class _Reader:
             keys={name: self._take(name, kind) for name, kind in _KEYS.items()},
             clusters=self._take("cluster", np.uint64),
             ends=self._take("ends", np.uint64),
-            index=self._take("index", np.int64),
+            index=self._take("index", np.int32),
             seed=self._take("seed", np.uint64),
             vary=vary,
             failed=tuple(self._failed),

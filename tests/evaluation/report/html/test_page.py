@@ -126,6 +126,17 @@ def test_crashes_before_the_start_are_shown_with_their_place_in_the_code():
     assert "mine.py:12 in plan" in shown
 
 
+def test_crashes_after_the_start_are_marked_there():
+    blank = dict.fromkeys(("end_x", "end_y", "closest_x", "closest_y", "min_clearance_m", "time_s"))
+    rows = [
+        replace(row, outcome="crashed", error="aborted", trail=(), **blank)
+        for row in make_rows(3, worlds=("office",), planners=("mine",))
+    ]
+    found = page(rows, maps=lambda _: None)
+    assert ("use", "href", "#m-broken") in found.attributes
+    assert found.shown.count("near (") == 3
+
+
 def test_nothing_from_a_file_becomes_markup():
     evil = "<script>alert(1)</script>\"'&"
     evil = "<script>alert(1)</script>\"'&"

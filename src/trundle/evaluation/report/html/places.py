@@ -212,8 +212,9 @@ def _frame(table: Table, place: Place) -> Frame | None:
     if place.drawn is not None:
         return place.drawn.frame
     numbers = table.numbers
-    pairs = (("start_x", "start_y"), ("end_x", "end_y"))
-    points = np.concatenate([np.stack([numbers[x][place.rows], numbers[y][place.rows]], axis=1) for x, y in pairs])
+    pairs = (("closest_x", "closest_y"), ("end_x", "end_y"))
+    known = [np.stack([numbers[x][place.rows], numbers[y][place.rows]], axis=1) for x, y in pairs]
+    points = np.concatenate([*known, np.array([_failed_at(row) for row in place.located]).reshape(-1, 2)])
     points = points[~np.isnan(points).any(axis=1)]
     return Frame.around(points, margin=1.0) if len(points) else None
 
