@@ -59,8 +59,8 @@ svg text{fill:var(--faint);font-family:inherit}
 figure b{font-size:.96rem}
 .map{image-rendering:pixelated}
 .bare{fill:var(--free);stroke:var(--line)}
-.trail{fill:none;stroke:var(--trail);stroke-width:1.3;opacity:.28;stroke-linejoin:round}
-.lost{fill:none;stroke:var(--fail);stroke-width:1.3;opacity:.55;stroke-linejoin:round}
+.trail{fill:none;stroke:var(--trail);stroke-width:1.4;opacity:.45;stroke-linejoin:round}
+.lost{fill:none;stroke:var(--fail);stroke-width:1.4;opacity:.65;stroke-linejoin:round}
 .route{fill:none;stroke:var(--trail);stroke-width:2.4;stroke-linejoin:round}
 .halo{fill:none;stroke:var(--page);stroke-width:5;opacity:.75}
 .aim{fill:none;stroke:var(--good);stroke-width:1.4;stroke-dasharray:2 4}
