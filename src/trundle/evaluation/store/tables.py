@@ -29,6 +29,7 @@ from trundle.evaluation.store.parts import (
 
 Column = NDArray[Any]
 _BATCH = 5000
+_LARGE_BATCH = 50_000
 _NUMBERS = {"DOUBLE": np.float64, "BIGINT": np.int64, "UBIGINT": np.uint64}
 
 
@@ -137,29 +138,26 @@ class SqlTable:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Their values, one after the other."""
         names = list(SQL_TYPES)
-        indices = self.columns(["index"])["index"]
-        for place in range(0, len(indices), _BATCH):  # Sorting whole rows would need memory for all of them.
-            batch = indices[place : place + _BATCH]
-            found = self._fetch(
-                f'SELECT {_list(names)} FROM rows WHERE "index" BETWEEN {batch[0]} AND {batch[-1]} ORDER BY "index"'
-            )
-            for values in found:
+        for some in self._some_rows(_BATCH):
+            for values in self._fetch(f"SELECT {_list(names)} {some}"):
                 yield dict(zip(names, values, strict=True))
 
     def columns(self, names: Sequence[str]) -> dict[str, Column]:
         """Columns as arrays."""
         nested = [name for name in names if SQL_TYPES[name] not in ("VARCHAR", *_NUMBERS)]
         flat = [name for name in names if name not in nested]
-        result: dict[str, Column] = {}
-        if flat:
-            found: dict[str, Any] = self.database.execute(
-                f'SELECT {_list(flat)} FROM rows ORDER BY "index"'
-            ).fetchnumpy()
-            result = {name: _unmask(name, found[name]) for name in flat}
-        for name in nested:
-            values = self._fetch(f'SELECT {quote_name(name)} FROM rows ORDER BY "index"')
-            result[name] = _as_array(name, [value for (value,) in values])
-        return {name: result[name] for name in names}
+        chunks: dict[str, list[Column]] = {name: [_as_array(name, [])] for name in names}
+        texts: dict[str, str] = {}
+        for some in self._some_rows(_LARGE_BATCH):
+            found: dict[str, Any] = {}
+            if flat:
+                found = self.database.execute(f"SELECT {_list(flat)} {some}").fetchnumpy()
+            for name in flat:
+                chunks[name].append(_unmask(name, found[name], texts))
+            for name in nested:
+                values = self._fetch(f"SELECT {quote_name(name)} {some}")
+                chunks[name].append(_as_array(name, [value for (value,) in values]))
+        return {name: np.concatenate(chunks.pop(name)) for name in names}
 
     def find(self, prefix: str, limit: int) -> list[dict[str, Any]]:
         """The first rows whose id starts so."""
@@ -170,6 +168,14 @@ class SqlTable:
     def close(self) -> None:
         """Free what it holds."""
         self.database.close()
+
+    def _some_rows(self, size: int) -> Iterator[str]:
+        """SQL for about so many rows at a time, by index: sorting all at once would need memory for all."""
+        found: dict[str, Any] = self.database.execute('SELECT DISTINCT "index" FROM rows').fetchnumpy()
+        indices = np.sort(found["index"])
+        for place in range(0, len(indices), size):
+            batch = indices[place : place + size]
+            yield f'FROM rows WHERE "index" BETWEEN {batch[0]} AND {batch[-1]} ORDER BY "index"'
 
     def _load_journal(self, folder: Path, damage: list[str]) -> None:
         seen = IdSet(np.empty(0, np.uint64))
@@ -241,16 +247,14 @@ def _as_array(name: str, values: Sequence[Any]) -> Column:
     return column
 
 
-def _unmask(name: str, column: Column) -> Column:
-    """What `_as_array` gives, of an array in which missing values are masked."""
-    if not isinstance(column, np.ma.MaskedArray):
-        return column
+def _unmask(name: str, column: Column, texts: dict[str, str]) -> Column:
+    """What `_as_array` gives, of an array in which missing values are masked; equal texts become one object."""
+    values = np.ma.getdata(column)
     is_missing = np.ma.getmaskarray(column)
-    values = column.data
     if SQL_TYPES[name] == "VARCHAR":
-        values = values.astype(object)
-        values[is_missing] = None
-    elif is_missing.any():
+        kept = (None if missing else text for text, missing in zip(values.tolist(), is_missing.tolist(), strict=True))
+        return _as_array(name, [text and texts.setdefault(text, text) for text in kept])
+    if is_missing.any():
         values = values.astype(float)
         values[is_missing] = np.nan
     return values
