@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
@@ -14,7 +16,7 @@ from trundle.evaluation.cluster.errors import ClusterError
 
 AUTO = "auto"
 _LOOPBACK = "127.0.0.1"
-_ADDRESS = re.compile(r"(?P<client>ray://)?(?P<host>\[[0-9a-fA-F:]+\]|[^:/\s]+):(?P<port>\d{1,5})")
+_ADDRESS = re.compile(r"(?P<host>\[[0-9a-fA-F:]+\]|[^:/\s]+):(?P<port>\d{1,5})")
 _REACH_S = 5.0
 
 
@@ -25,8 +27,8 @@ def connect(address: str) -> Iterator[ModuleType]:
     A program that is connected already keeps its connection.
 
     Args:
-        address: `host:port` of a cluster's head, from a machine of the cluster; `ray://host:port` from any other; or
-            `auto`, which starts a cluster on this machine that only this machine can reach.
+        address: `host:port` of the head of the cluster that this machine is part of; or `auto`, which starts a cluster
+            on this machine that only this machine can reach.
 
     Raises:
         InputError: If the address is none.
@@ -45,6 +47,7 @@ def connect(address: str) -> Iterator[ModuleType]:
         _start_here(ray, quiet)
     else:
         check_reachable(address)
+        check_health(address)
         try:
             ray.init(address=address, **quiet)
         except Exception as error:
@@ -66,7 +69,8 @@ def check_reachable(address: str) -> None:
     match = _ADDRESS.fullmatch(address)
     if match is None:
         raise InputError(
-            f"--ray {address!r} is no address: give auto, host:port (on a machine of the cluster) or ray://host:port"
+            f"--ray {address!r} is no address: give auto, or host:port of the head of the cluster that this machine is "
+            "part of"
         )
     try:
         socket.create_connection((match["host"].strip("[]"), int(match["port"])), timeout=_REACH_S).close()
@@ -75,6 +79,24 @@ def check_reachable(address: str) -> None:
             f"cannot reach a Ray cluster at {address}: {error}; start one with `ray start --head`, which prints its "
             "address, or give --ray auto to use this machine alone"
         ) from error
+
+
+def check_health(address: str, timeout_s: float = 20.0) -> None:
+    """Ask Ray's command whether a cluster answers: its library would wait for minutes for one that does not.
+
+    Raises:
+        ClusterError: If none does.
+    """
+    command = [sys.executable, "-m", "ray.scripts.scripts", "health-check", "--address", address]
+    try:
+        answer = subprocess.run(command, capture_output=True, timeout=timeout_s, check=False)
+    except subprocess.TimeoutExpired as error:
+        raise ClusterError(f"what listens at {address} did not answer as a Ray cluster in {timeout_s:g} s") from error
+    if answer.returncode != 0:
+        raise ClusterError(
+            f"what listens at {address} is no Ray cluster of this version, or it is not well; `ray status --address "
+            f"{address}` says more"
+        )
 
 
 def _start_here(ray: ModuleType, quiet: dict[str, object]) -> None:
