@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import os
 import time
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
-from trundle.errors import TrundleError
+from trundle.errors import InputError, TrundleError
 from trundle.evaluation.episode import EpisodeTask, facts_of, parts_of
 from trundle.evaluation.pool import Done, Failed, Pool
 from trundle.evaluation.pool.pool import MOST_WORKERS
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Interval, wilson
 from trundle.evaluation.store import Store, code_versions
+from trundle.evaluation.store.remote import is_remote, staged
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import unsampled_hash
 from trundle.values import check_count
-
-_PRELOAD = ("trundle.evaluation.episode",)
-"""What the server that workers are forked from imports."""
-_BACKENDS = {"kinematic": "trundle.sim.kinematic", "mujoco": "trundle.sim.mujoco.simulator"}
-"""Their modules, which it imports where the suite has them."""
 
 _SETUP_TRIES = 2
 """A part that failed so often while it was set up is not tried again."""
@@ -49,7 +47,7 @@ class Progress:
         elapsed_s: Wall time since the start [s].
     """
 
-    folder: Path
+    folder: str | os.PathLike[str]
     total: int
     resumed: int = 0
     done: int = 0
@@ -73,7 +71,6 @@ class Progress:
 
 
 OnProgress = Callable[[Progress], None]
-IntArray = npt.NDArray[np.int64]
 
 
 def default_workers() -> int:
@@ -88,19 +85,22 @@ def run_suite(
     folder: str | os.PathLike[str] | None = None,
     *,
     workers: int | None = None,
+    ray: str | None = None,
     mixed: bool = False,
     overwrite: bool = False,
     on_progress: OnProgress | None = None,
-) -> Path:
+) -> Path | str:
     """Run the episodes of a suite that have no row in a folder yet.
 
     Args:
         suite: What to run.
         folder: Where the rows go; none means a new `runs/<time>-<name>`. An unfinished evaluation in it is continued.
-        workers: Number of worker processes; none means one for each CPU.
+            With `ray` it may be in an object store (`s3://bucket/folder`).
+        workers: Number of worker processes, with `ray` on each node; none means one for each CPU.
+        ray: Address of a Ray cluster to run on, or `auto`, which starts one on this machine.
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
-        on_progress: Called at the start and after every row.
+        on_progress: Called at the start and after every row, with `ray` after every shard.
 
     Returns:
         The folder.
@@ -108,70 +108,128 @@ def run_suite(
     Raises:
         InputError: If the suite cannot be run.
         OutputError: If the folder cannot be used, or a row cannot be written.
+        ClusterError: If the cluster cannot be reached, or no node of it is left.
         InterruptedEvaluationError: After Ctrl-C; all rows so far are in the folder.
     """
-    count = default_workers() if workers is None else check_count("workers", workers, 1, MOST_WORKERS)
+    if workers is not None:
+        check_count("workers", workers, 1, MOST_WORKERS)
     suite.check()
-    total = len(suite)
-    versions = code_versions()
-    with Store.open(
-        folder,
-        name=suite.title,
-        suite_text=suite.to_yaml(Path(folder or ".") / "suite.yaml"),
-        total=total,
-        versions=versions,
-        mixed=mixed,
-        overwrite=overwrite,
-    ) as store:
+    if is_remote(folder) and ray is None:
+        raise InputError(f"{folder} is in an object store, which the nodes of a Ray cluster write to: give --ray, too")
+    total, versions = len(suite), code_versions()
+    with ExitStack() as opened:
+        copy = opened.enter_context(staged(str(folder))) if is_remote(folder) else None
+        here = folder if copy is None else copy.folder
+        store = opened.enter_context(
+            Store.open(
+                here,
+                name=suite.title,
+                suite_text=suite.to_yaml(Path(here or ".") / "suite.yaml"),
+                total=total,
+                versions=versions,
+                mixed=mixed,
+                overwrite=overwrite,
+            )
+        )
         pending = np.fromiter(store.pending(suite.id_of(index) for index in range(total)), np.int64)
-        progress = Progress(store.folder, total)
-        run = _Run(suite, store, progress, on_progress)
+        if copy is not None:
+            copy.push()
+        out = store.folder if copy is None else str(folder)
+        tally = _Tally(Progress(out, total, total - len(pending), total - len(pending)), on_progress)
         try:
-            run.drive(pending, count)
+            if ray is not None and len(pending):
+                from trundle.evaluation.cluster import run_on_cluster
+
+                cluster = {"out": out, "address": ray, "versions": versions, "mixed": mixed, "workers": workers}
+                for shard in run_on_cluster(partial(SuiteRunner, suite), pending.tolist(), **cluster):
+                    tally.add(shard.outcomes)
+            elif len(pending):
+                with SuiteRunner(suite, workers or default_workers()) as runner:
+                    for row in runner.rows(pending.tolist()):
+                        store.append(row)
+                        tally.add({row.outcome: 1})
         except KeyboardInterrupt as interrupt:
             raise InterruptedEvaluationError(
-                f"stopped after {progress.done:,} of {total:,} episodes; to continue, give the same command with "
-                f"-o {store.folder}"
+                f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "
+                f"-o {out}"
             ) from interrupt
-        return store.folder
+    return out
 
 
-class _Run:
-    """One run of an evaluation: jobs to the pool, rows to the store."""
+class _Tally:
+    """Counts what is done, and tells how far it is."""
 
-    def __init__(self, suite: Suite, store: Store, progress: Progress, on_progress: OnProgress | None) -> None:
-        self._suite = suite
-        self._store = store
-        self._progress = progress
+    def __init__(self, progress: Progress, on_progress: OnProgress | None) -> None:
+        self.progress = progress
         self._on_progress = on_progress
+        self._began = time.monotonic()
+        self._report()
+
+    def add(self, outcomes: Mapping[str, int]) -> None:
+        self.progress.outcomes.update(outcomes)
+        self.progress.done += sum(outcomes.values())
+        self._report()
+
+    def _report(self) -> None:
+        if self._on_progress is not None:
+            self.progress.elapsed_s = time.monotonic() - self._began
+            self._on_progress(self.progress)
+
+
+class SuiteRunner:
+    """Runs episodes of a suite in worker processes of this machine; use it in a `with` block, or close it.
+
+    Args:
+        suite: The suite.
+        workers: Number of processes.
+    """
+
+    def __init__(self, suite: Suite, workers: int) -> None:
+        self._suite = suite
+        task = EpisodeTask(suite)
+        self._pool = Pool(
+            task,
+            workers=workers,
+            deadline_s=suite.limits.wall_s,
+            memory_mb=suite.limits.memory_mb,
+            preload=task.modules,
+        )
+        self._refused: deque[Row] = deque()
         self._unprepared: dict[str, list[Failed]] = {}
         """Failures of parts while they were set up, by part."""
-        self._began = time.monotonic()
 
-    def drive(self, pending: IntArray, workers: int) -> None:
-        limits = self._suite.limits
-        self._progress.done = self._progress.resumed = self._progress.total - len(pending)
-        self._report()
-        if not len(pending):
-            return
-        with Pool(
-            EpisodeTask(self._suite),
-            workers=workers,
-            deadline_s=limits.wall_s,
-            memory_mb=limits.memory_mb,
-            preload=_preload(self._suite),
-        ) as pool:
-            for outcome in pool.run(self._jobs(pending)):
-                self._take(outcome)
+    def rows(self, indices: Iterable[int]) -> Iterator[Row]:
+        """Run episodes, and give their rows as they end.
 
-    def _jobs(self, pending: IntArray) -> Iterator[int]:
+        Args:
+            indices: Their numbers in the suite.
+
+        Raises:
+            PoolSetupError: If no worker can be started.
+        """
+        for outcome in self._pool.run(self._jobs(indices)):
+            yield self._row_of(outcome)
+            yield from self._take_refused()
+        yield from self._take_refused()
+
+    def close(self) -> None:
+        """End the processes."""
+        self._pool.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _jobs(self, indices: Iterable[int]) -> Iterator[int]:
         """The episodes to try; one that needs a part which failed twice in set-up gets that failure as its row."""
-        for index in pending.tolist():
+        for index in indices:
             failure = self._refusal(index) if self._unprepared else None
             if failure is None:
                 yield index
             else:
-                self._keep(row_of_failure(self._suite.spec(index), failure))
+                self._refused.append(row_of_failure(self._suite.spec(index), failure))
 
     def _refusal(self, index: int) -> Failed | None:
         for part in parts_of(self._suite.spec(index)):
@@ -180,25 +238,17 @@ class _Run:
                 return failures[0]
         return None
 
-    def _take(self, outcome: Done | Failed) -> None:
+    def _row_of(self, outcome: Done | Failed) -> Row:
         if isinstance(outcome, Done):
-            self._keep(outcome.value)
-            return
+            return outcome.value
         noted = outcome.noted or {}
         if noted.get("stage") == "setup":
             self._unprepared.setdefault(noted["part"], []).append(outcome)
-        self._keep(row_of_failure(self._suite.spec(outcome.job), outcome))
+        return row_of_failure(self._suite.spec(outcome.job), outcome)
 
-    def _keep(self, row: Row) -> None:
-        self._store.append(row)
-        self._progress.done += 1
-        self._progress.outcomes[row.outcome] += 1
-        self._report()
-
-    def _report(self) -> None:
-        if self._on_progress is not None:
-            self._progress.elapsed_s = time.monotonic() - self._began
-            self._on_progress(self._progress)
+    def _take_refused(self) -> Iterator[Row]:
+        while self._refused:
+            yield self._refused.popleft()
 
 
 def row_of_failure(spec: EpisodeSpec, failure: Failed) -> Row:
@@ -211,7 +261,3 @@ def row_of_failure(spec: EpisodeSpec, failure: Failed) -> Row:
     during = f" (setting up {noted['part']})" if noted.get("stage") == "setup" else ""
     mission = known["mission"] or unsampled_hash(spec.content, spec.missions.rule(spec.listed), spec.seed)
     return Row(**{**known, "mission": mission, "outcome": failure.kind, "error": f"{failure.text}{place}{during}"})
-
-
-def _preload(suite: Suite) -> Sequence[str]:
-    return (*_PRELOAD, *(_BACKENDS[backend.name] for backend in suite.backends if backend.name in _BACKENDS))

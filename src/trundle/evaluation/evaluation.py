@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from functools import cached_property
 from itertools import chain
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trundle.errors import TrundleError
@@ -17,6 +17,8 @@ from trundle.evaluation.report.write import HTML, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
 from trundle.evaluation.store import Results
+from trundle.evaluation.store.layout import WRITTEN_AFTERWARDS
+from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
@@ -29,6 +31,7 @@ def evaluate(
     suite: Suite | str | os.PathLike[str] | Mapping[str, Any],
     *,
     workers: int | None = None,
+    ray: str | None = None,
     out: str | os.PathLike[str] | None = None,
     mixed: bool = False,
     overwrite: bool = False,
@@ -38,9 +41,10 @@ def evaluate(
 
     Args:
         suite: A suite, the path of one, the name of one that trundle ships, or the fields of one.
-        workers: Number of worker processes; none means one for each CPU.
+        workers: Number of worker processes, with `ray` on each node; none means one for each CPU.
+        ray: Address of a Ray cluster to run on, or `auto`, which starts one on this machine (extra `ray`).
         out: Folder for the rows and the report; none means a new `runs/<time>-<name>`. An unfinished evaluation in it
-            is continued.
+            is continued. With `ray` it may be in an object store (`s3://bucket/folder`).
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
         on_progress: Called at the start and after every episode.
@@ -54,7 +58,7 @@ def evaluate(
         suite = Suite.make(**suite)
     elif not isinstance(suite, Suite):
         suite = Suite.load(suite)
-    folder = run_suite(suite, out, workers=workers, mixed=mixed, overwrite=overwrite, on_progress=on_progress)
+    folder = run_suite(suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=on_progress)
     evaluation = Evaluation(folder, suite=suite)
     evaluation.write_report()
     return evaluation
@@ -64,7 +68,8 @@ class Evaluation:
     """The episodes in the folder of an evaluation: those that it held when this was made.
 
     Args:
-        folder: The folder that `trundle evaluate` wrote; its evaluation may be unfinished.
+        folder: The folder that `trundle evaluate` wrote, also one in an object store, of which a copy is read; its
+            evaluation may be unfinished.
         suite: The suite, where it is known; none reads the folder's, which has no Python objects.
 
     Attributes:
@@ -76,8 +81,10 @@ class Evaluation:
     """
 
     def __init__(self, folder: str | os.PathLike[str], *, suite: Suite | None = None) -> None:
-        self.folder = Path(folder)
-        self.results = Results.open(self.folder)
+        self.folder = os.fspath(folder)
+        self._opened = ExitStack()
+        self._copy = self._opened.enter_context(staged(self.folder))
+        self.results = Results.open(self._copy.folder)
         self._suite = suite
 
     def __len__(self) -> int:
@@ -85,12 +92,12 @@ class Evaluation:
 
     def __repr__(self) -> str:
         arrived = int(self.table.arrived.sum())
-        return f"Evaluation({str(self.folder)!r}, {len(self)} of {self.results.total} episodes, {arrived} arrived)"
+        return f"Evaluation({self.folder!r}, {len(self)} of {self.results.total} episodes, {arrived} arrived)"
 
     @cached_property
     def suite(self) -> Suite:
         """What was run."""
-        return self._suite or Suite.load(self.folder / "suite.yaml")
+        return self._suite or Suite.load(self._copy.folder / "suite.yaml")
 
     @cached_property
     def table(self) -> Table:
@@ -147,7 +154,7 @@ class Evaluation:
             InputError: If they have no mission in common.
         """
         after = other if isinstance(other, Evaluation) else Evaluation(other)
-        return compare(self.table, after.table, names=(str(self.folder), str(after.folder)))
+        return compare(self.table, after.table, names=(self.folder, after.folder))
 
     def scenario_of(self, prefix: str) -> Scenario:
         """The exact scenario of the episode whose id starts so; running it repeats the episode.
@@ -172,7 +179,12 @@ class Evaluation:
         except TrundleError:
             return None
 
-    def write_report(self, require: Sequence[str] | None = None) -> Path:
+    def close(self) -> None:
+        """Free what it holds: the copy of a folder in an object store."""
+        self.results.close()
+        self._opened.close()
+
+    def write_report(self, require: Sequence[str] | None = None) -> str:
         """Write report.html, junit.xml and summary.json into the folder.
 
         Args:
@@ -186,15 +198,17 @@ class Evaluation:
         """
         results = self.results
         write_reports(
-            self.folder,
+            self._copy.folder,
             self.table,
+            shown=self.folder,
             name=results.name,
             total=results.total,
             require=self._parse(require),
             maps=self.map_of,
             facts={"started": results.started, **results.versions},
         )
-        return self.folder / HTML
+        self._copy.push(WRITTEN_AFTERWARDS)
+        return f"{self.folder.rstrip('/')}/{HTML}"
 
     def _parse(self, require: Sequence[str] | None) -> list[Gate]:
         return [Gate.parse(text) for text in (self.suite.require if require is None else require)]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from cyclopts import App
 
 from trundle.cli.shared import options, output
@@ -20,7 +18,7 @@ app = App(
 
 
 @app.default
-def compare(before: Path, after: Path, /, *, json: options.Json = False) -> int:
+def compare(before: str, after: str, /, *, json: options.Json = False) -> int:
     """Compare two evaluations on the missions that both have.
 
     Exit code 1 says that the second is clearly worse.

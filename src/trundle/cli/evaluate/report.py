@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from cyclopts import App
 
 from trundle.cli.evaluate import verdict
@@ -20,7 +18,7 @@ app = App(
 
 
 @app.default
-def report(folder: Path, /, *, require: verdict.Require = (), json: options.Json = False) -> int:
+def report(folder: str, /, *, require: verdict.Require = (), json: options.Json = False) -> int:
     """Write report.html, junit.xml and summary.json of an evaluation, which may still be running.
 
     Exit code 1 says that a requirement was not met.

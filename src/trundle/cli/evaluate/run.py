@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
@@ -48,8 +47,9 @@ def run(
     backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
     seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
     workers: options.Integer | None = None,
+    ray: str | None = None,
     require: verdict.Require = (),
     mixed: Annotated[bool, Parameter(negative="")] = False,
     overwrite: options.Overwrite = False,
@@ -67,6 +67,7 @@ def run(
         time_limit: Simulated time after which an episode is stopped [s].
         out: Folder to write into, or to continue; left out: a new one under runs.
         workers: Number of processes; left out: one for each CPU.
+        ray: Address of a Ray cluster to run on, or auto, which starts one on this machine.
         mixed: Continue although the code has changed since the earlier rows.
     """
     if len(given) == 0:
@@ -85,7 +86,9 @@ def run(
     suite = _make_suite(given, changes)
     try:
         with ProgressLine(json=json, quiet=quiet) as line:
-            folder = run_suite(suite, out, workers=workers, mixed=mixed, overwrite=overwrite, on_progress=line.show)
+            folder = run_suite(
+                suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=line.show
+            )
     except InterruptedEvaluationError as stopped:
         output.remark(f"trundle: {stopped}", quiet=False)
         return _INTERRUPTED

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import islice
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -28,7 +27,7 @@ app = App(
 
 @app.default
 def show(
-    folder: Path,
+    folder: str,
     /,
     *,
     failed: Annotated[bool, Parameter(negative="")] = False,

@@ -36,7 +36,7 @@ def connect(address: str) -> Iterator[ModuleType]:
         MissingExtraError: If Ray is not installed.
     """
     try:
-        import ray
+        import ray  # pyright: ignore[reportMissingImports] - an extra
     except ImportError as error:
         raise MissingExtraError("an evaluation on a cluster", "Ray", 'pip install "trundle[ray]"') from error
     if ray.is_initialized():

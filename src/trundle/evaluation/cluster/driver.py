@@ -198,7 +198,7 @@ class _Crew:
                 self._admit(member, value, versions)
 
     def _start(self, node: str, name: str, cpus: int) -> None:
-        from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+        from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy  # pyright: ignore[reportMissingImports]
 
         strategy = NodeAffinitySchedulingStrategy(node, soft=False)
         options = {"num_cpus": cpus, "scheduling_strategy": strategy, "max_restarts": 0, "max_task_retries": 0}

@@ -24,6 +24,7 @@ def write_reports(
     folder: str | os.PathLike[str],
     rows: Iterable[Row] | Table,
     *,
+    shown: str | None = None,
     name: str | None = None,
     total: int | None = None,
     require: Sequence[Gate] = (),
@@ -33,8 +34,9 @@ def write_reports(
     """Write the reports into the folder of an evaluation; each replaces its file as a whole.
 
     Args:
-        folder: The folder, as the commands in the reports are to name it.
+        folder: The folder.
         rows: The rows so far, in the order of the suite.
+        shown: The folder as the commands in the reports are to name it; none means as it is given.
         name: Of the evaluation; none means the folder's.
         total: How many episodes there are to be; none means those that there are.
         require: What is required.
@@ -48,7 +50,7 @@ def write_reports(
         UnknownNameError: If all episodes are done, and a requirement names a label that none has.
         OutputError: If a file cannot be written.
     """
-    path, shown = Path(folder), os.fspath(folder)
+    path, shown = Path(folder), shown or os.fspath(folder)
     table = rows if isinstance(rows, Table) else Table.of(rows)
     if total is None or len(table) >= total:
         for gate in require:

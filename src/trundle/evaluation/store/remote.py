@@ -35,7 +35,7 @@ class RemoteFolder:
 
     def __init__(self, uri: str) -> None:
         try:
-            from pyarrow import fs
+            from pyarrow import fs  # pyright: ignore[reportMissingImports] - an extra
         except ImportError as error:
             raise MissingExtraError(f"the folder {uri}", "pyarrow", 'pip install "trundle[ray]"') from error
         self.uri = uri
