@@ -8,8 +8,10 @@ import jsonschema
 import pytest
 import yaml
 
+from trundle.control import controller_names
 from trundle.evaluation.suite import Suite, suite_names
 from trundle.evaluation.suite.suite import shipped_folder
+from trundle.planning import planner_names
 
 DOCS = Path(__file__).parents[3] / "docs"
 EXAMPLE = re.search(r"```yaml\n(.*?)```", (DOCS / "evaluation.md").read_text(), re.DOTALL)[1]
@@ -38,3 +40,11 @@ def test_the_schema_refuses_mistakes(change):
 def test_the_page_names_every_suite_that_is_shipped():
     page = (DOCS / "evaluation.md").read_text()
     assert [name for name in suite_names() if f"`{name}`" not in page] == []
+
+
+def test_the_suites_of_the_readme_have_every_planner_and_controller():
+    suites = [Suite.load(DOCS.parent / "benchmarks" / "evaluation" / f"{n}.yaml") for n in ("planners", "controllers")]
+    for suite in suites:
+        suite.check()
+    assert sorted(suites[0].expansion.planners) == planner_names()
+    assert sorted(suites[1].expansion.controllers) == controller_names()
