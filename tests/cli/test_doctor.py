@@ -65,7 +65,7 @@ def test_a_robot_as_configured_is_said_to_be(trundle: Trundle) -> None:
 def test_a_robot_of_a_file_is_driven_too(trundle: Trundle, tmp_path, suffix: str) -> None:
     file = tmp_path / f"jackal{suffix}"
     assert trundle("export", "jackal", "--to", "urdf" if suffix == ".urdf" else "mjcf", "-o", file).code == 0
-    with pytest.warns(RobotWarning, match="largest speeds"):
+    with pytest.warns(RobotWarning, match="maximum speeds"):
         done = trundle("doctor", "robot", file, "--json")
     assert done.code == 0
     assert done.json["wheel_radius"] == pytest.approx(0.098, rel=0.01)

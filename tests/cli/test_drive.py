@@ -55,8 +55,8 @@ def test_a_wall_is_touched_and_named(trundle: Trundle, room_map: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((), "give either --command"),
-        (("--command", "1,0,1", "--teleop"), "give either --command"),
+        ((), "give one of: --command"),
+        (("--command", "1,0,1", "--teleop"), "give one of: --command"),
         (("--command", "1,0"), "V,W,SECONDS"),
         (("--command", "1,0,0"), "SECONDS must be above 0"),
         (("--command", "1,0,0.333"), "multiple of 0.005"),

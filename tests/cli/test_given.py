@@ -54,7 +54,7 @@ def things(trundle: Trundle, room_map: Path, tmp_path: Path) -> Trundle:
             "plan warehouse",
             "warehouse: this is a world, not a map; make its map with trundle map build warehouse -o map",
         ),
-        ("plan scenario.yaml", "scenario.yaml: this is a scenario, not a map; give the map that it names, or drive it"),
+        ("plan scenario.yaml", "scenario.yaml: this is a scenario, not a map; give its map, or drive it"),
         ("plan map.yaml --robot warehouse", "warehouse: this is a world, not a robot"),
         ("map build picture.png", "picture.png: this is a picture, not a world or a map"),
         (

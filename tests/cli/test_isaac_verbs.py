@@ -180,7 +180,7 @@ def test_a_drive_that_is_stopped_by_ctrl_c_keeps_its_record(trundle, fake):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--headless",), "--headless is for --backend isaac, and this is mujoco"),
+        (("--headless",), "--headless is for --backend isaac, but the backend is mujoco"),
         (("--physics-dt", "0.01", "--backend", "kinematic"), "--physics-dt is for --backend isaac"),
         (("--backend", "isaac", "--environment", "warehuose"), "Did you mean 'warehouse'"),
         (("--backend", "isaac", "--view"), "Isaac Sim has its own"),
@@ -198,10 +198,10 @@ def test_bad_input_is_reported_before_isaac_sim_starts(trundle, fake, room_map, 
 def test_a_world_and_an_environment_that_look_different_are_refused(trundle, fake):
     done = trundle("run", "warehouse", *HALL)
     assert done.code == 2
-    assert "are two places" in done.err
+    assert "conflict. Give the environment's map" in done.err
     done = trundle("drive", "nova_carter", "--world", "office", *HALL, "--command", "0.1,0,1")
     assert done.code == 2
-    assert "are two places" in done.err
+    assert "conflict. Give the environment's map" in done.err
 
 
 def test_without_isaac_sim_the_message_says_how_to_start(trundle, room_map, monkeypatch):

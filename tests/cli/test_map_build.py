@@ -87,7 +87,7 @@ def test_a_maps_height_and_unknown_cells_are_as_its_options_say(trundle: Trundle
         (("warehouse", "--bounds", "1,1,0,0"), "bounds must be"),
         (("warehouse", "--margin", "-1"), "margin"),
         (("warehouse", "--free", "1"), "--free '1': give X,Y, or largest"),
-        (("warehouse", "--free", "largest", "--free", "1,1"), "alone"),
+        (("warehouse", "--free", "largest", "--free", "1,1"), "cannot be combined"),
         (("warehouse", "--free", "900,0"), "the seed (900, 0) lies outside the map"),
         (("warehouse", "--coverage", "half"), "--coverage"),
         (("warehouse", "--style", "ros"), "--style"),
@@ -200,7 +200,7 @@ def test_nothing_in_the_band_is_said(trundle: Trundle, tmp_path: Path) -> None:
 def test_generator_options_are_not_for_maps(trundle: Trundle, room_map: Path) -> None:
     done = trundle("map", "build", room_map, "--set", "aisle_width=2")
     assert done.code == 2
-    assert "no option for a .yaml file" in done.err
+    assert "not an option of a .yaml file" in done.err
 
 
 USD = """#usda 1.0

@@ -51,7 +51,7 @@ def test_the_report_is_text(trundle: Trundle, flipped: Path) -> None:
     assert second.startswith("warning: unknown_hole at (-10.02, -3.02)")
     assert third.startswith("    fix: drive past it")
     assert "unverified: half_cell, flipped, rotated, shifted" in done.out
-    assert "fixed: not written: nothing can be put right for certain" in done.out
+    assert "fixed: not written: there is no certain fix" in done.out
     assert not Path("right.yaml").exists()
 
 

@@ -34,7 +34,7 @@ def test_a_file_is_not_replaced_unasked(trundle):
 def test_a_scenario_needs_a_place(trundle):
     done = trundle("scenario")
     assert done.code == 2
-    assert "needs a place" in done.err
+    assert "give a map, a world" in done.err
 
 
 def test_schemas_are_printed(trundle):

@@ -41,7 +41,7 @@ def test_json_holds_every_kind_of_value(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_a_value_without_a_form_is_refused() -> None:
-    with pytest.raises(TypeError, match="object has no form"):
+    with pytest.raises(TypeError, match="object cannot be written"):
         output.print_json(object())
 
 

@@ -325,6 +325,6 @@ def test_a_path_that_touches_something_is_no_success(
     done = trundle("plan", "door.yaml", "--planner", "straight", *ends, "--json")
     assert done.code == 1
     assert done.json["touches"][0] == pytest.approx(2.8, abs=0.2)
-    assert "the path of planner 'straight' touches something at (2." in done.err
+    assert "the path of planner 'straight' collides at (2." in done.err
     free = trundle("plan", "door.yaml", "--planner", "straight", *ends[:3], "1.5,0", "--json")
     assert (free.code, free.json["touches"]) == (0, None)

@@ -252,7 +252,7 @@ def test_a_folder_that_holds_a_run_is_refused_before_anything_drives(
         for verb in (("run", room_map, *SHORT, *QUICK), ("demo", *QUICK), drive):
             done = trundle(*verb, "-o", "a")
             assert done.code == 2
-            assert "a holds a run already" in done.err
+            assert "a already holds a run" in done.err
             assert "--overwrite" in done.err
             assert done.err.count("\n") == 1
             assert {path.name: path.read_bytes() for path in Path("a").iterdir()} == before

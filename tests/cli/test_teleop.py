@@ -114,10 +114,10 @@ def test_a_map_is_redrawn_in_place_and_the_summary_describes_the_drive(tmp_path:
     finally:
         terminal.close()
     facts = dict(line.split("  ", 1) for line in out.decode().splitlines())
-    assert list(facts) == ["driven", "top speed", "turned", "contacts", "stands at", "record"]
+    assert list(facts) == ["driven", "top speed", "turned", "contacts", "final pose", "record"]
     assert float(facts["driven"].split()[0]) > 0.0
     assert facts["contacts"].split() == ["none"]
-    assert facts["stands at"].split()[:2] == ["x", "-13.00"]
+    assert facts["final pose"].split()[:2] == ["x", "-13.00"]
 
 
 def test_no_line_of_the_map_is_wider_than_the_terminal(tmp_path: Path) -> None:

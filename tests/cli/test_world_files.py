@@ -160,7 +160,7 @@ def test_models_are_found_in_the_folders_of_paths_by_every_verb(trundle, field, 
 def test_paths_that_nothing_uses_are_refused(trundle, field):
     done = trundle("drive", "jackal", "--command", "0.2,0,0.1", "--paths", "mine")
     assert done.code == 2
-    assert "--paths is for files that name others" in done.err
+    assert "--paths is for files that refer to others" in done.err
     done = trundle("map", "build", field, "--paths", "a", "--set", "paths=b")
     assert done.code == 2
     assert "not both" in done.err

@@ -1,4 +1,4 @@
-"""`trundle compare`: how far apart two runs of the same commands went."""
+"""`trundle compare`: the difference between two runs of the same commands."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def compare(
 
     Args:
         first: The folder that a run or a drive wrote: the reference.
-        second: The folder of the other.
-        align: Compare them from their own starts.
+        second: The folder of the other run.
+        align: Align both runs at their starts.
         out: The picture, or a folder for compare.png.
     """
     from trundle.record.compare import compare_motions, draw_comparison
@@ -95,7 +95,7 @@ def compare(
             "largest yaw difference": f"{comparison.max_yaw_error_rad:.4f} rad",
             "distance at the end": f"{1000.0 * comparison.final_position_error_m:.1f} mm",
             "yaw difference at the end": f"{comparison.final_yaw_error_rad:.4f} rad",
-            "mean (r.m.s.) distance": f"{1000.0 * comparison.rms_position_error_m:.1f} mm",
+            "RMS distance": f"{1000.0 * comparison.rms_position_error_m:.1f} mm",
             "time": f"{facts['duration_s']:.2f} s",
             "picture": target,
         }

@@ -1,4 +1,4 @@
-"""`trundle demo`: everything once, on the built-in warehouse."""
+"""`trundle demo`: the whole pipeline, on the built-in warehouse."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ def demo(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
-    """Generate a warehouse, build its map, plan for Nova Carter, drive it to the goal, and record all of it.
+    """Generate a warehouse, build its map, plan for Nova Carter, drive it to the goal, and record the run.
 
     Needs no screen, no GPU and no ROS. The folder that it writes also holds the map (map.yaml, map.png) and a picture
     of the scene (scene.png).
 
     Args:
         video: Write video.mp4.
-        view: Watch it in a window while it drives, where there is a screen.
-        out: Folder to write into, which must not hold a run; left out: a new one under runs.
+        view: Watch it drive in a window, if there is a screen.
+        out: Output folder, which must not hold a run; default: a new one under runs.
     """
     from trundle.mission import Scenario
 

@@ -1,4 +1,4 @@
-"""`trundle doctor`: what works on this machine, and whether a robot drives as it is configured."""
+"""`trundle doctor`: checks of this machine, and of a robot's drive against its configuration."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ app = App(
 @app.default
 def doctor(
     *,
-    backend: Annotated[str | None, Parameter(help="Check this simulator too, from start to end.")] = None,
+    backend: Annotated[str | None, Parameter(help="Check this simulator as well.")] = None,
     isaac_options: isaac.IsaacOptions | None = None,
     json: options.Json = False,
-    quiet: Annotated[bool, Parameter(name="--quiet", negative="", help="Print only what does not pass.")] = False,
+    quiet: Annotated[bool, Parameter(name="--quiet", negative="", help="Print only failed checks.")] = False,
 ) -> int:
-    """Check what this machine has, and a simulator if one is named. Exit code 1 where a point fails."""
+    """Check this machine, and optionally a simulator. Exit code 1 if a check fails."""
     from trundle.doctor.machine import check_backend, check_machine
     from trundle.sim.mujoco.engine import import_engine
 
@@ -70,13 +70,13 @@ def robot(
     isaac_options: isaac.IsaacOptions | None = None,
     json: options.Json = False,
 ) -> int:
-    """Drive a straight, a spin and a circle, and say what the robot's motion tells of its wheels.
+    """Drive a straight, a spin and a circle, and derive the wheels' parameters from the robot's motion.
 
-    Exit code 1 says that something is not as configured.
+    Exit code 1: a parameter differs from the configuration.
 
     Args:
         name: A robot by name, or the path of its YAML, URDF or MJCF.
-        wheel_radius: Check a controller that is configured with this one [m], and not with the robot's own.
+        wheel_radius: Check a controller configured with this radius [m] instead of the robot's own.
         track_width: As wheel_radius; wheel_base in Isaac Sim's controllers [m].
     """
     from trundle.doctor.drive_check import check_drive

@@ -25,7 +25,7 @@ PERIOD_S = 0.05
 STEP_S = 0.005
 MAX_SECONDS = 3600.0
 
-_RECORDED_S = 2e-6  # a record's times are rounded to this
+_RECORDED_S = 2e-6  # the resolution of a record's times
 
 app = App(
     name="drive",
@@ -65,17 +65,17 @@ def drive(
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
-    """Drive a robot by a list of commands, or by hand; print and record where it went.
+    """Drive a robot by a list of commands, or by hand; print and record its motion.
 
-    The record, drive.csv, has a row for every 0.05 s: pose, commanded and actual twist, wheel speeds, odometry.
+    The record, drive.csv, has a row every 0.05 s: pose, commanded and actual twist, wheel speeds, odometry.
 
     Args:
         command: Drive V [m/s] forward and W [rad/s] to the left for SECONDS; repeat it for several in a row.
-        like: Repeat the commands of a run or of a drive (its folder), from its start, e.g. with another simulator.
-        teleop: Drive by keys in this terminal: w/a/s/d, i/j/k/l or arrows; it stops on release, q ends. With --view by
-            the arrow keys in the window; close it to end.
+        like: Replay the commands of a run or a drive (its folder), from its start, e.g. in another simulator.
+        teleop: Drive by keys in this terminal: w/a/s/d, i/j/k/l or arrows; the robot stops on release, q quits. With
+            --view, drive by the arrow keys in the window; close it to quit.
         view: Watch it in a window, in real time.
-        out: Folder for drive.csv, which must not hold a run; left out: a new one under runs.
+        out: Folder for drive.csv, which must not hold a run; default: a new one under runs.
     """
     from trundle.record.drive_log import DriveLog
     from trundle.record.folder_claim import FolderClaim, check_free
@@ -87,7 +87,7 @@ def drive(
     from trundle.viewer.watcher import open_window
 
     if sum((teleop, bool(command), like is not None)) != 1:
-        raise InputError("give either --command V,W,SECONDS (as often as you like), or --like RUN, or --teleop")
+        raise InputError("give one of: --command V,W,SECONDS (repeatable), --like RUN, --teleop")
     check_free(out, overwrite=overwrite)
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
@@ -135,28 +135,28 @@ def parse_command(text: str) -> tuple[float, float, float]:
     if not 0.0 < seconds <= MAX_SECONDS:
         raise InputError(f"--command {text!r}: SECONDS must be above 0 and at most {MAX_SECONDS:g}")
     if abs(seconds / STEP_S - round(seconds / STEP_S)) > 1e-6:
-        raise InputError(f"--command {text!r}: SECONDS must be a multiple of {STEP_S:g}, the step of the physics")
+        raise InputError(f"--command {text!r}: SECONDS must be a multiple of {STEP_S:g}, the physics step")
     return v, w, seconds
 
 
 def commands_of(run: Path) -> tuple[list[tuple[float, float, float]], Pose2D]:
-    """The commands (v, w, seconds) of a run or a drive, equal ones in a row as one, and the pose that it started at.
+    """The commands (v, w, seconds) of a run or a drive, consecutive equal ones merged, and its start pose.
 
     Raises:
-        InputError: If it is no record, or was not driven in multiples of the physics' step.
+        InputError: If it is not a record, or its control period is not a multiple of the physics step.
     """
     from trundle.geometry import Pose2D
     from trundle.record.motion import Motion
 
     motion = Motion.load(run)
-    # To the step of the physics: a record has six decimals.
+    # Rounded to the physics step: a record has six decimals.
     periods = (motion.time[1:] - motion.time[:-1]).tolist()
     steps = [round(seconds / STEP_S) for seconds in periods]
     for seconds, count in zip(periods, steps, strict=True):
         if abs(seconds - count * STEP_S) > _RECORDED_S:
             raise InputError(
                 f"--like {run}: it has a control period of {seconds:g} s, which is not a multiple of {STEP_S:g} s, the "
-                "step of the physics: its commands cannot be repeated as they were"
+                "step of the physics: its commands cannot be replayed exactly"
             )
     commands: list[tuple[float, float, float]] = []
     for v, w, count in zip(motion.commanded_v[1:].tolist(), motion.commanded_w[1:].tolist(), steps, strict=True):
@@ -187,7 +187,7 @@ def _drive_for(
 
 
 def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:
-    """Print what a drive by hand amounts to; as JSON one leg, as for a command, with the summary in it."""
+    """Print the summary of a drive by hand; as JSON one leg, as for a command, that includes the summary."""
     summary = log.summary()
     if json:
         output.print_json([{**leg, "summary": summary, "run_dir": folder} for leg in log.legs()])
@@ -200,7 +200,7 @@ def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:
             "top speed": f"{summary.top_speed:.2f} m/s",
             "turned": f"{left:.0f} deg left, {right:.0f} deg right",
             "contacts": f"{summary.contacts}: {output.shorten(summary.touched)}" if summary.contacts else "none",
-            "stands at": f"x {x:.2f} m, y {y:.2f} m, yaw {math.degrees(yaw):.0f} deg",
+            "final pose": f"x {x:.2f} m, y {y:.2f} m, yaw {math.degrees(yaw):.0f} deg",
             "record": folder / "drive.csv",
         }
     )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 DONE = 0
 NOT_THERE = 1
 BAD_INPUT = 2
-FAULT = 70  # EX_SOFTWARE of sysexits.h: a fault of ours, distinct from "the robot did not get there".
+FAULT = 70  # EX_SOFTWARE of sysexits.h: a bug in trundle, distinct from "the robot did not reach the goal".
 INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
 
@@ -42,17 +42,17 @@ VERBS = {
     "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, compare and judge them."),
     "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
     "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
-    "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. by two simulators."),
+    "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. in two simulators."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
 
 
 class UsageError(InputError):
-    """A command line that cannot be read."""
+    """A command line that cannot be parsed."""
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run one command and exit. `arguments` are those after the program's name; none means the process's own."""
+    """Run one command and exit. `arguments` excludes the program's name; None means the process's arguments."""
     given = sys.argv[1:] if arguments is None else arguments
     warnings.formatwarning = _format_warning
     _show_log(logging.WARNING if "--quiet" in given else logging.INFO)
@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def _show_log(level: int) -> None:
-    """Print what trundle logs on stderr, each message once."""
+    """Print trundle's log on stderr, each message once."""
     shown: set[str] = set()
 
     def is_new(record: logging.LogRecord) -> bool:
@@ -77,7 +77,7 @@ def _show_log(level: int) -> None:
 
 
 def run_command(arguments: Sequence[str]) -> int:
-    """Run one command and return its exit code; errors on purpose become one message on stderr."""
+    """Run one command and return its exit code; expected errors become one message on stderr."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
@@ -95,7 +95,7 @@ def run_command(arguments: Sequence[str]) -> int:
         return PIPE_CLOSED
     except OSError as error:
         return _fail_of_system(error, json="--json" in arguments)
-    except Exception:  # noqa: BLE001 - whatever is left is a fault of ours: shown whole, with a code of its own
+    except Exception:  # noqa: BLE001 - any other exception is a bug: shown in full, with its own exit code
         import traceback
 
         traceback.print_exc()
@@ -103,7 +103,7 @@ def run_command(arguments: Sequence[str]) -> int:
 
 
 def _dispatch(arguments: Sequence[str]) -> int:
-    # Answered without any library, so that they answer at once.
+    # Handled without importing libraries, so that they are instant.
     if not arguments or arguments[0] in ("--help", "-h", "help"):
         print(_overview())
         return DONE
@@ -137,7 +137,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
 
 
 def _make_app(verbs: Iterable[str]) -> App:
-    """The command line with these verbs; the others are not imported."""
+    """Build the command line with these verbs; the others are not imported."""
     from cyclopts import App
 
     app = App(
@@ -154,7 +154,7 @@ def _make_app(verbs: Iterable[str]) -> App:
 
 
 def _install_completion(arguments: Sequence[str]) -> int:
-    """Install the completion of a shell, the one in use where none is named."""
+    """Install shell completion, by default for the shell in use."""
     name = arguments[0] if arguments else Path(os.environ.get("SHELL", "")).name
     shell = SHELLS.get(name)
     if shell is None or len(arguments) > 1:
@@ -165,7 +165,7 @@ def _install_completion(arguments: Sequence[str]) -> int:
 
 
 def _explain(error: Exception) -> TrundleError | None:
-    """What is wrong with the value of an option that settings refuse; none for other errors."""
+    """The error message of an option value that settings reject; None for other errors."""
     from pydantic import ValidationError
 
     from trundle.cli.shared import settings
@@ -186,21 +186,21 @@ def _overview() -> str:
         "  trundle plan map.yaml --start 0,0 --goal 5,3 -o overlay.png\n\n"
         "trundle VERB --help explains a verb; every verb prints JSON with --json, errors too.\n"
         "trundle --install-completion [bash|zsh|fish|powershell] lets the shell complete verbs and options.\n"
-        "Exit codes: 0 done, 1 the robot did not get there, 2 bad input."
+        "Exit codes: 0 done, 1 the robot did not reach the goal, 2 bad input."
     )
 
 
 def _format_warning(
     message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
 ) -> str:
-    """Our own warnings are for the person at the screen: without the line of code that they come from."""
+    """Format warnings; trundle's own are for the user, so they omit the line of code."""
     if category.__module__ == "trundle.errors":
         return f"trundle: warning: {message}\n"
     return f"{filename}:{lineno}: {category.__name__}: {message}\n"
 
 
 def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
-    """Say what is wrong on stderr; with --json also as the one JSON value on stdout."""
+    """Print an error on stderr; with --json also as the single JSON value on stdout."""
     print(f"trundle: {error}" + (f"\n{hint}" if hint else ""), file=sys.stderr)
     if json:
         from trundle.cli.shared.output import print_error
@@ -210,7 +210,7 @@ def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
 
 
 def _fail_of_system(error: OSError, *, json: bool) -> int:
-    """Say what the system refused; a stdout that cannot be written to gets no JSON."""
+    """Report a system error; a stdout that cannot be written to gets no JSON."""
     try:
         code = _fail(error, json=json)
         sys.stdout.flush()
@@ -222,7 +222,7 @@ def _fail_of_system(error: OSError, *, json: bool) -> int:
 
 
 def _drop_output() -> None:
-    """Send what is still buffered nowhere, so that the interpreter does not fail on it once more at exit."""
+    """Discard buffered output, so that the interpreter does not fail on it again at exit."""
     try:
         descriptor = sys.stdout.fileno()
     except (OSError, ValueError):

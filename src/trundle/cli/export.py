@@ -1,4 +1,4 @@
-"""`trundle export`: a world, a robot or a scenario as a file of another program."""
+"""`trundle export`: write a world, a robot or a scenario as a file for another program."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _USES: dict[str, tuple[tuple[str, str], ...]] = {
     "environment": (("scenario", "isaac-script"),),
     "robot_usd": (("scenario", "isaac-script"),),
 }
-"""What of the options is for which kind of thing in which format."""
+"""The source kinds and formats that each option applies to."""
 
 
 @app.default
@@ -53,7 +53,7 @@ def export(
     robot: Annotated[
         str | None,
         Parameter(
-            help="For a world as mjcf: a robot that stands in it. For a map: the robot whose heights count. "
+            help="For a world as mjcf: a robot to include. For a map: the robot that gives the height band. "
             f"One of {options.ROBOT_CHOICES}."
         ),
     ] = None,
@@ -71,18 +71,18 @@ def export(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
-    """Write a world, a robot or a scenario as a file of another program; worlds load back to the same solids.
+    """Write a world, a robot or a scenario as a file for another program; worlds load back as the same solids.
 
     Args:
         source: A world by name or its file, a robot by name or its YAML or URDF, or the YAML of a scenario.
         to: The format by name: mjcf, sdf, usd, glb or map for a world; mjcf, urdf or usd for a robot; mjcf, usd or
-            isaac-script for a scenario; left out: as --out ends.
-        out: The file; left out: the source's name, here.
-        resolution: Edge of a map's cell [m]; left out: 0.05.
-        z_min: Lower end of the band of heights that counts in a map [m]; left out: 0.10, or the robot's.
-        z_max: Upper end of the band of heights that counts in a map [m]; left out: 0.62, or the robot's.
-        floor_z: Height of the floor in the world's file [m], which is written at z = 0; left out: as the file has it,
-            and for a map or with a robot the floor that is under most of the world.
+            isaac-script for a scenario; default: by the suffix of --out.
+        out: The file; default: the source's name, in the current folder.
+        resolution: Cell size of a map [m]; default: 0.05.
+        z_min: Lower end of a map's height band [m]; default: 0.10, or the robot's.
+        z_max: Upper end of a map's height band [m]; default: 0.62, or the robot's.
+        floor_z: Height of the floor in the world's file [m], which is written at z = 0; default: unchanged,
+            but for a map or with a robot the floor under most of the world.
     """
     from trundle.export import export_robot, export_scene, export_world
     from trundle.maps.check.check import DEFAULT_ROBOT
@@ -133,11 +133,11 @@ def export(
 
 
 def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, str]:
-    """The file that is written, its folder made, and the format by name.
+    """The output file, whose folder is created, and the format by name.
 
     Raises:
         UnknownNameError: If there is no such format; the nearest is offered.
-        InputError: If neither says the format, or the file's suffix is another format's.
+        InputError: If neither determines the format, or the file's suffix belongs to another format.
         OutputError: If its folder cannot be written to.
     """
     from trundle.export import FORMATS, format_of
@@ -161,9 +161,9 @@ def load_source(
     settings: dict[str, bool | int | float | str],
     floor_z: float | None = None,
 ) -> World | Robot | Setting:
-    """Load what is to be written: a robot by name, YAML or URDF, a scenario by its YAML, else a world.
+    """Load the source: a robot by name, YAML or URDF, a scenario by its YAML, else a world.
 
-    An MJCF file is a world, and a URDF file a robot, unless the format holds only the other.
+    An MJCF file is a world, and a URDF file a robot, unless the format supports only the other.
 
     Raises:
         UnknownNameError: If it is none of these; the nearest of the names is offered.
@@ -209,7 +209,7 @@ def _check_uses(given: dict[str, Any], kind: str, form: str) -> None:
 
 
 def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
-    """Options of a world's format: a robot by name becomes the robot, or for a map its heights."""
+    """Options of a world's format: a robot's name is replaced by the robot, or for a map by its height band."""
     from trundle.robots import Robot
 
     found = dict(given)
@@ -222,7 +222,7 @@ def _world_options(form: str, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _make_scene(setting: Setting, form: str) -> tuple[Scene, dict[str, Any]]:
-    """Make what a scenario is exported as, with the path to its goals where the format has one, and its options.
+    """Build the scene of a scenario, with the path to its goals if the format has one, and its options.
 
     Raises:
         PlanningError: If there is no path.

@@ -1,4 +1,4 @@
-"""`trundle joints`: what moves on a robot."""
+"""`trundle joints`: the joints of a robot."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def joints(
     robot: str,
     /,
     *,
-    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose joints: as built here, or there.")] = "mujoco",
+    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="The joints of this simulator's model.")] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
     """List a robot's joints: name, type, axis, limits, parent, child, and which ones drive it.
 
-    With --backend isaac: those that Isaac Sim moves, in its order, of the robot's USD.
+    With --backend isaac: the joints that Isaac Sim moves in the robot's USD, in its order.
 
     Args:
         robot: A robot (nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's), or the path of a

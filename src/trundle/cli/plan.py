@@ -63,19 +63,19 @@ def plan(
     """Plan a path on a map; print its length, cost and time, and draw it.
 
     The picture shows the map, its inflation, the zones of the masks, the path, and the robot's footprint at both ends;
-    of a smoothed path also how it was planned.
+    for a smoothed path also the path before smoothing.
 
     Args:
         map_file: The YAML of a ROS map.
-        partial: Where the goal cannot be reached, plan to the place nearest to it; the same as --planner-option
+        partial: If the goal cannot be reached, plan to the nearest reachable place; the same as --planner-option
             allow_partial=true.
         deadline: Give up after this time [s]; the same as --planner-option deadline_s=….
-        compare: Plan by every planner there is: a table of them, and all their paths in one picture. The times are
+        compare: Plan with every available planner: a table, and all their paths in one picture. The times are
             medians of repeated plans on one map.
-        backend: Taken, and checked, as by trundle run; a plan needs no simulator, and none is started. Likewise the
+        backend: Accepted and checked as in trundle run; planning starts no simulator. The same holds for the
             controller and its options, and those of navigation.
-        out: The picture, or a folder for overlay.png; left out: overlay.png, here. Where it cannot be written, the rest
-            is printed all the same.
+        out: The picture, or a folder for overlay.png; default: overlay.png in the current folder. If it cannot be
+            written, the rest is still printed.
     """
     from trundle.geometry import Pose2D
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
@@ -98,7 +98,7 @@ def plan(
     shorthands = ["allow_partial=true"] * partial + ([] if deadline is None else [f"deadline_s={deadline}"])
     chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], Choice(name=planner))
     if compare and chosen.options:
-        raise InputError("--compare plans by every planner as it is by default: give it no options of one")
+        raise InputError("--compare runs every planner with its default options: leave planner options out")
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat),
         robot,
@@ -131,7 +131,7 @@ def plan(
     if hit is not None:
         x, y, _ = hit.pose
         output.remark(
-            f"trundle: the path of planner {planner!r} touches something at ({x:.2f}, {y:.2f}); it cannot be driven",
+            f"trundle: the path of planner {planner!r} collides at ({x:.2f}, {y:.2f}); it cannot be driven",
             quiet=False,
         )
         code = code or 1
@@ -162,7 +162,7 @@ def plan(
             "length": f"{path.length:.3f} m",
             "cost": path.cost,
             "time": f"{facts['planning_ms']:.1f} ms",
-            "planner": f"{path.planner}, planned again {path.replans} times",
+            "planner": f"{path.planner}, replanned {path.replans} times",
             "overlay": target or "not written",
         }
     )
@@ -170,7 +170,7 @@ def plan(
 
 
 def _find_target(out: FilePath | None) -> FilePath | None:
-    """Where the picture goes; none, and a remark, where it cannot be written: the plan is worth having without."""
+    """The picture's path; None, with a remark, if it cannot be written: the plan is useful without it."""
     try:
         return options.output_file(out or FilePath("overlay.png"), "overlay.png", (".png",))
     except OutputError as error:
@@ -188,9 +188,9 @@ def _moved(path: Path) -> dict[str, str]:
 
 
 def _compare(navigator: Navigator, begin: Pose2D, end: Pose2D, target: FilePath | None, *, json: bool) -> int:
-    """Plan by every planner, print a table and draw all paths, with the zones of the masks.
+    """Plan with every planner, print a table and draw all paths, with the zones of the masks.
 
-    Where the navigator smooths, so are these paths. Without a target nothing is drawn.
+    If the navigator smooths, these paths are smoothed as well. Without a target nothing is drawn.
 
     Returns:
         The exit code: 0 where at least one planner found a path, 2 where all say that an end is at fault.
@@ -223,7 +223,7 @@ def _print_rows(rows: list[PlannerRow], target: FilePath | None, *, json: bool) 
                 row["turning_rad"],
                 row["clearance_m"],
                 row["planning_ms"],
-                "touches something" if row["clearance_m"] == 0.0 else row["message"],
+                "collides" if row["clearance_m"] == 0.0 else row["message"],
             )
             for row in rows
         ],

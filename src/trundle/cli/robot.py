@@ -39,9 +39,9 @@ def new(
     Example: trundle robot new my_robot
 
     Args:
-        name: Of the robot.
-        urdf: Read the robot from this URDF or MJCF file; left out: a plain one with two wheels and a caster.
-        out: The file; left out: NAME.yaml, here.
+        name: Name of the robot.
+        urdf: Derive the robot from this URDF or MJCF file; default: a simple one with two wheels and a caster.
+        out: The file; default: NAME.yaml in the current folder.
     """
     from trundle.files.writing import write_text
     from trundle.robots import Robot
@@ -57,7 +57,7 @@ def new(
 
 @app.command
 def schema() -> int:
-    """Print the JSON Schema of robot files, for an editor that checks YAML by one."""
+    """Print the JSON Schema of robot files, for editors that validate YAML."""
     from trundle.robots.schema import robot_schema
 
     output.print_json(robot_schema())

@@ -46,16 +46,16 @@ def run(
 
     Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), overlay.png and
     video.mp4.
-    Exit code 1 says that the robot did not get there.
+    Exit code 1: the robot did not reach the goal.
 
     Args:
         source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name (warehouse, office,
             maze, cylinders, corridors, lot), or a world's file. With
-            --backend isaac also an environment of Isaac Sim whose file is at hand.
+            --backend isaac also an environment of Isaac Sim whose file is on this machine.
         from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
         video: Write video.mp4.
-        view: Watch it in a window while it drives, where there is a screen.
-        out: Folder to write into, which must not hold a run; left out: a new one under runs.
+        view: Watch it drive in a window, if there is a screen.
+        out: Output folder, which must not hold a run; default: a new one under runs.
     """
     if from_ is not None:
         if source is not None or given != scenarios.DEFAULTS:

@@ -1,4 +1,4 @@
-"""`trundle scenario`: write what the options of `trundle run` say as a file to edit."""
+"""`trundle scenario`: write the options of `trundle run` as a file to edit."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def scenario(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
-    """Write a scenario with the options of trundle run, and a comment on every field there is.
+    """Write a scenario with the options of trundle run, with a comment on every field.
 
     trundle run drives it. Fields that have their default are commented out.
 
     Args:
         source: As in trundle run: a map, a world by name or file, or another scenario.
         out: The file.
-        schema: Print the JSON Schema of scenarios instead, for an editor that checks YAML by one.
+        schema: Print the JSON Schema of scenarios instead, for editors that validate YAML.
     """
     from trundle.files.field_docs import json_schema
     from trundle.mission import Scenario
@@ -50,7 +50,7 @@ def scenario(
         output.print_json(json_schema(Scenario, "trundle scenario"))
         return 0
     if source is None:
-        raise InputError("a scenario needs a place: a map, a world by name or file, or another scenario")
+        raise InputError("give a map, a world by name or file, or another scenario")
     target = options.new_yaml_file(out, "scenario.yaml", overwrite=overwrite)
     given.make(source).save_commented(target)
     output.report_written({"scenario": target}, f"To drive it: trundle run {target}", json=json, quiet=quiet)

@@ -41,18 +41,18 @@ def view(
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="Whose window, or renderer.")] = "mujoco",
+    backend: Annotated[Literal["mujoco", "isaac"], Parameter(help="The simulator that shows it.")] = "mujoco",
     json: options.Json = False,
     quiet: options.Quiet = False,
     isaac_options: isaac.IsaacOptions | None = None,
 ) -> int:
-    """Show a robot, alone or in a world: in a window where there is a screen, else as a picture.
+    """Show a robot, alone or in a world: in a window if there is a screen, else as a picture.
 
     With --out or --json it is always a picture.
 
     Args:
-        camera: Where the picture is taken from: close to the robot's front, from behind it, or of the whole world.
-        size: Of the picture, in pixels.
+        camera: The viewpoint: close in front of the robot, behind it, or the whole world.
+        size: Size of the picture, in pixels.
         out: Write this PNG (or scene.png in this folder) and open no window.
     """
     from trundle.sim.mujoco.engine import import_engine
@@ -87,7 +87,7 @@ def _target(out: Path | None) -> Path:
 
 
 def _show_window(place: World, machine: Robot, pose: Pose2D, *, quiet: bool) -> bool:
-    """Show it in MuJoCo's window until that is closed; False where there is no screen."""
+    """Show it in MuJoCo's window until it is closed; False without a screen."""
     from trundle.viewer.native import NativeWindow, has_screen
 
     if not has_screen():

@@ -15,7 +15,5 @@ app = App(
     version_flags=[],
 )
 app.command("trundle.cli.map.build:app", name="build", help="Make the occupancy map of a world.")
-app.command("trundle.cli.map.check:app", name="check", help="Look for what is wrong with a map, and put it right.")
-app.command(
-    "trundle.cli.map.convert:app", name="convert", help="Other formats, cells, a part of a map, or two maps as one."
-)
+app.command("trundle.cli.map.check:app", name="check", help="Find mistakes in a map, and fix them.")
+app.command("trundle.cli.map.convert:app", name="convert", help="Convert, resample, crop or merge maps.")

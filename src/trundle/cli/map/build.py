@@ -58,28 +58,28 @@ def build(
 ) -> int:
     """Make the occupancy map of a world.
 
-    Cells are free, occupied or unknown: unknown is what cannot be reached from the world's free seeds.
+    Cells are free, occupied or unknown: unknown cells cannot be reached from the world's free seeds.
 
-    A height field for --floor is a .npz file, as HeightField.save writes it: heights (samples [m], a row for each y,
+    A height field for --floor is a .npz file, as HeightField.save writes it: heights (samples [m], one row per y,
     the lowest first, NaN where unknown), resolution (between samples [m]) and origin (x, y of the first sample [m]).
 
     Args:
-        world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to build again. With
+        world: A world by name, or its file: USD, SDF, MJCF, URDF, a mesh, or the YAML of a map to rebuild. With
             --assets-root, an environment of Isaac Sim.
         out: The map's YAML, with its image beside it; or a folder for map.yaml.
-        resolution: Edge of a cell [m].
-        z_min: Lower end of the band of heights that counts, above the floor [m]; left out: the robot's.
-        z_max: Upper end of the band of heights that counts, above the floor [m]; left out: the robot's.
-        floor: A height field, of a floor with ramps.
-        max_slope: The steepest part of a height field that is no obstacle [rad, or 10deg]; left out: 10deg.
-        bounds: What the map covers [m]; the upper corner is moved out to whole cells; left out: the world.
+        resolution: Cell size [m].
+        z_min: Lower end of the height band above the floor [m]; default: the robot's.
+        z_max: Upper end of the height band above the floor [m]; default: the robot's.
+        floor: A height field, for a floor with ramps.
+        max_slope: The maximum slope of a height field that is not an obstacle [rad, or 10deg]; default: 10deg.
+        bounds: The area of the map [m]; the upper corner is moved out to whole cells; default: the world.
         margin: Added around the bounds [m].
         free: A point that is free and reachable, such as the robot's start [m], or largest, for the largest free area;
-            repeat it for several; left out: the world's own.
-        coverage: Which cells a solid occupies: any that it reaches into, or those whose centre is inside it.
-        style: isaac marks what Isaac Sim's generator does, for comparison.
-        half_cell_origin: Give the centre of the corner cell as the origin, as Isaac Sim does and ROS does not.
-        max_cells: The most cells to accept; left out: 400 million.
+            repeatable; default: the world's own.
+        coverage: Which cells a solid occupies: all that it overlaps, or those whose centre is inside it.
+        style: isaac marks the same cells as Isaac Sim's generator, for comparison.
+        half_cell_origin: Give the centre of the corner cell as the origin, as Isaac Sim does; ROS gives its corner.
+        max_cells: Limit on the number of cells; default: 400 million.
     """
     from trundle.maps import FREE, MAX_CELLS, UNKNOWN, HeightField, OccupancyGrid
 
@@ -153,12 +153,12 @@ def _parse_bounds(text: str | None) -> Bounds | None:
 
 
 def _parse_free(texts: list[str] | None) -> list[tuple[float, float]] | None:
-    """Seeds of the flood; none for the largest area, None for the world's own."""
+    """Seeds of the flood fill; an empty list for the largest area, None for the world's own."""
     if texts is None:
         return None
     if "largest" in texts:
         if len(texts) > 1:
-            raise InputError("--free largest: give it alone, or points X,Y")
+            raise InputError("--free largest cannot be combined with points X,Y")
         return []
     points = [options.parse_numbers("--free", text, "X,Y, or largest,", at_least=2, at_most=2) for text in texts]
     return [(x, y) for x, y in points]

@@ -1,4 +1,4 @@
-"""`trundle map check`: what is wrong with a map, where, and how to put it right."""
+"""`trundle map check`: find mistakes in a map, where they are, and how to fix them."""
 
 from __future__ import annotations
 
@@ -56,21 +56,21 @@ def check(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     json: options.Json = False,
 ) -> int:
-    """Look for what is wrong with a map: its file, its place, its space, and a robot's paths through it.
+    """Find mistakes in a map: its file, its position, its free space, and a robot's paths through it.
 
-    Exits with 1 where there is an error among the findings, and with 2 where the file is missing or no
+    Exits with 1 if there is an error among the findings, and with 2 if the file is missing or not
     text. A map that is flipped, rotated, shifted or half a cell off shows only against a world.
 
     Args:
         map_file: The YAML of a ROS map.
         world: The world that the map shows, by name or file.
         start: Where the robot starts [m, m, rad or 90deg], map frame.
-        goal: Where it shall go; repeat it for several.
-        fix: Where to write the map with everything put right that is certain: a YAML, or a folder for map.yaml.
+        goal: Goal of the robot; repeatable.
+        fix: Write the map with all certain fixes applied to this YAML, or to map.yaml in this folder.
         out: A picture of the map with its findings, or a folder for check.png.
-        z_min: Lower end of the heights of the world that the map shows [m]; left out: the robot's, or 0.1.
-        z_max: Upper end of them [m]; left out: the robot's, or 0.62.
-        everything: Print every finding, and not the kinds of them on at most 15 lines.
+        z_min: Lower end of the world's height band in the map [m]; default: the robot's, or 0.1.
+        z_max: Upper end of the height band [m]; default: the robot's, or 0.62.
+        everything: Print every finding instead of a summary by kind of at most 15 lines.
     """
     from trundle.maps.check import check_map
     from trundle.maps.check.check import DEFAULT_ROBOT, DEFAULT_Z_RANGE
@@ -113,24 +113,24 @@ def check(
             }
         )
     else:
-        written = _tell_written(report, (target, fixed), (picture, drawn))
+        written = _written_lines(report, (target, fixed), (picture, drawn))
         most = None if everything else MOST_LINES - len(written)
         for line in [*tell_report(str(map_file), report, robot_area, most=most), *written]:
             print(line)
     return 1 if report.has_errors else 0
 
 
-def _tell_written(
+def _written_lines(
     report: MapReport, fix: tuple[Path | None, Path | None], picture: tuple[Path | None, Path | None]
 ) -> list[str]:
-    """Which files that were asked for were written."""
+    """Lines on which of the requested files were written."""
     lines: list[str] = []
     for (asked, written), what in ((fix, "fixed"), (picture, "picture")):
         if written is not None:
             done = f" ({', '.join(report.corrected_kinds)})" if what == "fixed" else ""
             lines.append(f"{what}: {written}{done}")
         elif asked is not None:
-            why = "nothing can be put right for certain" if what == "fixed" else "the map cannot be read"
+            why = "there is no certain fix" if what == "fixed" else "the map cannot be read"
             lines.append(f"{what}: not written: {why}")
     return lines
 
@@ -145,6 +145,6 @@ def _draw(grid: OccupancyGrid, report: MapReport, target: Path, title: str, robo
 
 
 def _covered(corners: tuple[tuple[float, float], ...]) -> float:
-    """What a footprint covers [m²]."""
+    """Area of a footprint [m²]."""
     following = (*corners[1:], corners[0])
     return abs(sum(x * b - a * y for (x, y), (a, b) in zip(corners, following, strict=True))) / 2.0

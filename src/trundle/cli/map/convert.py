@@ -1,4 +1,4 @@
-"""`trundle map convert`: a map in another format, with other cells, a part of it, or two maps as one."""
+"""`trundle map convert`: convert, resample, align, crop or merge maps."""
 
 from __future__ import annotations
 
@@ -53,24 +53,24 @@ def convert(
     compat: options.Compat = None,
     json: options.Json = False,
 ) -> int:
-    """Write a map in another format, with other cells, axis-aligned, a part of it, or two maps as one.
+    """Convert a map to another format, resample, align or crop it, or merge two maps.
 
-    What can be kept is kept, and what is lost is said. No obstacle is lost, unless --prefer says so: a new cell is
-    occupied where it overlaps one that is, and free only where all of it was.
+    Any information that is lost is reported. No obstacle is lost, except by --prefer: a new cell is occupied if it
+    overlaps an occupied one, and free only if all of it was free.
 
     Args:
         map_file: The YAML of a ROS map, or a MovingAI map (.map).
-        second: A map that is merged into it; their cells need not fall on each other.
+        second: A map to merge into it; their cells need not be aligned.
         out: The new map's YAML, with its image beside it; a .map for MovingAI; or a folder for map.yaml.
-        mode: How a ROS map's image holds the cells; left out: trinary where that keeps all of them, else raw.
-        image: The image of a ROS map.
-        resolution: Edge of the new cells [m]; left out: the map's.
-        align: Turn the map until its origin has no yaw, for all that ignores it, as Nav2's costmaps do.
+        mode: The mode of a ROS map; default: trinary if that is lossless, else raw.
+        image: The image format of a ROS map.
+        resolution: New cell size [m]; default: the map's.
+        align: Rotate the map so that its origin has no yaw, for software that ignores it, such as Nav2's costmaps.
         crop: Keep this rectangle of the map frame [m], moved out to whole cells; or content: all known cells.
-        prefer: Which map wins where both know a cell: the occupied one, the free one, the first or the second. What
-            one of them does not know is the other's.
-        source_resolution: Edge of a MovingAI map's cells [m], which its file does not say; left out: 1.
-        source_origin: The lower-left corner of a MovingAI map [m, m, rad]; left out: 0,0.
+        prefer: Which map wins if both know a cell: the occupied one, the free one, the first or the second. Cells
+            unknown in one map are taken from the other.
+        source_resolution: Cell size of a MovingAI map [m], which its file does not contain; default: 1.
+        source_origin: The lower-left corner of a MovingAI map [m, m, rad]; default: 0,0.
         max_cells: The most cells to accept; left out: 400 million.
     """
     from trundle.maps import MAX_CELLS
@@ -86,7 +86,7 @@ def convert(
     target = options.output_file(out, "map.yaml", (".yaml", ".yml", _MOVINGAI))
     is_movingai = target.suffix.lower() == _MOVINGAI
     if is_movingai and mode is not None:
-        raise InputError("--mode is for ROS maps: a MovingAI map says only what is free and what is not")
+        raise InputError("--mode is for ROS maps: a MovingAI map has only free and blocked cells")
     _refuse_sources(sources, target, None if is_movingai else target.with_suffix(f".{image}"))
     made = convert_grid(
         grids[0],
@@ -125,7 +125,7 @@ def _load(
     silent = [source for source in sources if source.suffix.lower() == _MOVINGAI]
     if not silent and (resolution is not None or origin is not None):
         raise InputError(
-            "--source-resolution and --source-origin are for MovingAI maps (.map): a ROS map says both in its YAML"
+            "--source-resolution and --source-origin are for MovingAI maps (.map): a ROS map has both in its YAML"
         )
     return [
         replace(load_movingai_map(source, resolution=1.0 if resolution is None else resolution), origin=corner)
@@ -136,7 +136,7 @@ def _load(
 
 
 def _refuse_sources(sources: list[Path], target: Path, image: Path | None) -> None:
-    """Refuse to write over a map that is read: what it says would be gone."""
+    """Refuse to overwrite a source map."""
     from trundle.maps.ros_reader import find_image
     from trundle.maps.ros_yaml import load_description
 
@@ -146,7 +146,7 @@ def _refuse_sources(sources: list[Path], target: Path, image: Path | None) -> No
             read.add(find_image(source, load_description(source), allow_outside=True))
         for written in (target, image):
             if written is not None and written.resolve() in read:
-                raise InputError(f"--out {target}: {written} is what {source} is read from; give another name")
+                raise InputError(f"--out {target}: {written} is a file of the source map {source}; give another name")
 
 
 def _report(

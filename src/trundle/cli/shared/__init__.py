@@ -1,1 +1,1 @@
-"""What several verbs share: their options, what their arguments stand for, how results are printed, Isaac Sim."""
+"""Code shared by several verbs: options, interpretation of arguments, printing of results, Isaac Sim."""

@@ -1,4 +1,4 @@
-"""What an argument plainly is, where a verb wants something else: the message names it and says what to give."""
+"""Arguments of the wrong kind: messages that say what was given and what to give instead."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from trundle.files.kinds import (
 
 _ADVICE = {
     (WORLD, MAP): "make its map with trundle map build {text} -o map.yaml",
-    (SCENARIO, MAP): "give the map that it names, or drive it with trundle run {text}",
-    (SCENARIO, WORLD): "give the world or map that it names, or drive it with trundle run {text}",
-    (PICTURE, MAP): "give the map's YAML file, which names its image and says its resolution",
-    (PICTURE, WORLD): "of a map give the YAML file, which names its image and says its resolution",
+    (SCENARIO, MAP): "give its map, or drive it with trundle run {text}",
+    (SCENARIO, WORLD): "give its world or map, or drive it with trundle run {text}",
+    (PICTURE, MAP): "give the map's YAML file, which has the image's name and the resolution",
+    (PICTURE, WORLD): "of a map give the YAML file, which has the image's name and the resolution",
     (ROBOT, WORLD): "give it with --robot {text}",
     (ROBOT, MAP): "give it with --robot {text}",
     (WORLD, ROBOT): "give a robot first, and this with --world {text}",
     (MAP, ROBOT): "give a robot first, and this with --world {text}",
-    (SCENARIO, ROBOT): "give the robot that it names",
+    (SCENARIO, ROBOT): "give its robot",
     (RUN, SCENARIO): "to repeat it give {text}/scenario.yaml",
     (RUN, MAP): "give the YAML file of a map",
     (RUN, EVALUATION): "compare runs with trundle compare; the figures and pictures of one are in its folder",
@@ -49,15 +49,15 @@ _ADVICE = {
 
 
 def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
-    """Refuse a file or a name that is plainly of another kind than those wanted; the first of them is the main one.
+    """Refuse a file or a name that is clearly of another kind than those wanted; the first of them is the main one.
 
-    What is neither there nor a known name is left to its loader to name.
+    A missing file or unknown name is left to the loader to report.
 
     Raises:
-        InputError: If it is; it says what to give instead.
+        InputError: If it is of another kind; the message says what to give instead.
     """
     text = os.fspath(text)
-    # A file or folder may have the name of something: `drive -o mujoco` makes one.
+    # A file or folder may have a known name: `drive -o mujoco` creates one.
     found = find_kind(text)
     kinds = [*_kinds_of_name(text), *([] if found is None else [found])]
     if not kinds or set(kinds) & set(wanted):
@@ -69,7 +69,7 @@ def check_given(text: str | os.PathLike[str], *wanted: str) -> None:
 
 
 def _kinds_of_name(text: str) -> list[str]:
-    """What there is of this name."""
+    """The kinds of known things with this name."""
     from trundle.control import controller_names
     from trundle.planning import planner_names
     from trundle.robots import robot_names

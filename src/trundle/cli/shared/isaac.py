@@ -1,4 +1,4 @@
-"""What the verbs that drive in Isaac Sim share: its options, and its application."""
+"""Shared by the verbs that use Isaac Sim: its options and its application."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
 
 BACKEND = "isaac"
 
-Profile = Annotated[str | None, Parameter(name="--profile", help="For usd: isaac, with what Isaac Sim wants.")]
+Profile = Annotated[str | None, Parameter(name="--profile", help="For usd: isaac adds what Isaac Sim needs.")]
 ScriptEnvironment = Annotated[
     str | None,
     Parameter(
         name="--environment",
-        help="For isaac-script: an environment of Isaac Sim by name, or a USD file; left out: the scenario's world.",
+        help="For isaac-script: an environment of Isaac Sim by name, or a USD file; default: the scenario's world.",
     ),
 ]
 ScriptRobot = Annotated[
     str | None,
     Parameter(
         name="--robot-usd",
-        help="For isaac-script: the robot's USD file; left out: Isaac Sim's own, where it has one.",
+        help="For isaac-script: the robot's USD file; default: Isaac Sim's own, if it has one.",
     ),
 ]
 AssetsRoot = Annotated[
@@ -47,7 +47,7 @@ AssetsRoot = Annotated[
     ),
 ]
 
-_GROUP = Group("Isaac Sim", help="With --backend isaac, started by Isaac Sim's own interpreter.", sort_key=1)
+_GROUP = Group("Isaac Sim", help="With --backend isaac, run with Isaac Sim's own interpreter.", sort_key=1)
 
 
 @Parameter(name="*", group=_GROUP)
@@ -56,13 +56,13 @@ class IsaacOptions:
     """Options of `--backend isaac`.
 
     Attributes:
-        environment: What Isaac Sim opens: an environment (warehouse_with_forklifts, warehouse, full_warehouse,
-            hospital, office) or a USD file, in the map's frame; left out: the world or the map, written as USD.
-        robot_usd: The robot's USD file; left out: that of Isaac Sim's assets.
-        assets_root: Folder or address that holds Isaac/Environments and Isaac/Robots; left out: TRUNDLE_ISAAC_ASSETS,
-            or what Isaac Sim finds.
-        physics_dt: Length of a physics step [s]; left out: 0.005.
-        ground_offset: Height above the ground that the robot is put at, to settle from [m]; left out: 0.02.
+        environment: The stage to open: an environment (warehouse_with_forklifts, warehouse, full_warehouse,
+            hospital, office) or a USD file, in the map's frame; default: the world or the map, written as USD.
+        robot_usd: The robot's USD file; default: that of Isaac Sim's assets.
+        assets_root: Folder or address that holds Isaac/Environments and Isaac/Robots; default: TRUNDLE_ISAAC_ASSETS,
+            or Isaac Sim's own asset root.
+        physics_dt: Physics timestep [s]; default: 0.005.
+        ground_offset: Initial height above the ground from which the robot settles [m]; default: 0.02.
         headless: Without a window.
         livestream: Without a window, streamed by WebRTC.
     """
@@ -76,7 +76,7 @@ class IsaacOptions:
     livestream: Annotated[bool, Parameter(negative="")] = False
 
     def given(self) -> dict[str, str | float | bool]:
-        """Those that were given, as the simulator takes them; paths in full, so that they hold from any folder."""
+        """The given options, as the simulator takes them; paths are made absolute, to be valid from any folder."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         for name in ("environment", "robot_usd", "assets_root"):
             text = values[name]
@@ -86,7 +86,7 @@ class IsaacOptions:
 
 
 def simulator_options(options: IsaacOptions | None, backend: str) -> dict[str, str | float | bool]:
-    """Return what a simulator is made with.
+    """Return the options to create a simulator with.
 
     Raises:
         InputError: If options of Isaac Sim are given to another backend.
@@ -94,7 +94,7 @@ def simulator_options(options: IsaacOptions | None, backend: str) -> dict[str, s
     given = options.given() if options is not None else {}
     if given and backend != BACKEND:
         name = next(iter(given)).replace("_", "-")
-        raise InputError(f"--{name} is for --backend isaac, and this is {backend}")
+        raise InputError(f"--{name} is for --backend isaac, but the backend is {backend}")
     return given
 
 
@@ -105,14 +105,14 @@ def check_window(view: bool, backend: str) -> None:
         InputError: If `view` and the backend do not go together.
     """
     if view and backend == BACKEND:
-        raise InputError("--view opens MuJoCo's window, and Isaac Sim has its own: leave --view and --headless out")
+        raise InputError("--view opens MuJoCo's window, but Isaac Sim has its own: leave out --view and --headless")
 
 
 def adapt(scenario: Scenario, options: IsaacOptions | None) -> Scenario:
-    """Give a scenario's backend the options of the command line; a world of USD is opened by Isaac Sim as it is.
+    """Give a scenario's backend the options of the command line; a USD world is opened by Isaac Sim directly.
 
     Raises:
-        InputError: If they are given to another backend, or name another place than the scenario.
+        InputError: If they are given to another backend, or conflict with the scenario's world.
     """
     given = simulator_options(options, scenario.backend.name)
     if scenario.backend.name != BACKEND:
@@ -123,7 +123,7 @@ def adapt(scenario: Scenario, options: IsaacOptions | None) -> Scenario:
 
 
 def _early_application(world: str | None, settings: Mapping[str, object]) -> AbstractContextManager[Application | None]:
-    """Start Isaac Sim before a world of USD is read: it brings the library for that, and no other may come first."""
+    """Start Isaac Sim before a USD world is read: it brings its own USD library, and no other may be loaded first."""
     from trundle.sim.isaac.assets import is_usd
 
     if world is None or not is_usd(world):
@@ -134,7 +134,7 @@ def _early_application(world: str | None, settings: Mapping[str, object]) -> Abs
 
 
 def start_for(scenario: Scenario) -> AbstractContextManager[Application | None]:
-    """Start Isaac Sim before a scenario's world is read, where it drives in Isaac Sim through a world of USD."""
+    """Start Isaac Sim before a scenario's world is read, if it drives in Isaac Sim through a USD world."""
     if scenario.backend.name != BACKEND:
         return nullcontext()
     return _early_application(scenario.world.name if scenario.world is not None else None, scenario.backend.options)
@@ -149,12 +149,12 @@ def open_place(
     backend: str,
     given: dict[str, str | float | bool],
 ) -> Iterator[World]:
-    """Load the world of a verb; what Isaac Sim needs for it is started before, and closed at the end.
+    """Load the world of a verb; Isaac Sim is started before if needed, and closed at the end.
 
-    A world of USD becomes the environment in `given`.
+    A USD world becomes the environment in `given`.
 
     Raises:
-        InputError: If an environment is given besides another world.
+        InputError: If both an environment and another world are given.
     """
     if backend != BACKEND:
         yield sources.load_place(world, seed=seed, settings=settings)
@@ -165,24 +165,24 @@ def open_place(
 
 
 def _environment(world: str | None, settings: Mapping[str, object]) -> dict[str, str]:
-    """The environment that a world of USD is; nothing for any other world, which is written as USD."""
+    """The environment for a USD world; empty for any other world, which is written as USD."""
     from trundle.sim.isaac.assets import is_usd
 
     own = str(Path(world).resolve()) if world is not None and is_usd(world) else None
     given = settings.get("environment")
     if world is not None and given not in (None, own):
         raise InputError(
-            f"the world {world!r} and the environment {given!r} are two places. Give the environment's map in the "
-            "world's stead (trundle map build makes it of its USD), or leave --environment out"
+            f"the world {world!r} and the environment {given!r} conflict. Give the environment's map instead of the "
+            "world (trundle map build makes it from its USD), or leave --environment out"
         )
     return {} if own is None else {"environment": own}
 
 
 def world_of(source: str, backend: str | None, options: IsaacOptions | None) -> str:
-    """Return the USD file of an environment that is named as the place of a run in Isaac Sim, else the source as it is.
+    """Return the USD file if the source names an environment for a run in Isaac Sim, else the source unchanged.
 
     Raises:
-        InputError: If its file is not on this machine, so that there is no map to drive by.
+        InputError: If its file is not on this machine, so that no map can be built.
     """
     from trundle.sim.isaac.assets import ENVIRONMENTS, local_environment
     from trundle.worlds import world_names
@@ -193,16 +193,16 @@ def world_of(source: str, backend: str | None, options: IsaacOptions | None) -> 
         return str(local_environment(source, options.assets_root if options is not None else None))
     except InputError as error:
         raise InputError(
-            f"{error}; or drive by a map of it: trundle run map.yaml --backend isaac --environment {source}"
+            f"{error}; or use a map of it: trundle run map.yaml --backend isaac --environment {source}"
         ) from error
 
 
 def find_environment(name: str, assets_root: str | None) -> Path | None:
-    """Return the file of an environment on this machine by its name; none where it is no environment's name.
+    """Return the file of an environment on this machine by its name; None for any other name.
 
     Raises:
-        InputError: If it is one, and not on this machine.
-        UnknownNameError: If assets are given, and none has this name.
+        InputError: If the environment's file is not on this machine.
+        UnknownNameError: If assets are given but none has this name.
     """
     from trundle.sim.isaac.assets import ENVIRONMENTS, local_environment
     from trundle.worlds import world_names
@@ -230,7 +230,7 @@ def open_simulator(
 
 
 def print_joints(robot: str, settings: Mapping[str, str | float | bool], *, json: bool) -> int:
-    """Print the joints that Isaac Sim moves of a robot's USD, in its order; return the exit code."""
+    """Print the joints that Isaac Sim moves in a robot's USD, in its order; return the exit code."""
     from trundle.geometry import Pose2D
     from trundle.robots import Robot
     from trundle.worlds import World
@@ -260,10 +260,10 @@ def show(
     size: tuple[int, int],
     target: Path | None,
 ) -> dict[str, object]:
-    """Show a robot in Isaac Sim's window until that is closed, or write a picture by its renderer.
+    """Show a robot in Isaac Sim's window until it is closed, or write a picture with its renderer.
 
     Returns:
-        What the picture is of; nothing where there is none.
+        The facts about the picture; empty without one.
     """
     from PIL import Image
 
@@ -282,7 +282,7 @@ def show(
 
 
 def script_options(scenario: Scenario) -> dict[str, object]:
-    """What a script for Isaac Sim takes from a scenario: its world of USD, and what its backend names."""
+    """Options of an Isaac Sim script from a scenario: its USD world, and its backend's options."""
     found: dict[str, object] = {}
     if scenario.world is not None and sources.is_usd(scenario.world.name) and not scenario.world.options:
         found["environment"] = scenario.world.name

@@ -1,4 +1,4 @@
-"""Driving a scenario and telling how it went: what `trundle run` and `trundle demo` share."""
+"""Driving a scenario and reporting the result, shared by `trundle run` and `trundle demo`."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ def drive(
     with_place: bool = False,
     narrate: bool = False,
 ) -> int:
-    """Run a scenario once, record it, and print how it went.
+    """Run a scenario once, record it, and print the result.
 
     Args:
-        scenario: What to run.
-        out: Folder to write into; none means a new one under runs.
-        overwrite: Replace the run that it holds.
+        scenario: The scenario.
+        out: Output folder; None means a new one under runs.
+        overwrite: Replace an existing run in it.
         video: Whether to make a video.
         view: Whether to show it in a window while it drives.
         json: Print one JSON value.
         quiet: No progress bar and no remarks.
         with_place: Whether to add the map and a picture of the scene to the folder.
-        narrate: Whether to say what is being done, and how far it is where there is no terminal for a progress bar.
+        narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
 
     Returns:
-        The exit code: 0 where the robot arrived, else 1.
+        The exit code: 0 if the robot arrived, else 1.
     """
     from trundle.record.folder_claim import check_free
     from trundle.record.progress import ProgressBar
@@ -93,19 +93,19 @@ def drive(
 
 
 def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
-    """Say what brings videos as MP4 where they cannot be written."""
+    """Print how to enable MP4 videos if PyAV is missing."""
     from trundle.record.video import has_encoder
 
     if has_encoder():
         return
-    # trundle's own extra would bring MuJoCo as well, which keeps Isaac Sim from starting.
+    # trundle's own extra would also install MuJoCo, which prevents Isaac Sim from starting.
     in_isaac = scenario.backend.name == isaac.BACKEND
     install = "python.sh -m pip install --no-deps av" if in_isaac else 'pip install "trundle[video]"'
     output.remark(f"The video will be a GIF, because PyAV is not installed. For an MP4: {install}", quiet=quiet)
 
 
 def _scene_frames(mission: Mission, *, quiet: bool) -> MakeFrames | None:
-    """Give the video's pictures by OpenGL; none for one drawn from above: in Isaac Sim, or without a driver."""
+    """Frames rendered with OpenGL; None for a video drawn from above: in Isaac Sim, or without a driver."""
     if mission.scenario.backend.name == isaac.BACKEND:
         return None
     from trundle.viewer.gl import describe_missing_gl, find_gl
@@ -145,7 +145,7 @@ def _write_scene(mission: Mission) -> WriteExtra:
 
 _MAP, _SCENE = "map.yaml", "scene.png"
 _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
-"""What makes the files that show the place."""
+"""Writers of the map and the picture of the scene."""
 
 
 def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:

@@ -1,4 +1,4 @@
-"""Options that several verbs share, and how their text is read."""
+"""Options shared by several verbs, and parsing of their values."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Angle = Annotated[float, Parameter(converter=_read_angle, allow_leading_hyphen=T
 
 
 def _read_integer(_kind: object, tokens: Sequence[Token]) -> int:
-    # Left to itself, cyclopts rounds 1.5 to 2.
+    # By default cyclopts rounds 1.5 to 2.
     try:
         return int(tokens[0].value)
     except ValueError:
@@ -65,31 +65,31 @@ Overwrite = Annotated[
     Parameter(
         name="--overwrite",
         negative="",
-        help="Replace the run that the folder of --out holds; it is deleted when the new one is there.",
+        help="Replace an existing run in the folder of --out; it is deleted once the new one is complete.",
     ),
 ]
 OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file.")]
-Seed = Annotated[Integer, Parameter(name="--seed", help="For everything random: the same seed gives the same result.")]
+Seed = Annotated[Integer, Parameter(name="--seed", help="Random seed: the same seed gives the same result.")]
 RobotArgument = Annotated[str, Parameter(help=ROBOT_HELP)]
 WorldName = Annotated[
     str | None,
     Parameter(
         name="--world",
-        help="Where it is: a world (corridors, cylinders, lot, maze, office, warehouse or a plug-in's), or its file "
-        "(SDF, MJCF, USD, a mesh, a map's YAML); left out: a level floor.",
+        help="The world: a name (corridors, cylinders, lot, maze, office, warehouse or a plug-in's), or its file "
+        "(SDF, MJCF, USD, a mesh, a map's YAML); default: a level floor.",
     ),
 ]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
 PlannerName = Annotated[str, Parameter(name="--planner", help=PLANNER_HELP)]
 SmootherName = Annotated[
-    str | None, Parameter(name="--smoother", help="A smoother of the planned paths: constrained or a plug-in's name.")
+    str | None, Parameter(name="--smoother", help="The smoother of planned paths: constrained or a plug-in's name.")
 ]
 Backend = Annotated[
     str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
 ]
 Compat = Annotated[
     Literal["humble"] | None,
-    Parameter(name="--compat", help="Read the map as ROS 2 Humble's Nav2 does, and not as the present one."),
+    Parameter(name="--compat", help="Read the map as Nav2 of ROS 2 Humble does, instead of the current Nav2."),
 ]
 EXAMPLES = {
     "planner": "goal_tolerance=0.5",
@@ -100,25 +100,23 @@ EXAMPLES = {
 
 PlannerOptions = Annotated[
     list[str] | None,
-    _pairs("--planner-option", f"An option of the planner, for example {EXAMPLES['planner']}; repeat it for several."),
+    _pairs("--planner-option", f"An option of the planner, for example {EXAMPLES['planner']}; repeatable."),
 ]
 ControllerOptions = Annotated[
     list[str] | None,
     _pairs(
         "--controller-option",
-        f"An option of the controller, for example {EXAMPLES['controller']}; repeat it for several.",
+        f"An option of the controller, for example {EXAMPLES['controller']}; repeatable.",
     ),
 ]
 SmootherOptions = Annotated[
     list[str] | None,
-    _pairs(
-        "--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeat it for several."
-    ),
+    _pairs("--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeatable."),
 ]
 Keepout = Annotated[
     Path | None,
     Parameter(
-        name="--keepout", help="The YAML of a keep-out mask: a ROS map whose black areas the robot stays out of."
+        name="--keepout", help="The YAML of a keep-out mask: a ROS map whose black areas the robot must not enter."
     ),
 ]
 SpeedMaskFile = Annotated[
@@ -132,28 +130,26 @@ Start = Annotated[
     str | None,
     _pose(
         "--start",
-        "Where it starts [m, m, rad or 90deg], map frame; left out: picked from the free space by seed.",
+        "Start pose [m, m, rad or 90deg], map frame; default: picked from the free space by seed.",
     ),
 ]
 Pose = Annotated[
     str | None,
     _pose(
         "--start",
-        "Where the robot stands [m, m, rad or 90deg], map frame; left out: a free place of the world, or the origin.",
+        "Robot's pose [m, m, rad or 90deg], map frame; default: a free place in the world, or the origin.",
     ),
 ]
 Goals = Annotated[
     list[str] | None,
     _pose(
         "--goal",
-        "Where it shall go; repeat it for several goals in a row; left out: picked from the free space by seed.",
+        "Goal; repeat it for several goals in order; default: picked from the free space by seed.",
         negative="",
     ),
 ]
-Goal = Annotated[str | None, _pose("--goal", "Where the path ends; left out: picked from the free space by seed.")]
-Settings = Annotated[
-    list[str] | None, _pairs("--set", "An option of the world's generator or file; repeat it for several.")
-]
+Goal = Annotated[str | None, _pose("--goal", "Goal of the path; default: picked from the free space by seed.")]
+Settings = Annotated[list[str] | None, _pairs("--set", "An option of the world's generator or file; repeatable.")]
 FloorZ = Annotated[
     float | None,
     Parameter(
@@ -161,7 +157,7 @@ FloorZ = Annotated[
         allow_leading_hyphen=True,
         negative="",
         metavar="METRES",
-        help="Height of the floor in the world's file [m]; left out: that of the lowest level surface under the robot "
+        help="Height of the floor in the world's file [m]; default: the lowest level surface under the robot "
         "with room for it above, or 0.",
     ),
 ]
@@ -171,8 +167,8 @@ Exclude = Annotated[
         name="--exclude",
         negative="",
         metavar="WHAT",
-        help="Leave this out of the world: a solid or a group by name (/World/Robot, shelf, also with *), a kind or "
-        "semantic label, floor or ceiling; repeat it for several.",
+        help="Leave this out of the world: a solid or a group by name (/World/Robot, shelf, * as wildcard), a kind or "
+        "semantic label, floor or ceiling; repeatable.",
     ),
 ]
 
@@ -182,20 +178,20 @@ Paths = Annotated[
         name="--paths",
         negative="",
         metavar="FOLDER",
-        help="Where models and packages that a world's or a robot's file names are looked for, after its own folder; "
-        "repeat it, or write : between several.",
+        help="Folder to search for models and packages of a world's or robot's file, after its own folder; "
+        "repeatable, or separate several with a colon.",
     ),
 ]
 
 
 def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: int) -> list[float]:
-    """Read finite numbers with commas between them; `form` is what the message asks for."""
+    """Read finite numbers with commas between them; `form` describes the format in messages."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
     if not (at_least <= len(numbers) <= at_most and all(math.isfinite(number) for number in numbers)):
-        raise InputError(f"{option} {text!r}: give {form} as finite numbers with commas and no spaces")
+        raise InputError(f"{option} {text!r}: give {form} as finite numbers with commas, without spaces")
     return numbers
 
 
@@ -205,7 +201,7 @@ def parse_pose(option: str, text: str) -> Pose2D:
 
 
 def parse_goal(option: str, text: str) -> Target:
-    """Read `X,Y`, a goal that may be reached with any yaw, or `X,Y,YAW`."""
+    """Read `X,Y` (a goal with any yaw) or `X,Y,YAW`."""
     from trundle.geometry import Goal as Target
     from trundle.geometry import wrap_angle
 
@@ -255,11 +251,11 @@ def join_paths(folders: list[str] | None) -> str:
 def output_file(out: Path, default_name: str, suffixes: tuple[str, ...]) -> Path:
     """Where a verb writes its one file: `out` itself when it has one of the suffixes, else `default_name` in it.
 
-    The folder is created, and tried, before any work is done.
+    The folder is created and checked before any work is done.
 
     Raises:
         OutputError: If the folder cannot be written to.
-        InputError: If `out` looks like a file of another kind.
+        InputError: If `out` has another file suffix.
     """
     suffix = out.suffix.lower()
     if suffix in suffixes and not out.is_dir():
@@ -275,11 +271,11 @@ def new_yaml_file(out: Path, default_name: str, *, overwrite: bool) -> Path:
 
     Raises:
         OutputError: As `output_file`.
-        InputError: As `output_file`, and if the file exists and is not to be replaced.
+        InputError: As `output_file`, and if the file exists and `overwrite` is false.
     """
     target = output_file(out, default_name, (".yaml", ".yml"))
     if target.exists() and not overwrite:
-        raise InputError(f"{target} is there already: name another file with -o, or replace it with --overwrite")
+        raise InputError(f"{target} already exists: give another file with -o, or replace it with --overwrite")
     return target
 
 

@@ -12,7 +12,7 @@ from enum import Enum
 
 
 def print_json(value: object) -> None:
-    """Print one JSON value; NaN and infinity become null, which JSON has no numbers for."""
+    """Print one JSON value; NaN and infinity, which JSON does not have, become null."""
     print(json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False))
 
 
@@ -22,7 +22,7 @@ def print_json_line(value: object) -> None:
 
 
 def print_error(error: Exception, *, hint: str = "") -> None:
-    """Print an error as one JSON value: its type, its message, and what to do where that is apart from it."""
+    """Print an error as one JSON value: its type, its message, and the hint if there is a separate one."""
     fields = {"type": type(error).__name__, "message": str(error), **({"hint": hint} if hint else {})}
     print_json({"error": fields})
 
@@ -36,7 +36,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> None
 
 
 def print_facts(facts: Mapping[str, object]) -> None:
-    """Print a table of two columns: what, and its value."""
+    """Print a table of two columns: name and value."""
     width = max(map(len, facts))
     for name, value in facts.items():
         print(f"{name:<{width}}  {_text(value)}")
@@ -52,18 +52,18 @@ def report_written(facts: Mapping[str, object], advice: str, *, json: bool, quie
 
 
 def shorten(names: Sequence[str], most: int = 5) -> str:
-    """The first names, and how many more there are."""
+    """The first names, and the number of others."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def remark(text: str, *, quiet: bool) -> None:
-    """Say something beside the result, on stderr."""
+    """Print a remark on stderr."""
     if not quiet:
         print(text, file=sys.stderr, flush=True)
 
 
 def plain(value: object) -> object:
-    """Turn a value into what JSON can hold: dataclasses and named tuples into objects, arrays into lists."""
+    """Convert a value for JSON: dataclasses and named tuples to objects, arrays to lists."""
     if value is None or (isinstance(value, bool | int | str) and not isinstance(value, Enum)):
         return value
     if isinstance(value, float):
@@ -84,7 +84,7 @@ def plain(value: object) -> object:
     items = getattr(value, "tolist", None)  # NumPy's arrays and scalars
     if callable(items):
         return plain(items())
-    raise TypeError(f"{type(value).__name__} has no form in JSON")
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
 def _text(value: object) -> str:

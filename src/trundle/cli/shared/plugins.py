@@ -12,11 +12,11 @@ GROUPS = {
     "smoothers": "trundle.smoothers",
     "simulators": "trundle.simulators",
 }
-"""What plug-ins add, each with the entry-point group that it is in."""
+"""Kinds of plug-ins, each with its entry-point group."""
 
 
 def describe_plugins() -> str:
-    """One line per kind of plug-in that is installed; empty where there are none."""
+    """One line per kind of plug-in that is installed; empty if there are none."""
     names = {kind: sorted(entry_points(group=group).names) for kind, group in GROUPS.items()}
     lines = [f"  {kind}: {', '.join(found)}" for kind, found in names.items() if found]
     return "\n".join(["Plug-ins installed:", *lines]) if lines else ""

@@ -1,4 +1,4 @@
-"""A scenario of the first argument and the options: what `run` drives, and what `scenario` writes."""
+"""The scenario from the first argument and the options, for `run` and `scenario`."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from trundle.worlds.options import check_options
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
 class ScenarioOptions:
-    """What a mission depends on, beside the settings of its costmap and its navigator.
+    """Options of a mission, besides the settings of its costmap and its navigator.
 
     Attributes:
-        time_limit: Simulated time after which the run is stopped [s].
+        time_limit: Simulated time limit of the run [s].
     """
 
     robot: Annotated[str | None, Parameter(help=options.ROBOT_HELP)] = None
@@ -39,7 +39,7 @@ class ScenarioOptions:
     backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")] = (
         None
     )
-    seed: Annotated[options.Integer | None, Parameter(help="For everything random; same seed, same run.")] = None
+    seed: Annotated[options.Integer | None, Parameter(help="Random seed: the same seed gives the same run.")] = None
     world_options: options.Settings = None
     exclude: options.Exclude = None
     floor_z: options.FloorZ = None
@@ -53,11 +53,11 @@ class ScenarioOptions:
     isaac_options: isaac.IsaacOptions | None = None
 
     def make(self, source: str) -> Scenario:
-        """Make the scenario of a map, a world by name or file, or another scenario.
+        """Build the scenario from a map, a world by name or file, or another scenario.
 
         Raises:
-            InputError: If an option cannot be used; one line for each.
-            UnknownNameError: If a name is not known.
+            InputError: If options are invalid; one line for each.
+            UnknownNameError: If a name is unknown.
         """
         check_given(source, SCENARIO, MAP, WORLD)
         for text, kind in ((self.robot, ROBOT), (self.keepout, MAP), (self.speed_mask, MAP)):
@@ -91,11 +91,11 @@ class ScenarioOptions:
 
 
 DEFAULTS = ScenarioOptions()
-"""Where no option is given."""
+"""Default options."""
 
 
 def _read(source: str, world_options: dict[str, bool | int | float | str], changes: dict[str, object]) -> Scenario:
-    """Make a scenario of the first argument, with what the options change."""
+    """Build a scenario from the first argument, with the changes of the options."""
     if source in world_names():
         return Scenario.make(world={"name": source, "options": world_options}, **changes)
     if not sources.looks_like_file(source):

@@ -1,4 +1,4 @@
-"""An option of the command line for each field of the settings classes, without another word about them."""
+"""Command-line options generated from the fields of the settings classes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.mission import RunSettings
 
 
 def _option(field: str) -> str:
-    """Options have their unit in the help, not in the name: `--planning-deadline` for `planning_deadline_s`."""
+    """Option names omit the unit, which is in the help: `--planning-deadline` for `planning_deadline_s`."""
     return default_name_transform(field.removesuffix("_s"))
 
 
@@ -26,11 +26,11 @@ def _parameter(title: str, help: str) -> Parameter:
 
 CostmapOptions = Annotated[
     CostmapSettings | None,
-    _parameter("Costmap", "How costs are made of the map."),
+    _parameter("Costmap", "How the costmap is computed from the map."),
 ]
 RunOptions = Annotated[
     RunSettings | None,
-    _parameter("Navigation", "When the goal is reached, when the robot is stuck, and when it plans again."),
+    _parameter("Navigation", "When the goal is reached, when the robot is stuck, and when it replans."),
 ]
 
 
@@ -44,12 +44,12 @@ def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice
 @overload
 def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice | None) -> Choice | None: ...
 def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice | None) -> Choice | None:
-    """What `--planner NAME` and `--planner-option KEY=VALUE` say together; `default` where neither was given.
+    """Combine `--planner NAME` and `--planner-option KEY=VALUE`; `default` if neither is given.
 
-    Options alone are added to those of the default. Another name begins without options.
+    Options without a name are added to the default's. Another name starts without options.
 
     Raises:
-        InputError: If a pair cannot be read, or there is nothing that it is an option of.
+        InputError: If a pair cannot be parsed, or there is no default for its option.
     """
     options = parse_pairs(f"--{kind}-option", pairs, EXAMPLES[kind])
     if name is None and not options:
@@ -57,12 +57,12 @@ def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice
     if default is not None and name in (None, default.name):
         return Choice(name=default.name, options={**default.options, **options})
     if name is None:
-        raise InputError(f"--{kind}-option is an option of a {kind}: name it with --{kind}")
+        raise InputError(f"--{kind}-option needs a {kind}: give its name with --{kind}")
     return Choice(name=name, options=dict(options))
 
 
 def explain(error: ValidationError) -> InputError:
-    """Say which option has a value that its settings refuse."""
+    """The error that names the option whose value the settings reject."""
     problems = error.errors(include_url=False)
     field = str(problems[0]["loc"][-1]) if problems[0]["loc"] else ""
     model = RunSettings if field in RunSettings.model_fields else CostmapSettings
@@ -72,5 +72,5 @@ def explain(error: ValidationError) -> InputError:
 
 
 def _of_option(location: tuple[int | str, ...], text: str) -> str:
-    """A line about a field as one about its option."""
+    """Rewrite a line about a field to name its option."""
     return f"--{_option(str(location[-1]))} {text.partition(': ')[2]}" if location else text

@@ -1,4 +1,4 @@
-"""What a verb's first argument stands for: a world by name, a world's file, a map's YAML, or a scenario's."""
+"""Interpreting a verb's first argument: a world by name, a world's file, a map's YAML, or a scenario's."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def is_usd(text: str) -> bool:
 
 
 def looks_like_file(text: str) -> bool:
-    """Whether an argument means a file and not a name."""
+    """Whether an argument is a file rather than a name."""
     from trundle.worlds.load import is_world_file
 
     return is_world_file(text) or os.sep in text
@@ -84,7 +84,7 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
 
     Raises:
         UnknownNameError: If it is neither a world nor a file; the nearest name is offered.
-        InputError: If the file cannot be used, or the world does not take these options.
+        InputError: If the file cannot be used, or the world does not have these options.
     """
     from trundle.worlds import World, world_names
 
@@ -97,7 +97,7 @@ def load_world(text: str, *, seed: int, settings: Mapping[str, bool | int | floa
 
 
 def load_place(text: str | None, *, seed: int, settings: Mapping[str, bool | int | float | str]) -> World:
-    """Load a world as `load_world` does, or an empty floor where there is no text."""
+    """Load a world as `load_world` does, or an empty floor if the text is None."""
     from trundle.worlds import World
 
     if text is not None:
@@ -115,10 +115,10 @@ def read_settings(
     *,
     robot: str | None = None,
 ) -> dict[str, bool | int | float | str]:
-    """Read what --set, --exclude and --paths say of a world; the robot's file may use --paths as well, or instead.
+    """Read --set, --exclude and --paths for a world; the robot's file may also use --paths.
 
     Raises:
-        InputError: If the folders of --paths are of no use to either.
+        InputError: If neither uses the folders of --paths.
     """
     from trundle.robots import is_robot_file
     from trundle.worlds.load import takes_paths
@@ -131,18 +131,18 @@ def read_settings(
             raise InputError("give --paths or --set paths=, not both")
         given["paths"] = join_paths(paths)
     elif robot is None or not is_robot_file(robot):
-        raise InputError("--paths is for files that name others: a world's SDF, MJCF or URDF, or a robot's file")
+        raise InputError("--paths is for files that refer to others: a world's SDF, MJCF or URDF, or a robot's file")
     return given
 
 
 def find_floor_z(
     world: World, source: str | None, robot: Robot, start: tuple[float, float] | Pose2D | None, floor_z: float | None
 ) -> float:
-    """Height [m] of the floor: as --floor-z says, else under the start, or under most of a world from a file.
+    """Height [m] of the floor: --floor-z, else under the start, or under most of a world from a file.
 
     Raises:
         InputError: If --floor-z is given without a world.
-        WorldError: If there are two floors that the robot may be meant to stand on, or --floor-z is far off.
+        WorldError: If the floor is ambiguous, or --floor-z is implausible.
     """
     from trundle.geometry import Pose2D
     from trundle.worlds.floors import check_floor, find_common_floor, find_floor
@@ -169,7 +169,7 @@ def stand_on_floor(
 
 
 def start_pose(world: World, text: str | None) -> Pose2D:
-    """Where a robot stands: as --start says, else at the world's first free place, else at the origin."""
+    """A robot's start pose: --start, else the world's first free place, else the origin."""
     from trundle.geometry import Pose2D
 
     if text is not None:
@@ -178,7 +178,7 @@ def start_pose(world: World, text: str | None) -> Pose2D:
 
 
 def pick_ends(costmap: Costmap, start: Pose2D | None, goal: Goal | None, *, seed: int) -> tuple[Pose2D, Goal]:
-    """Give start and goal, those that are left out picked from the free space by seed.
+    """Return start and goal; missing ones are picked from the free space by seed.
 
     Raises:
         ScenarioError: If none can be picked.

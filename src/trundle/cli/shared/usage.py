@@ -1,4 +1,4 @@
-"""What is said of a command line that cannot be read."""
+"""Messages about a command line that cannot be parsed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _KINDS = {float: "a number", int: "an integer"}
 
 
 def describe_usage(error: CycloptsError, arguments: Sequence[str]) -> tuple[str, str]:
-    """What is wrong with a command line, and where its help is."""
+    """Describe what is wrong with a command line, and how to get its help."""
     verb = " ".join(error.command_chain or ())
     see = f"See: trundle {verb} --help" if verb else "See: trundle --help"
     if isinstance(error, CoercionError):
@@ -29,7 +29,7 @@ def _describe_value(error: CoercionError) -> str:
     if token is None or kind is None or token.keyword is None:
         return str(error).rstrip(".")
     found = _WITH_UNIT.fullmatch(token.value)
-    message = f"{token.keyword} {token.value}: this is not {kind}"
+    message = f"{token.keyword} {token.value}: must be {kind}"
     if found is None:
         return message
     return f"{message}; write it without a unit, in metres, seconds or Hz: {float(found[1]) * _SCALE[found[2]]:g}"
@@ -45,5 +45,5 @@ def _describe_unused(unused: list[str], arguments: list[str]) -> str:
     given = [arguments[start - 1], *arguments[start:end]]
     if start > 0 and given[0].startswith("--") and len(given) > 2:
         numbers = ",".join(number.strip(",") for number in given[1:])
-        return f"{' '.join(given)}: write numbers with commas and no spaces: {given[0]} {numbers}"
-    return f"nothing is expected at {' '.join(unused)!r}"
+        return f"{' '.join(given)}: write numbers with commas, without spaces: {given[0]} {numbers}"
+    return f"unexpected argument {' '.join(unused)!r}"
