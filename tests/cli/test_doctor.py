@@ -78,7 +78,7 @@ def test_a_wrong_track_is_said_with_the_right_one(trundle: Trundle) -> None:
     assert finding["kind"] == "track_width"
     assert finding["configured"] == 0.54
     assert finding["measured"] == pytest.approx(0.4132, rel=0.01)
-    assert "it turns 31% too far" in trundle("doctor", "robot", "nova_carter", "--track-width", "0.54").out
+    assert "the robot turns 31% too far" in trundle("doctor", "robot", "nova_carter", "--track-width", "0.54").out
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
@@ -106,7 +106,7 @@ def nvidia_smi(tmp_path, monkeypatch: pytest.MonkeyPatch):
     [
         ("NVIDIA L40S, 570.1", 0, "pass", "NVIDIA L40S, driver 570.1"),
         ("NVIDIA RTX A6000, 570.1\nNVIDIA A100-SXM4-80GB, 570.1", 0, "pass", "RTX A6000"),
-        ("NVIDIA A100-SXM4-80GB, 570.1", 0, "missing", "without RT cores"),
+        ("NVIDIA A100-SXM4-80GB, 570.1", 0, "missing", "no RT cores"),
         ("No devices were found", 6, "fail", "no NVIDIA GPU: No devices were found"),
     ],
 )
@@ -175,7 +175,7 @@ def test_a_mere_folder_called_isaacsim_is_none(trundle: Trundle, monkeypatch: py
 def test_the_checklist_has_a_floor_of_its_own(trundle: Trundle, fake) -> None:
     done = trundle("doctor", "--backend", "isaac", "--headless", "--environment", "warehouse")
     assert done.code == 2
-    assert "leave --environment out" in done.err
+    assert "leave out --environment" in done.err
     assert "trundle view nova_carter --backend isaac --environment warehouse" in done.err
 
 

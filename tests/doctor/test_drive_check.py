@@ -146,7 +146,7 @@ def test_a_wheel_without_friction_is_named() -> None:
             simulator.model.geom_friction[simulator.model.geom(name).id, 0] = 0.0
         check = check_drive(simulator)
     assert kinds(check) == ["does_not_move"]
-    assert "joint_wheel_left turns, and the robot hardly moves by it" in check.findings[0].message
+    assert "joint_wheel_left turns, but hardly moves the robot" in check.findings[0].message
 
 
 def test_a_wrong_radius_is_found_on_a_slippery_floor() -> None:
@@ -172,7 +172,7 @@ def test_wheels_that_reach_other_speeds_are_named_with_the_likely_cause() -> Non
     with Rewired(simulate(EMPTY, "nova_carter", backend="kinematic"), gain=0.0174533) as simulator:
         check = check_drive(simulator)
     assert kinds(check) == ["wheels_do_not_turn"]
-    assert "degrees taken for radians" in check.findings[0].message
+    assert "degrees used as radians" in check.findings[0].message
     with Rewired(simulate(EMPTY, "nova_carter", backend="kinematic"), gain=0.8) as simulator:
         check = check_drive(simulator)
     assert kinds(check) == ["wheel_speed"]
@@ -205,7 +205,7 @@ def test_a_robot_that_cannot_turn_on_the_spot_is_no_differential_drive() -> None
         check = check_drive(simulator)
     assert kinds(check) == ["does_not_turn"]
     assert check.track_width is None
-    assert "a car-like robot is no differential drive" in check.findings[0].message
+    assert "a car-like robot is not a differential drive" in check.findings[0].message
 
 
 def test_too_little_room_is_reported_with_what_was_touched() -> None:

@@ -82,14 +82,14 @@ class Stopped(WithoutLimit):
 @pytest.mark.parametrize(
     ("broken", "promise"),
     [
-        (Standing, "stops within 0.25 m"),
-        (Restless, "without a path stands"),
-        (Speeding, "keeps the speed limits"),
-        (Vandal, "leaves the costmap as it is"),
-        (WithoutLimit, "has set_speed_limit"),
-        (HalfLimited, "keeps a speed limit"),
-        (NeverFree, "taken away"),
-        (Stopped, "it stood"),
+        (Standing, "must stop within 0.25 m"),
+        (Restless, "without a path must command zero"),
+        (Speeding, "within the speed limits"),
+        (Vandal, "must not modify the costmap"),
+        (WithoutLimit, "needs set_speed_limit"),
+        (HalfLimited, "must obey or ignore a speed limit"),
+        (NeverFree, "speed limit is removed"),
+        (Stopped, "it stopped"),
     ],
 )
 def test_a_controller_that_breaks_a_promise_learns_which(broken, promise):

@@ -115,7 +115,7 @@ class WrongStatusPlanner(LeastCostPlanner):
         (MoodyPlanner, "two different paths"),
         (WritingPlanner, "must not change the costmap"),
         (OlderPlanner, "must take the keywords goal_yaw_free, deadline_s, cancel"),
-        (UnstoppablePlanner, "cancelled already must raise"),
+        (UnstoppablePlanner, "already cancelled query must raise"),
         (StrayingPlanner, "it must end at"),
         (HastyPlanner, "a deadline that is far off changes the path"),
         (WrongStatusPlanner, "status 'cancelled'"),

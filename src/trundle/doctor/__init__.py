@@ -1,4 +1,4 @@
-"""Checks of a machine, and of a robot's configured drive against how it really moves."""
+"""Checks of a machine, and of a robot's drive configuration against its actual motion."""
 
 from trundle.doctor.drive_check import DriveCheck, DriveFinding, check_drive
 from trundle.doctor.machine import MachineCheck, check_machine

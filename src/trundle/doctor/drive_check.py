@@ -1,4 +1,4 @@
-"""Whether a robot drives as it is configured: its wheels' radius, track, order, signs and slip, from its motion."""
+"""Checks a robot's drive configuration from its motion: wheel radius, track, order, signs and slip."""
 
 from __future__ import annotations
 
@@ -28,29 +28,29 @@ Kind = Literal[
 ]
 
 TOLERANCE = 0.02
-"""A configured value that is farther off than this share of the true one is called wrong."""
+"""Relative error above which a configured value is reported as wrong."""
 
 SLIP_TOLERANCE = 0.05
-"""From this share of lost wheel travel on, a floor is called slippery."""
+"""Share of lost wheel travel above which slip is reported."""
 
 _TURNS = 0.02
-"""Wheels that reach less than this share of the commanded speed do not turn."""
+"""Wheels that reach less than this share of the commanded speed are reported as not turning."""
 
 _MOVES = 0.1
-"""A wheel whose effective radius is less than this share of the configured one does not move the robot; nor do wheels
-turn it that turn it by less than this share of what they should.
+"""Share of the configured effect below which a wheel is reported as not moving the robot, or the wheels as not turning
+it.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class DriveFinding:
-    """Something that is wrong with a robot's drive.
+    """A fault in a robot's drive.
 
     Attributes:
-        kind: What is wrong.
-        message: It in words, with what to do.
-        configured: The value that is configured, where there is one.
-        measured: What it should be.
+        kind: Kind of fault.
+        message: Description and fix.
+        configured: The configured value, if any.
+        measured: The correct value.
     """
 
     kind: Kind
@@ -61,18 +61,18 @@ class DriveFinding:
 
 @dataclass(frozen=True, slots=True)
 class DriveCheck:
-    """What a robot's motion tells of its drive.
+    """Drive parameters identified from a robot's motion.
 
     Attributes:
-        wheel_radius: Effective, the mean of both wheels [m]; none where the robot did not move.
-        track_width: Effective [m]; none where the robot did not move.
-        slip: Share of the wheels' travel that is lost from rest at the robot's largest acceleration until one second
-            after it, straight on or turning, the greater; none where the robot did not move.
-        slip_gentle: The same at a small acceleration. Slip is what grows between the two.
-        wheel_radii: Effective, (left, right) [m].
-        wheel_tracking: Speed of the wheels as a share of the commanded speed, while that is constant.
-        findings: What is wrong; empty where all is as configured. Where the robot slips at a small acceleration too,
-            its radius and track are not judged.
+        wheel_radius: Effective radius, the mean of both wheels [m]; None if the robot did not move.
+        track_width: Effective track width [m]; None if the robot did not move.
+        slip: Share of the wheels' travel lost while accelerating from rest at the robot's limit, until one second
+            after it; the greater of straight and turning; None if the robot did not move.
+        slip_gentle: The same at a small acceleration. The increase between the two is due to slip.
+        wheel_radii: Effective radii, (left, right) [m].
+        wheel_tracking: Speed of the wheels as a share of the commanded speed, while the command is constant.
+        findings: Faults; empty if the configuration is correct. If the robot slips even at a small acceleration,
+            its radius and track are not checked.
     """
 
     wheel_radius: float | None
@@ -89,17 +89,17 @@ def check_drive(
 ) -> DriveCheck:
     """Drive a straight, a spin and a circle, and identify the drive from the motion.
 
-    The radius is what the wheels roll when nothing changes any more after a gentle start, so that slip has no part in
-    it; slip is what is lost on the way to that, at a small and at the largest acceleration. It takes 3 m of free, level
-    floor ahead of `start` and 1.5 m to its left.
+    The radius is measured at constant speed after a gentle start, where there is no slip; slip is the travel lost while
+    accelerating, at a small and at the maximum acceleration. The drive needs 3 m of free, level floor ahead of `start`
+    and 1.5 m to its left.
 
     Args:
-        simulator: What moves the robot.
-        configured: The drive that commands are computed with; none means that of the simulator's robot.
-        start: Where to start, map frame.
+        simulator: The simulator of the robot.
+        configured: The drive that commands are computed with; None means the one of the simulator's robot.
+        start: Start pose, map frame.
 
     Raises:
-        SimulationError: If the simulator breaks down.
+        SimulationError: If the simulation fails.
     """
     drive = simulator.robot.drive if configured is None else configured
     if not isinstance(drive, DifferentialDrive):
@@ -165,7 +165,7 @@ def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, t
         findings.append(
             DriveFinding(
                 "unequal_wheels",
-                f"the wheels roll as with radii of {left.radius:.4f} m on the left and {right.radius:.4f} m on the "
+                f"the wheels' effective radii are {left.radius:.4f} m on the left and {right.radius:.4f} m on the "
                 "right: commanded to go straight, the robot curves. Check the wheels' colliders and their load",
             )
         )
@@ -176,8 +176,8 @@ def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, t
         findings.append(
             DriveFinding(
                 "wheel_radius",
-                f"wheel_radius is configured as {drive.wheel_radius:g} m, and the robot rolls as with {radius:.4f} m: "
-                f"it drives {share:.0%} {less} the command. Set it to {radius:.4f}",
+                f"wheel_radius is configured as {drive.wheel_radius:g} m, but is effectively {radius:.4f} m: "
+                f"the robot drives {share:.0%} {less} the command. Set it to {radius:.4f}",
                 drive.wheel_radius,
                 radius,
             )
@@ -187,8 +187,8 @@ def _sizes(drive: DifferentialDrive, left: Wheel, right: Wheel, radius: float, t
         findings.append(
             DriveFinding(
                 "track_width",
-                f"track_width is configured as {drive.track_width:g} m, and the robot turns as with {track:.4f} m: by "
-                f"that it turns {abs(over):.0%} too {'far' if over > 0.0 else 'little'}. Set it to {track:.4f}",
+                f"track_width is configured as {drive.track_width:g} m, but is effectively {track:.4f} m: "
+                f"the robot turns {abs(over):.0%} too {'far' if over > 0.0 else 'little'}. Set it to {track:.4f}",
                 drive.track_width,
                 track,
             )
@@ -210,10 +210,10 @@ def _still_wheels(drive: DifferentialDrive, tracking: float) -> DriveFinding:
 
 
 def _slippery(hard: float, gentle: float) -> DriveFinding:
-    unsure = ", too much to tell the radius and the track" if gentle > SLIP_TOLERANCE else ""
+    unsure = ", too much to measure the radius and the track" if gentle > SLIP_TOLERANCE else ""
     return DriveFinding(
         "slip",
-        f"the wheels lose {hard:.0%} of their travel at the largest acceleration and {gentle:.0%} at a small one"
+        f"the wheels lose {hard:.0%} of their travel at the maximum acceleration and {gentle:.0%} at a small one"
         f"{unsure}: the floor is slippery, or too little weight is on the drive wheels. Lower the robot's "
         "accelerations, or raise the friction of wheels and floor",
         measured=hard,
@@ -224,7 +224,7 @@ def _wrong_speed(tracking: float) -> DriveFinding:
     return DriveFinding(
         "wheel_speed",
         f"the wheels turn at {tracking:.0%} of the commanded speed{_degrees(tracking)}: check the damping "
-        "and the largest force of their drives, and max_wheel_speed",
+        "and the maximum force of their drives, and max_wheel_speed",
         measured=tracking,
     )
 
@@ -232,7 +232,7 @@ def _wrong_speed(tracking: float) -> DriveFinding:
 def _no_traction(name: str, wheel: Wheel, drive: DifferentialDrive) -> DriveFinding:
     return DriveFinding(
         "does_not_move",
-        f"{name} turns, and the robot hardly moves by it (as with a radius of {wheel.radius:.4f} m instead of "
+        f"{name} turns, but hardly moves the robot (an effective radius of {wheel.radius:.4f} m instead of "
         f"{drive.wheel_radius:g} m): the wheel does not touch the floor, has no friction, or is not a drive wheel",
         drive.wheel_radius,
         wheel.radius,
@@ -242,14 +242,17 @@ def _no_traction(name: str, wheel: Wheel, drive: DifferentialDrive) -> DriveFind
 def _held_heading(drive: DifferentialDrive) -> DriveFinding:
     return DriveFinding(
         "does_not_turn",
-        f"{drive.left_joint} and {drive.right_joint} turn against each other, and the robot hardly turns: something "
-        "holds its heading. Steered or fixed wheels beside them do: a car-like robot is no differential drive",
+        f"{drive.left_joint} and {drive.right_joint} turn against each other, but the robot hardly turns: something "
+        "holds its heading, such as steered or fixed wheels: a car-like robot is not a differential drive",
     )
 
 
 def _degrees(tracking: float) -> str:
-    """The likely cause where the speeds are off by the number of degrees in a radian."""
-    for factor, words in ((math.radians(1.0), "degrees taken for radians"), (math.degrees(1.0), "radians for degrees")):
+    """The likely cause if the speeds are off by the number of degrees in a radian."""
+    for factor, words in (
+        (math.radians(1.0), "degrees used as radians"),
+        (math.degrees(1.0), "radians used as degrees"),
+    ):
         if abs(tracking / factor - 1.0) < 0.1:
             return f" ({words} somewhere)"
     return ""

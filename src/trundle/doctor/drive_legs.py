@@ -1,4 +1,4 @@
-"""The legs that a drive check drives: a straight, a spin and a circle from rest, and what was seen on each."""
+"""The legs of a drive check: a straight, a spin and a circle from rest, with the measurements on each."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _CRUISE_S = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One leg from rest to a steady motion.
+    """One leg from rest to steady motion.
 
     Attributes:
-        hard: Whether it started at the robot's largest acceleration.
-        start: Travel from rest until the command stopped growing, and one second on.
-        cruise: Travel while nothing changes.
-        tracking: Speed of the wheels on the cruise as a share of the commanded speed.
-        touched: Names of what the robot touched.
+        hard: Whether it started at the robot's maximum acceleration.
+        start: Travel from rest until one second after the command became constant.
+        cruise: Travel in steady motion.
+        tracking: Speed of the wheels in steady motion as a share of the commanded speed.
+        touched: Names of the touched solids.
     """
 
     hard: bool
@@ -40,7 +40,7 @@ class Leg:
     touched: frozenset[str] = field(default_factory=frozenset)
 
     def lost(self, left: Wheel, right: Wheel) -> float:
-        """Share of the wheels' travel that was lost at the start; 0 where none was."""
+        """Share of the wheels' travel lost at the start; 0 if there was none."""
         forward = left.forward * self.start.left + right.forward * self.start.right
         turned = left.turn * self.start.left + right.turn * self.start.right
         radius, track = (left.radius + right.radius) / 2.0, (left.track + right.track) / 2.0
@@ -50,10 +50,10 @@ class Leg:
 
 
 def drive_legs(simulator: Simulator, drive: DifferentialDrive, start: Pose2D) -> list[Leg]:
-    """Drive straight, spin and circle gently, then straight and spin at the largest accelerations."""
+    """Drive straight, spin and circle gently, then straight and spin at the maximum accelerations."""
     limits, half = simulator.robot.limits, drive.track_width / 2.0
     fast, spin = min(0.4, 0.5 * limits.linear_speed), min(0.8, 0.7 * limits.angular_speed)
-    # With a wheel reversed a straight becomes a spin, and a spin a straight: neither may meet the robot's limits then.
+    # A reversed wheel turns a straight into a spin and a spin into a straight: both must stay below the limits.
     v, w = min(fast, 0.9 * limits.angular_speed * half), min(spin, 0.9 * limits.linear_speed / half)
     plan = [
         (Twist2D(v, 0.0), False),
@@ -66,7 +66,7 @@ def drive_legs(simulator: Simulator, drive: DifferentialDrive, start: Pose2D) ->
 
 
 def _ramp_time(limits: Limits, target: Twist2D, *, hard: bool) -> float:
-    """How long the command grows [s]: at the largest acceleration, or four times as long and 3 s at least."""
+    """Ramp time of the command [s]: at the maximum acceleration, or four times as long and at least 3 s."""
     shortest = max(abs(target.v) / limits.linear_acceleration, abs(target.w) / limits.angular_acceleration)
     return shortest if hard else max(_GENTLE_RAMP_S, 4.0 * shortest)
 
@@ -78,7 +78,7 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
     touched: set[str] = set()
 
     def drive_on(seconds: float, *, share: float | None) -> int:
-        """Drive for some seconds, with a share of the target that grows where none is given; return the last index."""
+        """Drive for some seconds at a share of the target, ramped if None; return the last index."""
         steps = math.ceil(seconds / PERIOD - 1e-9)
         for step in range(1, steps + 1):
             part = min(1.0, step * PERIOD / ramp) if share is None else share
@@ -89,11 +89,11 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
 
     rest = drive_on(_STANDSTILL_S, share=0.0)
     drive_on(ramp, share=None)
-    # One second after the command stopped growing belongs to the start: wheels that span lose their travel there too.
+    # The start includes one second at constant command: wheels that spin still lose travel there.
     settled = drive_on(_SETTLE_S, share=1.0)
     end = drive_on(_CRUISE_S, share=1.0)
     cruise = _travel(states[settled : end + 1])
-    # Of a drive that is configured far off, the simulator cuts the twist to the robot's limits: no fault of the wheels.
+    # With a very wrong configuration the simulator clamps the twist to the robot's limits: that is not a wheel fault.
     robot = simulator.robot
     commanded = robot.drive.wheel_speeds(robot.limits.clamp(robot.drive.twist(drive.wheel_speeds(target))))
     seconds = states[end].time - states[settled].time

@@ -1,4 +1,4 @@
-"""What this machine has of what trundle uses, and whether a backend works from start to end."""
+"""Checks of this machine's libraries and graphics, and end-to-end checks of a backend."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Status = Literal["pass", "fail", "missing"]
 
 @dataclass(frozen=True, slots=True)
 class MachineCheck:
-    """One point of a checklist.
+    """One item of a checklist.
 
     Attributes:
-        name: What was looked at.
-        status: "pass", "fail", or "missing" for something that can be done without.
-        detail: What was found, and what to do where it did not pass.
+        name: What was checked.
+        status: "pass", "fail", or "missing" for something optional.
+        detail: The result, and the fix if it did not pass.
     """
 
     name: str
@@ -38,7 +38,7 @@ class MachineCheck:
 
 @dataclass(frozen=True, slots=True)
 class _Library:
-    """A library that is imported where it is used."""
+    """A library that is imported on use."""
 
     name: str
     module: str
@@ -49,7 +49,7 @@ class _Library:
 
 _LIBRARIES = (
     _Library("mujoco", "mujoco", "the built-in physics", "pip install mujoco==4.0.0", needed=True),
-    _Library("av", "av", "videos of runs as MP4 rather than GIF", 'pip install "trundle[video]"'),
+    _Library("av", "av", "videos of runs as MP4 instead of GIF", 'pip install "trundle[video]"'),
     _Library("usd-core", "pxr.Usd", "USD worlds and robots", 'pip install "trundle[usd]"'),
     _Library("trimesh", "trimesh", "mesh files", 'pip install "trundle[mesh]"'),
 )
@@ -57,17 +57,17 @@ _LIBRARIES = (
 ISAAC = "isaac"
 
 _NO_RAY_TRACING = re.compile(r"\b(P100|V100|A100|A30|H100|H200|GH200|B200|GB200)\b")
-"""Data-centre GPUs without RT cores; Isaac Sim's requirements leave them out."""
+"""Data-centre GPUs without RT cores, which Isaac Sim does not support."""
 
 _BOX = Solid("box", Box((0.5, 2.0, 1.0)), Pose3D((0.0, -5.0, 0.5)))
-"""Far from where the robot is checked; it drives into it for the contacts."""
+"""Far from the robot's other checks; the robot drives into it to check contacts."""
 
 
 def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
     """Check Python, the kernels, the libraries and the graphics, one after the other.
 
     Args:
-        backend: What it is to run; for `isaac` nothing is imported that must not come before Isaac Sim starts.
+        backend: The backend to check for; for `isaac`, libraries that conflict with Isaac Sim are not imported.
     """
     found = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
     yield MachineCheck("python", "pass" if sys.version_info >= (3, 11) else "fail", found)
@@ -83,15 +83,15 @@ def check_machine(backend: str | None = None) -> Iterator[MachineCheck]:
 
 
 def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -> Iterator[MachineCheck]:
-    """Check that a backend starts, steps, drives as configured, carries a mission to its goal, sees contacts, and ends.
+    """Check that a backend starts, steps, drives as configured, completes a mission, reports contacts, and closes.
 
     Args:
         backend: Its name.
-        robot: What to drive, on a floor with one box on it.
-        options: Of the backend.
+        robot: The robot to drive, on a floor with one box.
+        options: Options of the backend.
 
     Yields:
-        One point after the other; the first that makes the others useless is the last.
+        One item after the other, up to the first failure that prevents the rest.
     """
     from trundle.robots import Robot
     from trundle.sim import simulate
@@ -99,8 +99,8 @@ def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -
 
     if "environment" in options:
         raise InputError(
-            "the checklist drives on a floor of its own, with a box on it: leave --environment out, and see whether "
-            f"that one opens with: trundle view {robot} --backend {backend} --environment {options['environment']}"
+            "the checklist uses its own floor with a box: leave out --environment, and check "
+            f"that environment with:  trundle view {robot} --backend {backend} --environment {options['environment']}"
         )
     machine = Robot.load(robot)
     try:
@@ -124,12 +124,12 @@ def check_backend(backend: str, *, robot: str = "nova_carter", **options: Any) -
 def _attempt(name: str, check: Callable[[], str]) -> MachineCheck:
     try:
         return MachineCheck(name, "pass", check())
-    except Exception as error:  # noqa: BLE001 - what is checked may break in any way, and the next point may not
+    except Exception as error:  # noqa: BLE001 - a check may raise anything, and the next one must still run
         return MachineCheck(name, "fail", _words(error))
 
 
 def _words(error: Exception) -> str:
-    """What our own errors say; of others, the kind too, which may be all that they tell."""
+    """The message of trundle's errors; for others also the type, because their message may be empty."""
     if isinstance(error, TrundleError):
         return str(error)
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
@@ -142,8 +142,8 @@ def _check_kernels() -> str:
     mask[1, 1] = 100
     costs = _core.inflate(mask, np.array([254, 253], dtype=np.uint8))
     if costs[1, 1] != 254 or costs[0, 1] != 253:
-        raise TrundleError("the compiled kernels give wrong answers: build them again")
-    return "the compiled kernels load and answer"
+        raise TrundleError("the compiled kernels give wrong results: rebuild them")
+    return "the compiled kernels work"
 
 
 def _check_library(library: _Library) -> MachineCheck:
@@ -161,14 +161,14 @@ def _check_graphics() -> MachineCheck:
     kind = find_gl()
     if kind is None:
         return MachineCheck("graphics", "missing", describe_missing_gl())
-    return MachineCheck("graphics", "pass", f"pictures without a screen by {kind.upper()}")
+    return MachineCheck("graphics", "pass", f"offscreen rendering by {kind.upper()}")
 
 
 def _check_isaac() -> str:
     from trundle.sim.isaac.application import check_installation, installed_version
 
     check_installation()
-    return f"Isaac Sim {installed_version() or '(it tells its version once it runs)'}, for this Python"
+    return f"Isaac Sim {installed_version() or '(the version is known once it runs)'}, for this Python"
 
 
 def _check_no_other_usd() -> MachineCheck:
@@ -180,9 +180,9 @@ def _check_no_other_usd() -> MachineCheck:
         return MachineCheck(
             "usd",
             "fail",
-            f"{name} {found} is installed beside Isaac Sim's own USD, and keeps it from starting: pip uninstall {name}",
+            f"{name} {found} conflicts with Isaac Sim's own USD and prevents its start: pip uninstall {name}",
         )
-    return MachineCheck("usd", "pass", "no other USD beside Isaac Sim's own")
+    return MachineCheck("usd", "pass", "only Isaac Sim's own USD")
 
 
 def _check_gpu() -> MachineCheck:
@@ -190,12 +190,12 @@ def _check_gpu() -> MachineCheck:
     try:
         done = subprocess.run(ask, capture_output=True, text=True, check=False, timeout=30)
     except (OSError, subprocess.TimeoutExpired):
-        return MachineCheck("gpu", "missing", "nvidia-smi cannot be asked; Isaac Sim needs an NVIDIA RTX GPU")
+        return MachineCheck("gpu", "missing", "nvidia-smi cannot be run; Isaac Sim needs an NVIDIA RTX GPU")
     found = "; ".join(line.strip().replace(", ", ", driver ") for line in done.stdout.splitlines() if line.strip())
     if done.returncode != 0 or not found:
-        return MachineCheck("gpu", "fail", f"no NVIDIA GPU: {found or done.stderr.strip() or 'nvidia-smi names none'}")
+        return MachineCheck("gpu", "fail", f"no NVIDIA GPU: {found or done.stderr.strip() or 'nvidia-smi lists none'}")
     if all(_NO_RAY_TRACING.search(gpu) for gpu in found.split("; ")):
-        return MachineCheck("gpu", "missing", f"{found}: without RT cores, which Isaac Sim's renderer wants")
+        return MachineCheck("gpu", "missing", f"{found}: no RT cores, which Isaac Sim's renderer needs")
     return MachineCheck("gpu", "pass", found)
 
 
@@ -205,7 +205,7 @@ def _check_interface(simulator: Any) -> str:
     found = differences(simulator.application.generation)
     if found:
         raise TrundleError("this Isaac Sim differs from what trundle expects: " + "; ".join(found))
-    return f"all that trundle calls is there; joints: {', '.join(simulator.joint_names())}"
+    return f"all functions that trundle calls exist; joints: {', '.join(simulator.joint_names())}"
 
 
 def _check_drive(simulator: Any) -> str:
@@ -244,15 +244,15 @@ def _check_contact(simulator: Any) -> str:
     for _ in range(60):
         state = simulator.step(Twist2D(0.2, 0.0), 0.05)
         if state.contacts:
-            return f"driving into a box is seen as a contact with {state.contacts[0].other}"
-    raise TrundleError("driving into a box is not seen: runs would not end at collisions")
+            return f"driving into a box reports a contact with {state.contacts[0].other}"
+    raise TrundleError("driving into a box reports no contact: runs would not end at collisions")
 
 
 def _check_picture(simulator: Any) -> str:
     simulator.reset(Pose2D(0.0, 0.0))
     picture = simulator.picture((3.0, 3.0, 2.0), (0.0, 0.0, 0.3), (320, 180))
     if picture.std() < 1.0:
-        raise TrundleError("the camera's picture is of one colour: nothing is drawn")
+        raise TrundleError("the camera's picture has a single colour: nothing is rendered")
     return "the camera sees the scene"
 
 
@@ -262,5 +262,5 @@ def _check_close(simulator: Any) -> str:
     try:
         simulator.step(Twist2D(), 0.05)
     except SimulationError:
-        return "ends, and takes no step afterwards"
-    raise TrundleError("a step after the end is taken")
+        return "closes, and refuses further steps"
+    raise TrundleError("a step after close is accepted")

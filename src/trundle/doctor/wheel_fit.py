@@ -1,4 +1,4 @@
-"""What each wheel does to the robot, fitted to travels: two columns of the forward kinematics, free of any wiring."""
+"""The effect of each wheel on the robot's motion, fitted to travels: the columns of the forward kinematics."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Travel:
-    """How far two wheels turned [rad], and how far the base went along its own heading [m] and turned [rad]."""
+    """Rotation of two wheels [rad], and of the base its distance along its heading [m] and its rotation [rad]."""
 
     left: float
     right: float
@@ -20,20 +20,20 @@ class Travel:
 
 
 class Cruise(Protocol):
-    """Something with a steady travel."""
+    """An object with a steady travel."""
 
     @property
     def cruise(self) -> Travel:
-        """The travel while nothing changes."""
+        """The travel in steady motion."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """What one radian of a wheel does to the robot.
+    """The robot's motion per radian of a wheel.
 
     Attributes:
-        forward: [m].
+        forward: Forward [m].
         turn: Counter-clockwise [rad].
     """
 
@@ -42,12 +42,12 @@ class Wheel:
 
     @property
     def radius(self) -> float:
-        """Effective radius [m]: with the other wheel held, the middle of the axle goes half as far as the wheel."""
+        """Effective radius [m]: with the other wheel held, the middle of the axle moves half as far as the wheel."""
         return 2.0 * abs(self.forward)
 
     @property
     def track(self) -> float:
-        """Effective distance to the other wheel [m]; infinity where it does not turn the robot."""
+        """Effective distance to the other wheel [m]; infinity if it does not turn the robot."""
         return self.radius / abs(self.turn) if self.turn else float("inf")
 
     @property
@@ -57,14 +57,14 @@ class Wheel:
 
     @property
     def on_left(self) -> bool:
-        """Whether it sits on the left: then it turns the robot clockwise while it drives forward."""
+        """Whether it is on the left: driving forward, it then turns the robot clockwise."""
         return self.turn * self.forward < 0.0
 
 
 def fit_wheels(legs: Sequence[Cruise]) -> tuple[Wheel, Wheel]:
-    """Fit what the wheels named left and right do, by least squares over the steady parts of the legs.
+    """Fit the effect of the left and right wheel by least squares over the steady parts of the legs.
 
-    The legs must not all have the wheels turn in the same ratio, as a straight and a spin do not.
+    The ratio of the wheels' speeds must differ between legs, as it does between a straight and a spin.
     """
     turned = np.array([[leg.cruise.left, leg.cruise.right] for leg in legs])
     moved = np.array([[leg.cruise.forward, leg.cruise.turn] for leg in legs])

@@ -1,9 +1,9 @@
-"""Reading other people's files in a process of their own, with limits on its time and memory.
+"""Reading untrusted files in a separate process, with limits on time and memory.
 
-The libraries that read USD, MJCF and meshes are native, and a bad file can crash them, keep them busy for ever or make
-them take all memory. Here that happens to a child: it is given the name of a function of ours and its arguments, and
-hands the result back, with the warnings and errors raised meanwhile. The child guards against accidents and bad files;
-it is no sandbox, and what it sends is trusted.
+The libraries that read USD, MJCF and meshes are native, and a bad file can crash them, hang them or exhaust the memory.
+Here that happens to a child process: it gets the name of a trundle function and its arguments, and returns the result
+with all warnings and errors. The child protects against accidents and bad files; it is not a sandbox, and its replies
+are trusted.
 """
 
 from trundle.guard.limits import ReadLimits, read_limits

@@ -1,7 +1,7 @@
-"""What runs in the child: calls of functions by name, one after the other, until its input ends.
+"""The child process: calls functions by name, one after the other, until its input ends.
 
-Run as a script by `process.py`, so that nothing is imported before the search path is the parent's. Requests and
-replies are pickles, on standard input and on what standard output was at the start.
+Run as a script by `process.py`, so that nothing is imported before the search path is set to the parent's. Requests
+and replies are pickles, on standard input and on the original standard output.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import warnings
 from typing import Any
 
 PROTOCOL = 5
-"""Of pickle: the first that keeps arrays read-only."""
+"""Pickle protocol: the first that keeps arrays read-only."""
 
 READY, RESULT, ERROR, FAULT, NO_MEMORY, TOO_DEEP = "ready", "result", "error", "fault", "no memory", "too deep"
 
@@ -29,7 +29,7 @@ _PR_SET_PDEATHSIG, _PR_SET_DUMPABLE = 1, 4
 
 
 class _Notes(logging.Handler):
-    """Keeps what is logged, for the parent to log."""
+    """Collects log records for the parent to log."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ def main() -> None:
     """Answer requests."""
     requests = os.fdopen(os.dup(0), "rb")
     replies = os.fdopen(os.dup(1), "wb")
-    # What reads the file may print: not into the replies.
+    # Readers may print, which must not mix with the replies.
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
     os.dup2(2, 1)
@@ -56,7 +56,7 @@ def main() -> None:
         except EOFError:
             return
         for name in request["imports"]:
-            with contextlib.suppress(ImportError):  # the function says what is missing
+            with contextlib.suppress(ImportError):  # the function reports what is missing
                 importlib.import_module(name)
         module, _, function = request["target"].partition(":")
         call = getattr(importlib.import_module(module), function)
@@ -74,7 +74,7 @@ def _answer(call: Any, request: dict[str, Any], nowhere: int) -> tuple[str, Any]
     log = logging.getLogger("trundle")
     log.handlers[:] = [notes]
     log.setLevel(request["log_level"])
-    # Ends this process from a thread of C, where Python's own never gets its turn.
+    # Ends this process from a C thread, because Python threads may never run.
     faulthandler.dump_traceback_later(request["seconds"] + _SPARE_SECONDS, exit=True, file=nowhere)
     try:
         with warnings.catch_warnings(record=True) as caught, _limited_memory(request["bytes"]):
@@ -93,19 +93,19 @@ def _call(call: Any, args: Any, kwargs: Any) -> tuple[str, Any]:
         return NO_MEMORY, None
     except RecursionError:
         return TOO_DEEP, None
-    except Exception as error:  # noqa: BLE001 - whatever it is, the parent raises it
+    except Exception as error:  # noqa: BLE001 - the parent raises it again
         text = traceback.format_exc()
         error.__traceback__ = error.__cause__ = error.__context__ = None
         try:
             pickle.loads(pickle.dumps(error, PROTOCOL))
-        except Exception:  # noqa: BLE001 - errors of libraries may refuse in any way
+        except Exception:  # noqa: BLE001 - library errors may fail to pickle in any way
             return FAULT, text
         return ERROR, (error, text)
 
 
 @contextlib.contextmanager
 def _limited_memory(limit: int) -> Any:
-    """Let this process take only so many bytes of address space more, where the system has such a limit."""
+    """Limit the additional address space of this process [bytes], if the system supports it."""
     taken = _address_space()
     if taken is None:
         yield
@@ -122,7 +122,7 @@ def _limited_memory(limit: int) -> Any:
 
 
 def _address_space() -> int | None:
-    """Bytes of address space that this process takes; none where the system does not limit that."""
+    """Address space of this process [bytes]; None if the system does not limit it."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - pathlib is not imported yet
             return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
@@ -131,7 +131,7 @@ def _address_space() -> int | None:
 
 
 def _die_with(parent: int) -> None:
-    """End when the parent does, whatever ends it; and leave no core file."""
+    """End with the parent, however it ends; and write no core file."""
     with contextlib.suppress(ImportError):
         import resource
 
@@ -142,7 +142,7 @@ def _die_with(parent: int) -> None:
 
     control = ctypes.CDLL(None).prctl
     control(_PR_SET_PDEATHSIG, _KILL, 0, 0, 0)
-    # Also where the system gives core dumps to a program, which the limit does not stop.
+    # Also if the system pipes core dumps to a program, which the limit does not prevent.
     control(_PR_SET_DUMPABLE, 0, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)

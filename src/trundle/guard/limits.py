@@ -1,4 +1,4 @@
-"""How long a child may read, and how much memory it may take."""
+"""Limits on a child's reading time and memory."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ TRUSTED_VARIABLE = "TRUNDLE_TRUSTED"
 
 @dataclass(frozen=True, slots=True)
 class ReadLimits:
-    """What reading a file may take.
+    """Limits on reading a file.
 
     Attributes:
-        seconds: Of time, from when the child is ready [s].
-        gigabytes: Of address space above what the child takes before it reads [GB].
+        seconds: Time limit, counted from when the child is ready [s].
+        gigabytes: Address space in addition to what the child uses before it reads [GB].
         trusted: Read in this process, without limits.
     """
 
@@ -34,22 +34,22 @@ class ReadLimits:
 def read_limits(
     *, trusted: bool | None = None, time_limit_s: float | None = None, memory_limit_gb: float | None = None
 ) -> ReadLimits:
-    """ReadLimits as given; else as the environment says; else the usual ones.
+    """ReadLimits as given; else from the environment; else the defaults.
 
     Args:
-        trusted: Read in this process; none means as TRUNDLE_TRUSTED says (0 or 1).
-        time_limit_s: [s]; none means TRUNDLE_READ_SECONDS, or 20.
-        memory_limit_gb: [GB]; none means TRUNDLE_READ_GIGABYTES, or 2.
+        trusted: Read in this process; None means TRUNDLE_TRUSTED (0 or 1).
+        time_limit_s: [s]; None means TRUNDLE_READ_SECONDS, or 20.
+        memory_limit_gb: [GB]; None means TRUNDLE_READ_GIGABYTES, or 2.
 
     Raises:
-        InputError: If one is not what it must be.
+        InputError: If a value is invalid.
     """
     if trusted is None:
         text = os.environ.get(TRUSTED_VARIABLE, "").strip()
         if text not in ("", "0", "1"):
             raise InputError(f"{TRUSTED_VARIABLE} is {text!r}; it must be 0 or 1")
         trusted = text == "1"
-    given: object = trusted  # from --set it may be anything
+    given: object = trusted  # from --set it may have any type
     if not isinstance(given, bool):
         raise InputError(f"trusted is {given!r}; it must be true or false")
     return ReadLimits(

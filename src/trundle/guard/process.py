@@ -1,4 +1,4 @@
-"""The parent's side: starting the child, waiting for it with a limit, and what its end means."""
+"""The parent's side: starting the child, waiting for it with a limit, and interpreting its exit."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from trundle.guard.limits import GIGABYTES_VARIABLE, SECONDS_VARIABLE, ReadLimit
 logger = logging.getLogger(__name__)
 
 START_SECONDS = 60.0
-"""For the child's own start, on a machine that is busy."""
+"""Time limit for the child's own start, generous for a busy machine."""
 
 _ENDED_SECONDS = 5.0
 _TAIL_BYTES = 4096
 _CHUNK = 1 << 20
 
-# One thread for each library: address space is what is limited, and threads take it for their stacks and arenas.
+# One thread per library: the limit is on address space, which threads use for stacks and arenas.
 _ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
     "PXR_WORK_THREAD_LIMIT": "1",
     "MALLOC_ARENA_MAX": "2",
     "MUJOCO_GL": "disable",
-    # USD leaves a report of its crash there: no such folder, no report.
+    # USD writes crash reports there: without the folder, no report.
     "TMPDIR": "/dev/null/none",
 }
 
@@ -53,7 +53,7 @@ class _GoneError(Exception):
 
 
 def in_kit() -> bool:
-    """Whether this is Isaac Sim's Kit, which brings its own USD: no other process has that."""
+    """Whether this is Isaac Sim's Kit, whose own USD is available in no other process."""
     return "omni.kit.app" in sys.modules or "omni.kit_app" in sys.modules or "carb" in sys.modules
 
 
@@ -66,9 +66,9 @@ class ReadCall:
         args: Its arguments, plain values.
         what: The file, for messages.
         error: Type of the exception if the child fails.
-        limits: Of time and memory.
+        limits: Limits of time and memory.
         kwargs: As `args`.
-        imports: Libraries that do not count as what the file takes; they need not be there.
+        imports: Libraries loaded before the limits apply; they may be missing.
     """
 
     target: str
@@ -81,21 +81,21 @@ class ReadCall:
 
 
 def read_guarded(call: ReadCall, *, stacklevel: int = 1) -> Any:
-    """Make a call in a child, or in this process if its limits or Kit say so.
+    """Make a call in a child, or in this process if it is trusted or runs in Kit.
 
     Args:
-        call: What to read, and how.
-        stacklevel: Of warnings; 1 is the caller.
+        call: The call.
+        stacklevel: Stack level of warnings; 1 is the caller.
 
     Returns:
-        What the function returns; its arrays are read-only.
+        The function's result; its arrays are read-only.
 
     Raises:
-        InputError: Of the type `call.error`, if the file takes too much time or memory, or crashes what reads it.
+        InputError: Of the type `call.error`, if the file takes too much time or memory, or crashes the reader.
         Exception: Whatever the function raises.
 
     Warns:
-        As the function does.
+        As the function.
     """
     if call.limits.trusted or in_kit():
         module, _, name = call.target.partition(":")
@@ -134,8 +134,8 @@ class Child:
         except _TooLateError:
             self.close()
             raise error(
-                f"{what}: reading it took longer than {limits.seconds:g} s; give it more with time_limit_s=… or "
-                f"{SECONDS_VARIABLE}=…, or read it here with trusted=True if you know where it is from"
+                f"{what}: reading it took longer than {limits.seconds:g} s; raise the limit with time_limit_s=… or "
+                f"{SECONDS_VARIABLE}=…, or use trusted=True if you trust the file"
             ) from None
         except _GoneError:
             raise error(f"{what}: {self._describe_end(limits)}") from None
@@ -220,7 +220,7 @@ class Child:
         return self._pipe
 
     def _describe_end(self, limits: ReadLimits) -> str:
-        """What it means that the child is gone."""
+        """Describe why the child ended."""
         process, pipe = cast("subprocess.Popen[bytes]", self._process), cast("_Pipe", self._pipe)
         try:
             status = process.wait(_ENDED_SECONDS)
@@ -237,18 +237,18 @@ class Child:
                 name = signal.Signals(-status).name
             except ValueError:
                 name = f"signal {-status}"
-            return f"what reads such files crashed on it ({name}): it is damaged, or nested too deeply"
+            return f"the reader crashed on it ({name}): the file is damaged, or nested too deeply"
         last = said.strip().splitlines()[-1:] or [f"status {status}"]
         return f"the process that reads it ended: {last[0]}"
 
 
 class _Pipe(io.RawIOBase):
-    """The child's replies, read until a deadline; what it prints is kept apart, the last of it.
+    """The child's replies, read until a deadline; the end of its printed output is kept separately.
 
     Attributes:
-        deadline: By time.monotonic() [s].
+        deadline: In terms of time.monotonic() [s].
         tail: The end of what the child printed.
-        buffered: This, as `pickle` reads it.
+        buffered: Buffered reader of this, for `pickle`.
     """
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
@@ -310,7 +310,7 @@ def _pickled(what: str, request: dict[str, Any], error: type[InputError]) -> byt
 
 
 def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
-    """Warn and log here as the child did."""
+    """Repeat the child's warnings and log records here."""
     for name, level, text in records:
         logging.getLogger(name).log(level, "%s", text)
     for message, category, filename, line in remarks:
@@ -321,14 +321,14 @@ def _repeat(remarks: Any, records: Any, stacklevel: int) -> None:
 
 
 def _is_out_of_memory(text: str) -> bool:
-    """Whether what a library says means that it got no memory."""
+    """Whether a library's message means that it ran out of memory."""
     return any(sign in text for sign in ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate"))
 
 
 def _too_much(limits: ReadLimits) -> str:
     return (
-        f"reading it takes more than {limits.gigabytes:g} GB of memory; give it more with memory_limit_gb=… or "
-        f"{GIGABYTES_VARIABLE}=…, or read it here with trusted=True if you know where it is from"
+        f"reading it takes more than {limits.gigabytes:g} GB of memory; raise the limit with memory_limit_gb=… or "
+        f"{GIGABYTES_VARIABLE}=…, or use trusted=True if you trust the file"
     )
 
 

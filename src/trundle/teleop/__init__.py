@@ -1,1 +1,1 @@
-"""Driving by hand: keys of a terminal or of MuJoCo's window as commands."""
+"""Driving by hand, with keys in a terminal or in MuJoCo's window."""

@@ -1,4 +1,4 @@
-"""Keys as commands: what a terminal sends, and the twists that keys stand for."""
+"""Keys as commands: parsing terminal input, and converting keys to twists."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ if TYPE_CHECKING:
     from trundle.robots import Limits
 
 DEAD_MAN_S = 0.3
-"""How long a key counts. A held key repeats faster than this in every terminal; a released one stops the robot."""
+"""How long a key press is active. A held key repeats faster than this; after a release the robot stops."""
 
 SPEED_SHARE = 0.6
-"""Share of the robot's largest speeds that a key commands."""
+"""Share of the robot's maximum speeds that a key commands."""
 
 _ARROWS = {b"A": "i", b"B": "k", b"C": "l", b"D": "j"}
 _FORWARD = {"i": 1.0, "w": 1.0, "k": -1.0, "s": -1.0}
@@ -21,9 +21,9 @@ _LEFT = {"j": 1.0, "a": 1.0, "l": -1.0, "d": -1.0}
 
 
 class KeyDrive:
-    """Turns key presses into a twist that dies away when the keys do.
+    """Converts key presses to a twist that ends when the keys are released.
 
-    Forward and turn are kept apart, each with its own dead-man, so that pressing two keys in turn drives an arc.
+    Forward and turn have separate dead-man timers, so that alternating two keys drives an arc.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -34,7 +34,7 @@ class KeyDrive:
         self.done = False
 
     def press(self, key: str, now: float) -> None:
-        """Take one key at a time `now` [s]; unknown keys do nothing."""
+        """Process a key at a time `now` [s]; unknown keys do nothing."""
         if key in _FORWARD:
             self._forward = (_FORWARD[key], now)
         elif key in _LEFT:
@@ -51,10 +51,10 @@ class KeyDrive:
 
 
 class StepDrive:
-    """Turns single key presses into a twist, a fifth of the robot's largest speed a press.
+    """Converts single key presses to a twist, in steps of a fifth of the robot's maximum speeds.
 
-    The window tells when a key goes down and never when it comes up, so that a key cannot mean "while held": up and
-    down change the speed, left and right the turn, and `stop` ends both.
+    The window reports only key presses, not releases, so that a key cannot mean "while held": up and down change the
+    speed, left and right the turn, and `stop` ends both.
     """
 
     STEPS = 5
@@ -65,7 +65,7 @@ class StepDrive:
         self._left = 0
 
     def press(self, key: str) -> None:
-        """Take one key of `NativeWindow.read_keys`; others do nothing."""
+        """Process one key of `NativeWindow.read_keys`; others do nothing."""
         match key:
             case "up" | "down":
                 self._forward = self._stepped(self._forward, key == "up")
@@ -88,7 +88,7 @@ class StepDrive:
 
 
 def split_keys(data: bytes) -> tuple[list[str], bytes]:
-    """Split what a terminal sent into keys, arrows as i, k, j, l; an unfinished escape sequence is handed back."""
+    """Split what a terminal sent into keys, arrows as i, k, j, l; an unfinished escape sequence is returned."""
     keys: list[str] = []
     at = 0
     while at < len(data):

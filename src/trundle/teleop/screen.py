@@ -1,4 +1,4 @@
-"""What driving by keys shows: a line of numbers and a small map, redrawn in place."""
+"""The display while driving by keys: a line of numbers and a small map, redrawn in place."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _CLEAR_BELOW = "\x1b[J"
 class Screen:
     """Shows the state of a drive on a stream.
 
-    A terminal gets the line of numbers and the map, in place. Any other stream gets the line once per second.
+    A terminal shows the line of numbers and the map, in place. Any other stream gets the line once per second.
     """
 
     def __init__(self, stream: TextIO, chart: TextMap) -> None:
@@ -46,7 +46,7 @@ class Screen:
             print(file=self._stream, flush=True)
 
     def _redraw(self, state: RobotState) -> None:
-        # A line as wide as the terminal wraps in some: it stays one short.
+        # Some terminals wrap a line of full width, so it is one shorter.
         columns, rows = self._size()
         columns = min(COLUMNS, columns) - 1
         rows = min(MAP_ROWS, rows - _TEXT_ROWS)
@@ -59,7 +59,7 @@ class Screen:
         self._rows_below = len(lines) - 1
 
     def _size(self) -> tuple[int, int]:
-        """Columns and rows of the terminal; those of a common one where it does not know."""
+        """Columns and rows of the terminal; defaults if unknown."""
         columns, rows = os.get_terminal_size(self._stream.fileno())
         return columns or 80, rows or 24
 

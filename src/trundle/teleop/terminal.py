@@ -84,13 +84,13 @@ def drive_by_keys(simulator: Simulator, log: DriveLog, chart: TextMap, *, period
                 log.add(state, command)
                 screen.show(state)
     except KeyboardInterrupt:
-        pass  # Ctrl-C is a normal end: the drive is recorded all the same.
+        pass  # Ctrl-C is a normal end: the drive is still recorded.
     finally:
         screen.close()
 
 
 def _read_until(descriptor: int, deadline: float) -> tuple[bytes, bool]:
-    """Collect what is typed until a time; the second value says that the terminal has gone."""
+    """Collect typed bytes until a time; the second value says that the terminal was closed."""
     data = b""
     while True:
         left = deadline - time.monotonic()
@@ -99,7 +99,7 @@ def _read_until(descriptor: int, deadline: float) -> tuple[bytes, bool]:
             return data, False
         try:
             chunk = os.read(descriptor, 1024)
-        except OSError:  # A pseudo-terminal whose other side has closed.
+        except OSError:  # A pseudo-terminal whose other end was closed.
             return data, True
         if not chunk:
             return data, True

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from trundle.worlds import World
 
 _WIDTHS_M = (0.25, 0.5)
-"""Widths of a character [m], the finest first; in terminals a character is about twice as high as wide."""
+"""Widths of a character [m], the finest first; in terminals a character is about twice as tall as wide."""
 
 _DOTS_M = 2.0
 _REACH_M = 250.0
-"""How far from the start obstacles are drawn [m]; it bounds the memory of a map of a large world."""
+"""Distance from the start up to which obstacles are drawn [m]; it limits the memory for a large world."""
 
 _ARROWS = ">^<v"
 
@@ -28,16 +28,16 @@ _ARROWS = ">^<v"
 class TextMap:
     """A world from above with north up: `#` obstacle, `.` every 2 m of free floor, and the robot as `>`, `^`, `<`, `v`.
 
-    The whole world is shown where it fits; else the map is centred on the robot.
+    The whole world is shown if it fits; otherwise the map is centred on the robot.
     """
 
     def __init__(self, world: World, robot: Robot, start: Pose2D) -> None:
-        """Take the world and the robot's pose at the start.
+        """Create the map of a world.
 
         Args:
-            world: What stands on the floor.
-            robot: The robot, whose height says which obstacles count.
-            start: The robot's first pose, map frame.
+            world: The world.
+            robot: The robot, whose heights determine the obstacles.
+            start: The robot's start pose, map frame.
         """
         low, high = world.bounds
         self._world = world
@@ -48,7 +48,7 @@ class TextMap:
         self._cells: dict[float, tuple[npt.NDArray[np.bool_], int, int]] = {}
 
     def lines(self, pose: Pose2D, columns: int, rows: int) -> list[str]:
-        """Draw the map around a pose, at most so many characters wide and rows high; the top row is the north."""
+        """Draw the map around a pose, at most so many characters wide and rows high; the top row is north."""
         for width in _WIDTHS_M:
             cells, first_col, first_row = self._draw(width)
             col = math.floor(pose.x / width) - first_col

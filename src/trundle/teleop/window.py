@@ -31,4 +31,4 @@ def drive_in_window(simulator: Simulator, log: DriveLog, window: NativeWindow, *
             due += period_s
             time.sleep(max(0.0, due - time.monotonic()))
     except KeyboardInterrupt:
-        pass  # Ctrl-C is a normal end: the drive is recorded all the same.
+        pass  # Ctrl-C is a normal end: the drive is still recorded.

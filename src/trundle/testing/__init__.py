@@ -1,4 +1,4 @@
-"""Conformance checks that every planner, controller and simulator must pass, ours and yours."""
+"""Conformance checks that every planner, controller and simulator must pass, built in or third-party."""
 
 from trundle.testing.conformance import ConformanceError
 from trundle.testing.controller import check_controller

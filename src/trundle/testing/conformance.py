@@ -1,4 +1,4 @@
-"""What a failed conformance check raises."""
+"""The error of a failed conformance check."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from trundle.errors import TrundleError
 
 
 class ConformanceError(TrundleError, AssertionError):
-    """Something that stands behind one of the seams does not do what the seam promises."""
+    """An implementation of an interface does not meet its contract."""
 
 
 def expect(condition: bool, message: str) -> None:
-    """Raise a `ConformanceError` where a promise is not kept.
+    """Raise a `ConformanceError` if a requirement is not met.
 
     Raises:
         ConformanceError: If the condition does not hold.

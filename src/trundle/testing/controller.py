@@ -1,4 +1,4 @@
-"""What every controller must do."""
+"""The check that every controller must pass."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LIMIT_SHARE = 0.3
 
 
 def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None = None) -> None:
-    """Check that a controller keeps the promises of `trundle.control.Controller`.
+    """Check that a controller meets the contract of `trundle.control.Controller`.
 
     Without a path it commands zero. It follows a straight and a bent path to their ends in an open room, each time
     after a reset. It returns finite twists within the robot's speed limits, does not modify its arguments, is
@@ -31,49 +31,55 @@ def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None
     navigator, and drops the limit when that is removed.
 
     Args:
-        make: Makes the controller for a robot.
-        robot: The robot to drive; Nova Carter when left out.
+        make: Creates the controller for a robot.
+        robot: The robot to drive; Nova Carter by default.
 
     Raises:
-        ConformanceError: If it breaks one of them.
+        ConformanceError: If a requirement is not met.
     """
     driven = Robot.load("nova_carter") if robot is None else robot
     costmap = _open_room(driven)
     standing = make(driven).compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
-    expect(standing == Twist2D(), f"a controller without a path stands; found: {standing}")
+    expect(standing == Twist2D(), f"a controller without a path must command zero; found: {standing}")
     controller = make(driven)
     for path in (_path((0, 0), (3, 0)), _path((0, 0), (2, 0), (3, 2)), _path((0, 0), (-2, -2))):
         first = _follow(controller, path, driven, costmap)
         again = _follow(make(driven), path, driven, costmap)
-        expect(first == again, f"a controller answers the same after another path as when new; found: {(first, again)}")
+        expect(
+            first == again,
+            f"a controller must act the same after another path as when new; found: {(first, again)}",
+        )
     one, other = make(driven), make(driven)
     one.set_path(_path((0, 0), (3, 0)))
     command = other.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
-    expect(command == Twist2D(), f"two controllers share no path; found: {command}")
+    expect(command == Twist2D(), f"two controllers must not share a path; found: {command}")
     _check_speed_limit(make, driven, costmap)
 
 
 def _check_speed_limit(make: Callable[[Robot], Controller], robot: Robot, costmap: Costmap) -> None:
     path = _path((0, 0), (3, 0))
     setter = getattr(make(robot), "set_speed_limit", None)
-    expect(callable(setter), "a controller has set_speed_limit(limit); to have it do nothing, derive from Controller")
+    expect(callable(setter), "a controller needs set_speed_limit(limit); Controller has one that does nothing")
     free = _first_commands(make(robot), path, robot, costmap)
     limited = make(robot)
     limited.set_speed_limit(_LIMIT_SHARE * robot.limits.linear_speed)
     commands = _first_commands(limited, path, robot, costmap)
     fastest = max(abs(command.v) for command in commands)
     kept = fastest <= _LIMIT_SHARE * robot.limits.linear_speed + 1e-9
-    expect(kept or commands == free, f"a controller keeps a speed limit, or answers as without; found: {fastest} m/s")
-    expect(any(command != Twist2D() for command in commands), "a controller drives within a speed limit; it stood")
+    expect(kept or commands == free, f"a controller must obey or ignore a speed limit; found: {fastest} m/s")
+    expect(
+        any(command != Twist2D() for command in commands),
+        "a controller must drive under a speed limit; it stopped",
+    )
     limited.set_speed_limit(math.inf)
     expect(
         _first_commands(limited, path, robot, costmap) == free,
-        "a controller whose speed limit is taken away answers as one that never had one; found: other commands",
+        "after its speed limit is removed, a controller must behave as if it never had one; found: other commands",
     )
 
 
 def _first_commands(controller: Controller, path: Path, robot: Robot, costmap: Costmap) -> list[Twist2D]:
-    """What it answers in the first seconds on a path, driven ideally."""
+    """Commands in the first seconds on a path, with ideal motion."""
     controller.set_path(path)
     pose, twist, commands = path.start, Twist2D(), list[Twist2D]()
     for _ in range(round(_FIRST_SECONDS / _DT)):
@@ -98,24 +104,24 @@ def _path(*corners: tuple[float, float]) -> Path:
 
 
 def _follow(controller: Controller, path: Path, robot: Robot, costmap: Costmap) -> Pose2D:
-    """Drive ideally within the robot's limits to the end of a path; return where the robot stopped."""
+    """Drive with ideal motion within the robot's limits to the end of a path; return the final pose."""
     costs, poses = costmap.data.copy(), path.poses.copy()
     controller.set_path(path)
     pose, twist = path.start, Twist2D()
     for _ in range(round(_SECONDS / _DT)):
         command = controller.compute_velocity(pose, twist, costmap, _DT)
         finite = math.isfinite(command.v) and math.isfinite(command.w)
-        expect(finite, f"a command is finite; found: {command}")
+        expect(finite, f"a command must be finite; found: {command}")
         clamped = robot.limits.clamp(command)
         within = math.isclose(clamped.v, command.v, abs_tol=1e-9) and math.isclose(clamped.w, command.w, abs_tol=1e-9)
-        expect(within, f"a command keeps the speed limits of {robot.name}; found: {command}")
+        expect(within, f"a command must be within the speed limits of {robot.name}; found: {command}")
         if command == Twist2D() and twist == Twist2D():
             break
         twist = robot.limits.approach(twist, command, _DT)
         pose = twist.integrate(pose, _DT)
     near = pose.distance_to(path.goal)
-    expect(near <= 0.25, f"a controller stops within 0.25 m of the path's end {path.goal}; found: {pose}")
-    expect(twist == Twist2D(), f"a controller brings the robot to a stand at the end; found: {twist}")
-    expect(np.array_equal(costs, costmap.data), "a controller leaves the costmap as it is; found: other costs")
-    expect(np.array_equal(poses, path.poses), "a controller leaves the path as it is; found: other poses")
+    expect(near <= 0.25, f"a controller must stop within 0.25 m of the path's end {path.goal}; found: {pose}")
+    expect(twist == Twist2D(), f"a controller must stop the robot at the end; found: {twist}")
+    expect(np.array_equal(costs, costmap.data), "a controller must not modify the costmap; found: other costs")
+    expect(np.array_equal(poses, path.poses), "a controller must not modify the path; found: other poses")
     return pose

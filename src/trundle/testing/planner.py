@@ -24,20 +24,20 @@ _LONG_S, _SHORT_S = 3600.0, 1e-9
 
 
 def check_planner(planner: Planner | Callable[[], Planner]) -> None:
-    """Check a planner, or what makes one, against what the `Planner` seam promises.
+    """Check that a planner meets the contract of `Planner`.
 
     On a small map of two rooms and a closed chamber: a path starts at the start and ends at the goal, is finite and
-    never goes through occupied or unknown cells; the same question gives the same path, asked again and asked of a
-    second planner; the costmap stays as it is; a goal outside the map, in an obstacle, in unknown space or out of
-    reach is a typed error, and never an empty path. `plan` takes the keywords of the seam: with `goal_yaw_free` a path
-    still ends at the goal; a deadline that is not reached changes nothing, and one that has passed gives a
-    `PlanningStoppedError` or the same path; what is cancelled already gives that error.
+    never goes through occupied or unknown cells; the same query gives the same path, repeated and in a second
+    planner; the costmap is not modified; a goal outside the map, in an obstacle, in unknown space or unreachable
+    raises a typed error and never returns an empty path. `plan` accepts the keywords of the interface: with
+    `goal_yaw_free` a path still ends at the goal; a deadline that is not reached changes nothing, and one that has
+    passed gives a `PlanningStoppedError` or the same path; a query that is already cancelled raises that error.
 
     Args:
-        planner: A planner, or a class or function that makes one without arguments.
+        planner: A planner, or a class or function that creates one without arguments.
 
     Raises:
-        ConformanceError: At the first promise that is not kept; the message says which.
+        ConformanceError: At the first requirement that is not met; the message says which.
     """
     make = _as_factory(planner)
     costmap = _two_rooms()
@@ -46,7 +46,7 @@ def check_planner(planner: Planner | Callable[[], Planner]) -> None:
     for start, goal in _QUESTIONS:
         path = _plan(instance, costmap, start, goal)
         _check_path(path, costmap, start, goal)
-        _check_same(path, _plan(instance, costmap, start, goal), "asked twice, it gives two different paths")
+        _check_same(path, _plan(instance, costmap, start, goal), "the same query twice gives two different paths")
         _check_same(path, _plan(make(), costmap, start, goal), "two planners of the same kind give different paths")
         _check_keywords(instance, costmap, start, goal, path)
     for start, goal, kinds, what in _REFUSALS:
@@ -55,7 +55,7 @@ def check_planner(planner: Planner | Callable[[], Planner]) -> None:
     _check_same(
         _plan(make(), costmap, start, goal),
         _plan(instance, costmap, start, goal),
-        "after questions that it refused, it gives another path",
+        "after rejected queries it gives another path",
     )
     expect((costmap.data == before).all(), "planning must not change the costmap")
 
@@ -102,7 +102,7 @@ def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **key
     try:
         path = planner.plan(costmap, start, goal, **keywords)
     except PlanningError as error:
-        raise ConformanceError(f"no path from {start} to {goal}, where there is one: {error}") from error
+        raise ConformanceError(f"no path from {start} to {goal}, although there is one: {error}") from error
     except TypeError as error:
         raise ConformanceError(f"plan() must take the keywords {', '.join(_KEYWORDS)}: {error}") from error
     expect(isinstance(path, Path), f"plan() must return a Path, got {type(path).__name__}")
@@ -110,7 +110,7 @@ def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **key
 
 
 def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, path: Path) -> None:
-    """Check `goal_yaw_free`, `deadline_s` and `cancel` with a question whose `path` is known."""
+    """Check `goal_yaw_free`, `deadline_s` and `cancel` with a query whose `path` is known."""
     free = _plan(planner, costmap, start, goal, goal_yaw_free=True)
     _check_path(free, costmap, start, Pose2D(goal.x, goal.y, free.goal.yaw))
     patient = _plan(planner, costmap, start, goal, deadline_s=_LONG_S, cancel=Cancellation())
@@ -118,7 +118,10 @@ def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pos
     try:
         hasty = planner.plan(costmap, start, goal, deadline_s=_SHORT_S)
     except PlanningStoppedError as error:
-        expect(error.status == "timeout", f"at its deadline the error has the status 'timeout', not {error.status!r}")
+        expect(
+            error.status == "timeout",
+            f"after the deadline the error's status must be 'timeout', not {error.status!r}",
+        )
     else:
         _check_same(path, hasty, "a deadline that has passed changes the path")
     cancel = Cancellation()
@@ -126,9 +129,9 @@ def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pos
     try:
         planner.plan(costmap, start, goal, cancel=cancel)
     except PlanningStoppedError as error:
-        expect(error.status == "cancelled", f"what is cancelled has the status 'cancelled', not {error.status!r}")
+        expect(error.status == "cancelled", f"a cancelled query must have the status 'cancelled', not {error.status!r}")
     else:
-        raise ConformanceError("a plan that is cancelled already must raise PlanningStoppedError, and it gave a path")
+        raise ConformanceError("an already cancelled query must raise PlanningStoppedError, but it returned a path")
 
 
 def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
@@ -174,4 +177,4 @@ def _check_refusal(
     except Exception as error:
         raise ConformanceError(f"{what} must raise {names}, not {type(error).__name__}: {error}") from error
     else:
-        raise ConformanceError(f"{what} must raise {names}, and it gave a path")
+        raise ConformanceError(f"{what} must raise {names}, but it returned a path")

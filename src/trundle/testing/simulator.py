@@ -21,13 +21,13 @@ _EMPTY = World("empty", ())
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """How far a simulator may be from the kinematic one.
+    """Allowed deviations of a simulator from the kinematic one.
 
     Attributes:
         position_m: After five seconds of driving [m].
         yaw_rad: After five seconds of driving [rad].
-        speed: Of the limits in speed, over them, as a share of them.
-        rest_m: Of the pose after a reset [m].
+        speed: Allowed excess over the speed limits, as a share of them.
+        rest_m: Of the pose after a reset, in position [m].
     """
 
     position_m: float = 0.010
@@ -42,15 +42,15 @@ def check_simulator(
     robot: str | Robot = "nova_carter",
     tolerances: Tolerances = Tolerances(),
 ) -> None:
-    """Check that a simulator keeps the promises of `trundle.sim.Simulator` and agrees with the kinematic one.
+    """Check that a simulator meets the contract of `trundle.sim.Simulator` and agrees with the kinematic one.
 
     Args:
-        make: Makes a simulator of a robot in a world, without lidars.
-        robot: What to drive.
-        tolerances: How far it may be from the kinematic simulator.
+        make: Creates a simulator of a robot in a world, without lidars.
+        robot: The robot to drive.
+        tolerances: Allowed deviations from the kinematic simulator.
 
     Raises:
-        ConformanceError: If it does not; the message says what was promised and what came.
+        ConformanceError: If it does not; the message says what was required and what was found.
     """
     machine = Robot.load(robot)
     with make(_EMPTY, machine) as simulator:
@@ -88,7 +88,7 @@ def _check_reset(simulator: Simulator, tolerances: Tolerances) -> None:
 
 def _check_repeats(simulator: Simulator) -> None:
     runs = [_drive(simulator, Twist2D(0.3, 0.4), 1.0, seed=5) for _ in range(2)]
-    expect(runs[0] == runs[1], "the same seed and commands give another run the second time")
+    expect(runs[0] == runs[1], "the same seed and commands give a different run the second time")
 
 
 def _check_limits(simulator: Simulator, tolerances: Tolerances) -> None:
@@ -117,8 +117,10 @@ def _check_motion(simulator: Simulator, tolerances: Tolerances) -> None:
             distance = got.pose.distance_to(expected.pose)
             turn = abs(wrap_angle(got.pose.yaw - expected.pose.yaw))
             expect(abs(got.time - 5.0) < 1e-6, f"five seconds of steps end at {got.time} s")
-            expect(distance <= tolerances.position_m, f"{command} for 5 s ends {distance:.4f} m from where it should")
-            expect(turn <= tolerances.yaw_rad, f"{command} for 5 s ends turned by {math.degrees(turn):.2f}° too far")
+            expect(
+                distance <= tolerances.position_m, f"{command} for 5 s ends {distance:.4f} m from the expected point"
+            )
+            expect(turn <= tolerances.yaw_rad, f"{command} for 5 s ends with a yaw error of {math.degrees(turn):.2f}°")
             wheels, right = got.wheel_speeds, expected.wheel_speeds
             off = max(abs(wheels.left - right.left), abs(wheels.right - right.right))
             expect(off <= 0.05 * max(map(abs, right)), f"{command}: the wheels turn at {wheels}, not {right}")
@@ -130,20 +132,20 @@ def _check_period(simulator: Simulator) -> None:
             simulator.step(Twist2D(), dt)
         except InputError:
             continue
-        expect(False, f"a control period of {dt} s is taken; it must be refused with an InputError")
+        expect(False, f"a control period of {dt} s is accepted; it must raise an InputError")
 
 
 def _check_contacts(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:
     front = float(robot.outline[:, 0].max())
     solid = Solid("the_box", Box((0.5, 2.0, 1.0)), Pose3D((front + 0.75, 0.0, 0.5)))
     with make(World("box", (solid,)), robot) as simulator:
-        expect(not simulator.reset(Pose2D(0.0, 0.0)).contacts, "a contact with a box half a metre away")
+        expect(not simulator.reset(Pose2D(0.0, 0.0)).contacts, "a contact is reported with a box half a metre away")
         state, steps = simulator.step(Twist2D(0.3, 0.0), _PERIOD), 1
         while not state.contacts and steps < 200:
             state, steps = simulator.step(Twist2D(0.3, 0.0), _PERIOD), steps + 1
         names = {contact.other for contact in state.contacts}
         expect(names == {"the_box"}, f"driving into the box gives contacts with {sorted(names) or 'nothing'}")
-        expect(abs(state.pose.x - 0.5) < 0.04, f"the contact comes at x = {state.pose.x:.3f} m, not at 0.5 m")
+        expect(abs(state.pose.x - 0.5) < 0.04, f"the contact occurs at x = {state.pose.x:.3f} m, not at 0.5 m")
         inside = simulator.reset(Pose2D(front + 0.75, 0.0))
         names = {contact.other for contact in inside.contacts}
         expect("the_box" in names, "a reset inside a solid does not report the contact")
@@ -157,7 +159,7 @@ def _check_close(make: Callable[[World, Robot], Simulator], robot: Robot) -> Non
         simulator.step(Twist2D(), _PERIOD)
     except SimulationError:
         return
-    expect(False, "a step after close is taken; it must be refused with a SimulationError")
+    expect(False, "a step after close is accepted; it must raise a SimulationError")
 
 
 def _drive(simulator: Simulator, command: Twist2D, duration: float, *, seed: int = 0) -> list[RobotState]:
