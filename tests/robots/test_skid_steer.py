@@ -208,7 +208,7 @@ def test_wheels_that_are_not_opposite_each_other_are_refused(tmp_path):
 
 def test_isaac_refuses_several_axles_before_it_starts(tmp_path):
     robot = read(write(tmp_path))
-    with pytest.raises(RobotError, match=r"'husky' has several wheels a side.*use backend mujoco or kinematic"):
+    with pytest.raises(RobotError, match=r"'husky' has several wheels per side.*use backend mujoco or kinematic"):
         simulate(World("empty", ()), robot, backend="isaac")
 
 

@@ -104,7 +104,7 @@ def test_cells_above_the_robot_do_not_count():
 
 def test_tilted_cells_are_refused():
     solid = Solid("map", OccupancyCells(np.ones((4, 4), dtype=bool), 0.5, 1.0), Pose3D((0, 0, 0), (0.9, 0.1, 0, 0)))
-    with pytest.raises(WorldError, match="must lie level"):
+    with pytest.raises(WorldError, match="must be level"):
         FootprintChecker(World("w", (solid,)), ROBOT)
 
 

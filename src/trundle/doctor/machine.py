@@ -205,7 +205,7 @@ def _check_interface(simulator: Any) -> str:
     found = differences(simulator.application.generation)
     if found:
         raise TrundleError("this Isaac Sim differs from what trundle expects: " + "; ".join(found))
-    return f"all functions that trundle calls exist; joints: {', '.join(simulator.joint_names())}"
+    return f"everything that trundle calls exists; joints: {', '.join(simulator.joint_names())}"
 
 
 def _check_drive(simulator: Any) -> str:

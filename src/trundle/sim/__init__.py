@@ -1,4 +1,4 @@
-"""Simulators: they move the robot by commanded twists."""
+"""Simulators, which move the robot by commanded twists."""
 
 from trundle.sim.simulator import Contact, RobotState, Scan, Simulator, simulate, simulator_names, world_of
 

@@ -1,4 +1,4 @@
-"""Level lidar beams against a world: worked out with NumPy as the reference, and quickly by our kernels."""
+"""Level lidar beams in a world: computed with NumPy as the reference, and fast with the compiled kernels."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class WorldOutline:
     """A world cut at one height: segments, circles and blocked cells.
 
     Args:
-        world: What to cut.
-        height: Where, above the floor [m].
+        world: The world to cut.
+        height: Height of the cut above the floor [m].
     """
 
     def __init__(self, world: World, height: float) -> None:
@@ -40,7 +40,7 @@ class WorldOutline:
         self._discs = np.array(discs).reshape(-1, 3)
 
     def cast_quickly(self, x: float, y: float, angles: FloatArray, reach: float) -> FloatArray:
-        """Measure as `cast` does, with the compiled kernels; `angles` are evenly spaced and rising."""
+        """Same as `cast`, with the compiled kernels; `angles` are evenly spaced and ascending."""
         count = len(angles)
         step = float(angles[-1] - angles[0]) / (count - 1) if count > 1 else 1.0
         distances = cast_outline_rays(self._segments, self._discs, x, y, float(angles[0]), step, count, reach)

@@ -1,4 +1,4 @@
-"""Which blocked cell a contact with a field of them is on."""
+"""Finding the blocked cell of a contact with a field of cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trundle.worlds import World
 
 
 class CellNames:
-    """Names contacts with a world's blocked cells as all simulators do: `map[row,col]`.
+    """Names contacts with a world's blocked cells, alike for all simulators: `map[row,col]`.
 
     Args:
         world: Whose cells.
@@ -24,7 +24,7 @@ class CellNames:
         }
 
     def name(self, solid: str, x: float, y: float) -> str:
-        """Return a solid's name, with the cell that is touched at (x, y) [m], map frame, where it is one of cells."""
+        """Return a solid's name, followed by the touched cell at (x, y) [m], map frame, if the solid has cells."""
         if solid not in self._cells:
             return solid
         row, col = nearest_blocked_cell(*self._cells[solid], x, y)
@@ -32,7 +32,7 @@ class CellNames:
 
 
 def nearest_blocked_cell(solid: Solid, cells: OccupancyCells, x: float, y: float) -> tuple[int, int]:
-    """The blocked cell (row, col) nearest to a point [m] in the map frame, of the point's cell and its neighbours."""
+    """The blocked cell (row, col) nearest to a point [m] in the map frame, among its own cell and the neighbours."""
     origin = Pose2D(solid.pose.position[0], solid.pose.position[1], solid.pose.yaw())
     local = origin.inverse() @ Pose2D(x, y)
     along, across = local.x / cells.resolution, local.y / cells.resolution

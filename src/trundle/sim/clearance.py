@@ -1,4 +1,4 @@
-"""How far a robot's footprint stays from what stands in a world: exact distances, for the poses of a whole run."""
+"""Clearance between a robot's footprint and a world's solids: exact distances, for all poses of a run."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from trundle.solids import Mesh, OccupancyCells, Solid, solids_bounds
 from trundle.worlds import World
 
 _MOST_CELLS = 60_000_000
-"""Of a map of a world; its cells are made larger until there are no more."""
+"""Limit on the cells of a world's map; cells are enlarged to stay within it."""
 
 _POINT_M = 1e-4
-"""Edge of a cell that stands for a point."""
+"""Size of a cell that represents a point [m]."""
 
 _LETHAL = 254
 
@@ -30,8 +30,8 @@ def map_world(world: World, robot: Robot, points: FloatArray, *, resolution: flo
     """The true map of a world for a robot: its solids between the robot's clearance and its height, inflated.
 
     Args:
-        world: What stands around.
-        robot: Whose heights and footprint count.
+        world: The world.
+        robot: The robot, for its heights and footprint.
         points: What the map must reach [m], beside the world, shape (N, 2).
         resolution: Edge of a cell [m]; larger where there would be more than 60 million.
         margin: Added on all sides [m].
@@ -61,11 +61,11 @@ def map_extent(
 def least_clearance(
     world: World, robot: Robot, poses: FloatArray, coarse: FloatArray, *, resolution: float, cap: float
 ) -> float:
-    """Smallest distance [m] from the oriented footprint, at any of some poses, to a solid at the robot's heights.
+    """Smallest distance [m] from the oriented footprint, at any of the poses, to a solid within the robot's heights.
 
     Args:
-        world: What stands around.
-        robot: Whose footprint, and heights from its clearance to its height.
+        world: The world.
+        robot: The robot, for its footprint and its heights from clearance to top.
         poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
         coarse: The same for each pose [m], shape (N,), measured on a map of `map_world` that reaches `cap` beyond the
             robot everywhere. It tells which poses and solids need a closer look: the map's cells hold every solid, and
@@ -92,7 +92,7 @@ def least_clearance(
         return least
     lows, highs = solids_bounds(flat)
     level = np.flatnonzero((lows[:, 2] < high) & (highs[:, 2] > low))
-    # From each pose to each solid's bounds: what is farther than the least so far cannot be nearer.
+    # Lower bounds from each pose to each solid: pairs farther apart than the current minimum are skipped.
     gaps = np.maximum(np.maximum(lows[level, None, :2] - near[:, :2], near[:, :2] - highs[level, None, :2]), 0.0)
     reach = np.hypot(gaps[..., 0], gaps[..., 1]) - robot.circumscribed_radius
     for index in np.argsort(reach.min(axis=1), kind="stable"):
@@ -105,7 +105,7 @@ def least_clearance(
 
 
 def _solid_clearance(solid: Solid, outlines: FloatArray, low: float, high: float, cap: float) -> float:
-    """Smallest distance from outlines (P, N, 2) to a solid between two heights; `cap` or more where it is no nearer."""
+    """Smallest distance from outlines (P, N, 2) to a solid between two heights; at least `cap` if none is nearer."""
     if not isinstance(solid.shape, Mesh):
         match slab_section(solid, low, high):
             case Disc() as disc:
@@ -141,7 +141,7 @@ def _cells_clearance(solid: Solid, cells: OccupancyCells, robot: Robot, poses: F
     frame = Pose2D(x, y, solid.pose.yaw())
     local = frame.inverse()
     placed = np.c_[local.transform_points(poses[:, :2]), poses[:, 2] + local.yaw]
-    # Only the cells around, with a free rim: the edge of a map would count as blocked.
+    # Only the nearby cells, with a free rim: the edge of a map would count as blocked.
     reach = robot.circumscribed_radius + cap + cells.resolution
     first = np.floor((placed[:, :2].min(axis=0) - reach) / cells.resolution).astype(int)
     last = np.ceil((placed[:, :2].max(axis=0) + reach) / cells.resolution).astype(int)

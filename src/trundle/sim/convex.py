@@ -1,6 +1,6 @@
-"""Meshes as convex pieces: what an engine that collides convex bodies alone is given.
+"""Meshes as convex pieces, for engines that collide only convex bodies.
 
-A mesh is taken apart into its connected parts. Then
+A mesh is split into its connected parts. Then
 
 - a part that is closed and convex is one piece, its hull;
 - any other part, concave or open (a room, a bowl, a sheet), becomes plates: every triangle is one, 1 mm thick, behind
@@ -9,7 +9,7 @@ A mesh is taken apart into its connected parts. Then
   triangles become boxes instead: they are cut into layers of `LAYER`, each is rasterised as a map is, and the cells are
   merged. The boxes enclose the mesh and are up to a cell larger; a warning names it, with both volumes.
 
-What lies above the ceiling that is given, over the robot's head, or ends at the floor is left out. A log line of level
+Parts above the given ceiling (out of the robot's reach), or that end at the floor, are left out. A log line of level
 INFO says which meshes became plates.
 """
 
@@ -34,16 +34,16 @@ from trundle.worlds.walls import merge_cells
 logger = logging.getLogger(__name__)
 
 MOST_PLATES = 2_000
-"""Of one mesh."""
+"""Limit for one mesh."""
 
 MOST_TOGETHER = 10_000
-"""Plates of all meshes of a world: MuJoCo takes 10 thousand steps a second with as many geoms, and 1.4 with 9 times."""
+"""Limit on the plates of a world: MuJoCo runs 8,200 steps/s with this many geoms, and 1,000 with nine times that."""
 
 MOST_BOXES = 4_000
-"""Of one mesh; its cells are made larger until there are no more."""
+"""Limit for one mesh; cells are enlarged to stay within it."""
 
 THICKNESS = 1e-3
-"""Of a plate [m]."""
+"""Thickness of a plate [m]."""
 
 LAYER = 0.1
 """Height of the boxes [m]."""
@@ -52,7 +52,7 @@ CELL = 0.05
 """Smallest edge of the boxes' cells [m]."""
 
 FLOOR_TOP = 1e-3
-"""What reaches no higher than this [m] is floor, and not an obstacle."""
+"""Parts that reach no higher than this [m] are floor, not obstacles."""
 
 _FLAT = 1e-4
 """How far [m] corners of a convex part may stick out of its faces, and how thin a triangle may be."""
@@ -85,7 +85,7 @@ class Pieces:
 
     Attributes:
         hulls: The pieces.
-        boxes: How many of them, at the end, are upright boxes that only enclose what they stand for.
+        boxes: Number of pieces, at the end, that are upright boxes around the original parts.
         whole: Whether the mesh is convex, and its hull the one piece.
     """
 
@@ -104,17 +104,17 @@ class _Parts:
 
 
 def take_apart(solids: Iterable[Solid], *, ceiling: float) -> dict[str, Pieces]:
-    """Take the meshes among some solids apart; see this module's text.
+    """Split the meshes among solids into convex pieces; see the module's docstring.
 
     Args:
         solids: Of a world.
         ceiling: Height [m] above which nothing counts.
 
     Returns:
-        Pieces by the solid's name; none for a solid that is no mesh.
+        Pieces by the solid's name; nothing for a solid that is not a mesh.
 
     Warns:
-        WorldWarning: Where meshes become boxes.
+        WorldWarning: If meshes become boxes.
     """
     found = {solid.name: _split(solid, solid.shape, ceiling) for solid in solids if isinstance(solid.shape, Mesh)}
     exact: set[str] = set()
@@ -181,13 +181,13 @@ def _boxes_volume(boxes: list[Piece]) -> float:
 
 
 def _volume(points: FloatArray, faces: npt.NDArray[np.integer]) -> float:
-    """Volume [m³] that a mesh encloses, where it is closed and its faces look outward."""
+    """Volume [m³] of a mesh that is closed and whose faces point outwards."""
     a, b, c = (points[faces[:, corner]] - points.mean(axis=0) for corner in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
 
 def _weld(points: FloatArray, faces: npt.NDArray[np.integer]) -> tuple[FloatArray, IntArray]:
-    """Join equal corners, and drop triangles that are lines then."""
+    """Merge equal vertices, and drop triangles that collapse to lines."""
     places, index = np.unique(points, axis=0, return_inverse=True)
     joined = index.reshape(-1)[faces].astype(np.int64)
     whole = (joined[:, 0] != joined[:, 1]) & (joined[:, 1] != joined[:, 2]) & (joined[:, 2] != joined[:, 0])
@@ -209,7 +209,7 @@ def _sort_distinct(numbers: IntArray) -> IntArray:
 
 
 def _connected(faces: IntArray, count: int) -> list[IntArray]:
-    """The faces of each part that hangs together by its corners."""
+    """The faces of each part that is connected by its vertices."""
     if len(faces) == 0:
         return []
     label = np.arange(count)
@@ -228,7 +228,7 @@ def _connected(faces: IntArray, count: int) -> list[IntArray]:
 
 
 def _is_convex(points: FloatArray, faces: IntArray, corners: IntArray) -> bool:
-    """Whether a connected part is closed, looks outward everywhere, and has no corner in front of a face."""
+    """Whether a connected part is closed, has outward faces, and has no vertex in front of a face."""
     if len(corners) < 4:
         return False
     edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
@@ -241,7 +241,7 @@ def _is_convex(points: FloatArray, faces: IntArray, corners: IntArray) -> bool:
     lengths = np.linalg.norm(normals, axis=1)
     kept = lengths > 1e-12
     normals, anchors = normals[kept] / lengths[kept, None], triangles[kept, 0]
-    # Every face against every corner; of a part that is too large for that, as many faces as there is time for.
+    # Tests every face against every vertex; for a large part only a sample of the faces.
     stride = max(1, math.ceil(len(normals) * len(corners) / _MOST_TESTS))
     cloud = points[corners]
     allowed = max(_FLAT, 1e-5 * float(np.ptp(cloud, axis=0).max()))

@@ -9,14 +9,14 @@ from trundle.geometry import FloatArray
 from trundle.sim.sections import Disc
 
 _LEAST_AREA = 1e-12
-"""Twice an area [m²] that is float noise."""
+"""Twice the area [m²] below which it is rounding noise."""
 
 _CHUNK = 2_000_000
-"""Pairs of edges at a time."""
+"""Pairs of edges per batch."""
 
 
 def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
-    """Distances [m] from convex outlines to the nearest of some convex polygons; 0 where they overlap.
+    """Distances [m] from convex outlines to the nearest of several convex polygons; 0 if they overlap.
 
     Args:
         outlines: Corners, counter-clockwise, shape (P, N, 2).
@@ -32,7 +32,7 @@ def polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray:
 
 
 def disc_distances(outlines: FloatArray, disc: Disc) -> FloatArray:
-    """Distances [m] from convex outlines, counter-clockwise, shape (P, N, 2), to a disc; 0 where they overlap."""
+    """Distances [m] from convex outlines, counter-clockwise, shape (P, N, 2), to a disc; 0 if they overlap."""
     centre = np.array([[[disc.x, disc.y]]])
     return np.maximum(polygon_distances(outlines, centre) - disc.radius, 0.0)
 
@@ -41,7 +41,7 @@ def _polygon_distances(outlines: FloatArray, polygons: FloatArray) -> FloatArray
     points = polygons.reshape(-1, 2)
     starts, ends = points, np.roll(polygons, -1, axis=1).reshape(-1, 2)
     own_ends = np.roll(outlines, -1, axis=1)
-    # Of two segments that do not cross, an end of one is nearest to the other.
+    # If two segments do not cross, the shortest distance is at an end of one of them.
     to_outline = _point_to_segments(points[None, :, None], outlines[:, None], own_ends[:, None])
     to_polygon = _point_to_segments(outlines[:, :, None], starts, ends)
     nearest = np.minimum(to_outline.min(axis=(1, 2)), to_polygon.min(axis=(1, 2)))
@@ -62,7 +62,7 @@ def _point_to_segments(points: FloatArray, starts: FloatArray, ends: FloatArray)
 
 
 def _side(starts: FloatArray, ends: FloatArray, points: FloatArray) -> FloatArray:
-    """Above 0 where a point is on the left of a line."""
+    """Positive if a point is on the left of a line."""
     along, offset = ends - starts, points - starts
     return along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0]
 

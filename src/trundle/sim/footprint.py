@@ -1,4 +1,4 @@
-"""What a footprint touches: convex outlines against the sections of solids, for many poses at once."""
+"""Contacts of a footprint: convex outlines against the sections of solids, for many poses at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from trundle.solids import OccupancyCells, Solid
 from trundle.worlds import World
 
 _TOUCH = 1e-9
-"""Overlaps up to this depth [m] are float noise of shapes that lie side by side."""
+"""Overlaps up to this depth [m] are rounding noise of adjacent shapes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,23 +39,23 @@ class CellField:
 
     @classmethod
     def of(cls, solid: Solid, cells: OccupancyCells) -> CellField:
-        """Take the cells of a solid.
+        """Create from the cells of a solid.
 
         Raises:
-            WorldError: If they do not lie level.
+            WorldError: If they are not level.
         """
         if not solid.pose.is_upright():
-            raise WorldError(f"blocked cells {solid.name!r} must lie level; their pose is tilted")
+            raise WorldError(f"blocked cells {solid.name!r} must be level; their pose is tilted")
         x, y, _ = solid.pose.position
         return cls(solid.name, Pose2D(x, y, solid.pose.yaw()), cells.blocked, cells.resolution)
 
 
 class FootprintChecker:
-    """Finds what the robot's prism, its footprint from clearance to height, overlaps.
+    """Finds solids that overlap the robot's prism: its footprint from clearance to height.
 
     Args:
-        world: What stands around.
-        robot: Whose footprint.
+        world: The world.
+        robot: The robot.
     """
 
     def __init__(self, world: World, robot: Robot) -> None:
@@ -85,7 +85,7 @@ class FootprintChecker:
         self._bounds = np.array(bounds).reshape(-1, 4)
 
     def find(self, poses: FloatArray) -> tuple[Contact, ...]:
-        """Return what is touched at any of the poses (x, y, yaw), map frame, shape (P, 3), once each."""
+        """Return the contacts at any of the poses (x, y, yaw), map frame, shape (P, 3), one per solid."""
         reach = self._footprint.circumscribed_radius
         low, high = poses[:, :2].min(axis=0) - reach, poses[:, :2].max(axis=0) + reach
         box = self._bounds
@@ -96,7 +96,7 @@ class FootprintChecker:
             return ()
         touched: set[str] = set()
         for index in np.flatnonzero(near):
-            if self._names[index] in touched:  # by another piece of it
+            if self._names[index] in touched:  # by another piece of the solid
                 continue
             section = self._sections[index]
             if isinstance(section, Disc):
@@ -139,7 +139,7 @@ class FootprintChecker:
 
 
 def polygon_depth(first: FloatArray, second: FloatArray) -> FloatArray:
-    """How deep convex polygons overlap [m], by the separating axis theorem; 0 or less where they do not.
+    """Penetration depth of convex polygons [m], by the separating axis theorem; 0 or less if they do not overlap.
 
     Args:
         first: Corners, counter-clockwise, shape (P, N, 2).
@@ -164,7 +164,7 @@ def _overlap_along(polygons: FloatArray, others: FloatArray) -> FloatArray:
 
 
 def _disc_depth(outlines: FloatArray, disc: Disc) -> FloatArray:
-    """How deep a disc reaches into outlines, shape (P, N, 2) → (P,) [m]; negative: the distance between them."""
+    """Penetration depth of a disc in outlines, shape (P, N, 2) → (P,) [m]; if negative, their distance."""
     offset = np.array([disc.x, disc.y]) - outlines
     edges = np.roll(outlines, -1, axis=1) - outlines
     along = np.clip(np.einsum("pnd,pnd->pn", offset, edges) / np.einsum("pnd,pnd->pn", edges, edges), 0.0, 1.0)
@@ -182,7 +182,7 @@ def _bounds(section: Polygon | Disc) -> tuple[float, float, float, float]:
 
 
 def _middle_of_overlap(outline: FloatArray, section: Polygon | Disc) -> tuple[float, float]:
-    """Mean of the corners of what an outline and a section share: where to say that they touch."""
+    """Mean of the corners of the overlap of an outline and a section: the reported contact point."""
     if isinstance(section, Disc):
         angles = np.arange(24) * (math.tau / 24)
         corners = np.c_[section.x + section.radius * np.cos(angles), section.y + section.radius * np.sin(angles)]

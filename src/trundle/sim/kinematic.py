@@ -1,4 +1,4 @@
-"""`KinematicSimulator`: the robot moves exactly as commanded, by NumPy alone; the reference for other simulators."""
+"""`KinematicSimulator`: the robot moves exactly as commanded; in pure NumPy, the reference for other simulators."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from trundle.sim.simulator import RobotState
 from trundle.worlds import World
 
 TIMESTEP = 0.005
-"""Length of a step [s]: the same as the physics engine's, so that limits act alike."""
+"""Timestep [s]: the same as the physics engine's, so that limits have the same effect."""
 
 
 class KinematicSimulator:
-    """Moves a robot without mass: no slip, no lag, every arc integrated exactly.
+    """Simulates an ideal robot: no slip, no lag, every arc integrated exactly.
 
     The robot's limits are applied at every step. If the footprint overlaps a solid, a contact is reported and the
-    robot drives on through it: the mission decides what follows from a contact. Solids count where they reach
-    between the robot's clearance and its height, meshes as their convex hulls.
+    robot drives through it: the mission decides how to react to a contact. Solids count if they overlap
+    the range between the robot's clearance and its height, meshes as their convex hulls.
 
     Args:
-        world: Where it drives.
-        robot: What drives.
-        lidar: Take scans: with all lidars of the robot, or with those named.
+        world: The world.
+        robot: The robot.
+        lidar: Lidars to simulate: all of the robot's, none, or those named.
         timestep: Length of a step [s].
 
     Raises:
@@ -57,12 +57,12 @@ class KinematicSimulator:
 
     @property
     def robot(self) -> Robot:
-        """The robot that it moves."""
+        """The simulated robot."""
         return self._robot
 
     @property
     def world(self) -> World:
-        """The world that it moves through."""
+        """The world."""
         return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
@@ -99,7 +99,7 @@ class KinematicSimulator:
         return self._state(motions[-1], np.array(poses), since)
 
     def close(self) -> None:
-        """End it; closing twice does nothing."""
+        """Close it; closing twice does nothing."""
         self._closed = True
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""When a robot's lidars scan, in which directions, and with what noise; how far a beam goes is the simulator's part."""
+"""Timing, directions and noise of a robot's lidars; the simulator provides the ranges."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from trundle.values import check_seed
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
 """`cast(x, y, z, angles, reach)`: distances [m] in the map frame from (x, y, z) [m] along level beams at `angles`
-[rad], evenly spaced and rising, to the nearest solid, infinity where there is none within `reach` [m]."""
+[rad], evenly spaced and ascending, to the nearest solid, infinity without one within `reach` [m]."""
 
 LidarChoice: TypeAlias = bool | str | Iterable[str]
 """True for all of a robot's lidars, False for none, or names."""
@@ -32,14 +32,14 @@ def beam_angles(lidar: Lidar) -> FloatArray:
 
 
 class LidarSet:
-    """The lidars of a robot that are switched on.
+    """The enabled lidars of a robot.
 
-    Beams are level, at the mount's height above the floor, and pass through the robot itself. A hit nearer than
+    Beams are level, at the mount's height above the floor, and pass through the robot itself. A range below
     `range_min` reads `range_min`; noise is Gaussian, drawn per beam from the run's seed.
 
     Args:
-        robot: Whose lidars.
-        choice: Which of them.
+        robot: The robot.
+        choice: The enabled lidars.
         cast: Measures distances.
 
     Raises:
@@ -64,7 +64,7 @@ class LidarSet:
         return tuple(lidar.z for _, lidar, _ in self._lidars)
 
     def reset(self, seed: int) -> None:
-        """Start the noise again.
+        """Reseed the noise.
 
         Raises:
             InputError: If the seed is not an integer of 0 or more.
@@ -72,7 +72,7 @@ class LidarSet:
         self._rng = np.random.default_rng(check_seed(seed))
 
     def scan(self, pose: Pose2D, since: float, now: float) -> tuple[Scan, ...]:
-        """Take the scans that became due after `since` and until `now` [s], one per lidar at most, at `pose`."""
+        """Take the scans due after `since` and up to `now` [s], at most one per lidar, at `pose`."""
         if not self._lidars:
             return ()
         return tuple(

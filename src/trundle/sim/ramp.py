@@ -1,4 +1,4 @@
-"""What every simulator does to a command first: the robot's limits, physics step by physics step."""
+"""Limiting commands in every simulator: the robot's limits, applied at each physics step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from trundle.values import as_number
 _log = logging.getLogger(__name__)
 
 _ROUNDING = 1e-6
-"""Commands that are so little above the limits [m/s, rad/s] are not reported."""
+"""Commands above the limits by less than this [m/s, rad/s] are not reported."""
 
 
 class Motion(NamedTuple):
@@ -26,17 +26,17 @@ class Motion(NamedTuple):
 
 
 LONGEST_PERIOD_S = 3600.0
-"""A control period that is longer is a mistake."""
+"""Longest plausible control period."""
 
 
 class CommandRamp:
-    """Brings commands within a robot's limits: the numbers of `Limits.approach`, then the clipping of each wheel.
+    """Limits commands to a robot's limits: as `Limits.approach` does, then each wheel's speed.
 
     The first command that is clipped is logged as a warning.
 
     Args:
-        robot: Whose limits.
-        timestep: Length of a physics step [s].
+        robot: The robot.
+        timestep: Physics timestep [s].
     """
 
     def __init__(self, robot: Robot, timestep: float) -> None:
@@ -49,21 +49,21 @@ class CommandRamp:
         self.reset()
 
     def reset(self) -> None:
-        """Start again from rest."""
+        """Restart from rest."""
         self._v = 0.0
         self._w = 0.0
         self._motion = Motion(0.0, 0.0, 0.0, 0.0)
 
     def advance(self, command: object, steps: int) -> list[Motion]:
-        """Return the command of each of the next physics steps while this one holds.
+        """Return the motion of each of the next physics steps under this command.
 
-        Where nothing changes any more it is the same object.
+        Once it is constant, the same object is repeated.
 
         Raises:
-            InputError: If the command is no `Twist2D`.
+            InputError: If the command is not a `Twist2D`.
         """
         if not isinstance(command, Twist2D):
-            raise InputError(f"a command is a Twist2D, got {command!r}")
+            raise InputError(f"a command must be a Twist2D, got {command!r}")
         target = self._limits.clamp(command)
         if not self._reported and abs(target.v - command.v) + abs(target.w - command.w) > _ROUNDING:
             self._report(f"({command.v:g} m/s, {command.w:g} rad/s)", f"({target.v:g} m/s, {target.w:g} rad/s)")
@@ -88,7 +88,7 @@ class CommandRamp:
         return motions
 
     def _report(self, asked: str, given: str) -> None:
-        """Say once that commands are clipped."""
+        """Log once that commands are clipped."""
         self._reported = True
         _log.warning(
             "a command of %s is above the limits of %s and is clipped to %s; further ones are clipped silently",
@@ -99,11 +99,11 @@ class CommandRamp:
 
 
 def count_steps(dt: float, timestep: float) -> int:
-    """Return how many physics steps a control period has.
+    """Return the number of physics steps in a control period.
 
     Raises:
-        InputError: If `dt` [s] is not a positive multiple of `timestep` [s], or longer than an hour. It is not rounded:
-            time would drift.
+        InputError: If `dt` [s] is not a positive multiple of `timestep` [s], or longer than an hour. It is not rounded,
+            because time would drift.
     """
     steps = round(dt / timestep) if 0.0 < as_number(dt, "a control period") <= LONGEST_PERIOD_S else 0
     if steps < 1 or abs(steps * timestep - dt) > 1e-9 * max(1.0, steps):

@@ -1,4 +1,4 @@
-"""What a planar robot sees of solids: their extent between two heights, and their outline at one height."""
+"""Solids in the plane: their extent between two heights, and their outline at one height."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from trundle.sim.convex import Piece, mesh_edges
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 
 _SIDES = 128
-"""A lying or leaning cylinder is taken as a prism of this many sides: 0.03 % of its radius short."""
+"""A lying or leaning cylinder becomes a prism of this many sides, which is 0.03 % of the radius too small."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +39,10 @@ Section: TypeAlias = Polygon | Disc
 
 
 def slab_section(solid: Solid, low: float, high: float) -> Section | None:
-    """The extent, seen from above, of the part of a solid between two heights [m]; None where there is none.
+    """The extent, seen from above, of the part of a solid between two heights [m]; None if there is none.
 
-    A mesh counts as its convex hull: see `trundle.sim.convex` for those that are not convex. Blocked cells are no
-    convex shape: see `trundle.sim.footprint.CellField`.
+    A mesh counts as its convex hull: see `trundle.sim.convex` for those that are not convex. Blocked cells are not
+    a convex shape: see `trundle.sim.footprint.CellField`.
     """
     x, y, z = solid.pose.position
     match solid.shape:
@@ -66,7 +66,7 @@ def slab_section(solid: Solid, low: float, high: float) -> Section | None:
 
 
 def piece_section(piece: Piece, low: float, high: float) -> Polygon | None:
-    """The extent, seen from above, of the part of a convex piece between two heights [m]; None where there is none."""
+    """The extent, seen from above, of the part of a convex piece between two heights [m]; None if there is none."""
     return _cut(piece.corners, piece.edges, low, high)
 
 
@@ -99,7 +99,7 @@ def cut_triangles(triangles: FloatArray, low: float, high: float) -> FloatArray:
         valid[:, :, place] = crosses
     points, valid = points.reshape(len(triangles), 9, 3), valid.reshape(len(triangles), 9)
     points, valid = points[valid.any(axis=1)], valid[valid.any(axis=1)]
-    # A corner that is not there is the one before it, and before the first the last.
+    # A missing corner repeats the one before it; before the first comes the last.
     slots = np.where(valid, np.arange(9), -1)
     slots = np.maximum.accumulate(slots, axis=1)
     slots = np.where(slots < 0, slots[:, -1:], slots)
@@ -109,7 +109,7 @@ def cut_triangles(triangles: FloatArray, low: float, high: float) -> FloatArray:
 def outline_segments(solid: Solid, height: float) -> FloatArray:
     """The outline of a solid's cut at one height [m], as segments (x0, y0, x1, y1) [m], shape (N, 4).
 
-    For what has straight edges; spheres and upright cylinders are discs, see `slab_section`.
+    For shapes with straight edges; spheres and upright cylinders are discs, see `slab_section`.
     """
     if isinstance(solid.shape, Mesh):
         return _mesh_segments(solid.pose.transform_points(solid.shape.vertices), solid.shape.faces, height)
@@ -151,7 +151,7 @@ def _cut(points: FloatArray, edges: IndexArray, low: float, high: float) -> Poly
 
 
 def _mesh_segments(points: FloatArray, faces: IndexArray, height: float) -> FloatArray:
-    """Where triangles cross a plane. A corner in the plane counts as above it, so that no segment is found twice."""
+    """Intersections of triangles with a plane. A corner in the plane counts as above, so that none is found twice."""
     corners = points[faces]
     above = corners[:, :, 2] >= height
     mixed = above.any(axis=1) & ~above.all(axis=1)

@@ -1,4 +1,4 @@
-"""The seam that every simulator stands behind, its state, and the simulators by name."""
+"""The interface of every simulator, its state, and the simulators by name."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ SIMULATORS: Registry[Simulator] = Registry(
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The robot touches something that is not the floor.
+    """A contact between the robot and something other than the floor.
 
     Attributes:
         part: Part of the robot ("chassis", "wheel_left", …).
-        other: Name of the solid that it touches; of a map's cells, with the cell: `map[row,col]`.
-        x, y: Where, in the map frame [m].
+        other: Name of the touched solid; for a map with the cell: `map[row,col]`.
+        x, y: Position in the map frame [m].
     """
 
     part: str
@@ -46,9 +46,9 @@ class Scan:
 
     Attributes:
         lidar: Name of the lidar.
-        pose: Of the sensor in the map frame.
-        angles: Of the beams in the sensor's frame [rad], shape (N,), read-only.
-        ranges: [m], shape (N,), read-only; infinity where a beam met nothing within range.
+        pose: Pose of the sensor in the map frame.
+        angles: Directions of the beams in the sensor's frame [rad], shape (N,), read-only.
+        ranges: [m], shape (N,), read-only; infinity for a beam without a return.
     """
 
     lidar: str
@@ -69,7 +69,7 @@ class Scan:
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """What a simulator knows of its robot at one moment.
+    """State of the simulated robot at one moment.
 
     Attributes:
         time: Simulated time since the reset [s].
@@ -77,9 +77,9 @@ class RobotState:
         twist: True twist in base_link.
         wheel_positions: Angles of the drive wheels since the reset [rad].
         wheel_speeds: Speeds of the drive wheels [rad/s].
-        odometry: Pose that the wheels alone tell, in the odom frame (REP-105), which starts at the reset's pose.
-        contacts: What the robot touches besides the floor, during the last control period.
-        scans: Lidar scans taken during the last control period, one per lidar at most.
+        odometry: Pose from wheel odometry, in the odom frame (REP-105), which starts at the reset's pose.
+        contacts: Contacts during the last control period, except with the floor.
+        scans: Lidar scans taken during the last control period, at most one per lidar.
     """
 
     time: float
@@ -98,7 +98,7 @@ class Simulator(Protocol):
 
     @property
     def robot(self) -> Robot:
-        """The robot that it moves."""
+        """The simulated robot."""
         ...
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
@@ -109,16 +109,16 @@ class Simulator(Protocol):
         """Drive one control period of `dt` [s] with a commanded twist.
 
         Raises:
-            SimulationError: If it was closed, or the physics broke down.
+            SimulationError: If it was closed, or the physics diverged.
         """
         ...
 
     def close(self) -> None:
-        """Release what it holds; closing twice does nothing."""
+        """Release its resources; closing twice does nothing."""
         ...
 
     def __enter__(self) -> Self:
-        """Return itself; `with simulate(…) as sim` closes it at the end."""
+        """Return self; `with simulate(…) as sim` closes it at the end."""
         ...
 
     def __exit__(self, *_: object) -> None:
@@ -127,10 +127,10 @@ class Simulator(Protocol):
 
 
 def world_of(simulator: Simulator) -> World | None:
-    """The world that a simulator moves its robot through; none where it does not say.
+    """The world of a simulator; None if it does not provide one.
 
-    It says so by an attribute `world`, which is no part of `Simulator`: a real robot has none, and neither do
-    simulators that were written before. What a run is measured on depends on it; see `trundle.mission.Metrics`.
+    It is an optional attribute `world`, not part of `Simulator`: a real robot and older simulators do not have it. Some
+    metrics of a run depend on it; see `trundle.mission.Metrics`.
     """
     return getattr(simulator, "world", None)
 
@@ -141,17 +141,17 @@ def simulator_names() -> list[str]:
 
 
 def simulate(world: World, robot: str | Robot, *, backend: str = "mujoco", **options: Any) -> Simulator:
-    """Make a simulator of a robot in a world.
+    """Create a simulator of a robot in a world.
 
     Args:
-        world: Where it drives.
+        world: The world.
         robot: A robot, a catalogue name or the path of a YAML file.
-        backend: "mujoco", "kinematic", "isaac" (in Isaac Sim's own Python), or a name that another package added.
-        options: Passed to the backend (`lidar=True` takes scans in both of ours).
+        backend: "mujoco", "kinematic", "isaac" (in Isaac Sim's own Python), or a name registered by another package.
+        options: Passed to the backend (`lidar=True` enables lidars in "mujoco" and "kinematic").
 
     Raises:
         UnknownNameError: If there is no such backend or robot.
-        InputError: If the backend does not take these options, or the world is none.
+        InputError: If the backend does not take these options, or the world is not a `World`.
     """
     check_kind(world, World, "a simulator's world", "World.load(path) and World.generate(name) make one")
     return SIMULATORS.make(backend, world, Robot.load(robot), **options)

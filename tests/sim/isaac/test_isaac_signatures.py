@@ -45,7 +45,7 @@ def test_differences_name_what_is_missing_or_new(make_fake):
             "isaacsim.core.api.World.render is missing",
             "isaacsim.core.api.World.step has no parameter step_sim",
             "isaacsim.core.api.World.step has no parameter update_fabric",
-            "isaacsim.core.api.World.step needs always, which trundle does not give",
+            "isaacsim.core.api.World.step requires always, which trundle does not pass",
             "isaacsim.core.utils.stage.open_stage is missing",
         }
 

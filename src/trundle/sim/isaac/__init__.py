@@ -1,4 +1,4 @@
-"""Isaac Sim as a simulator. Nothing of it is imported until a simulator is made and its application runs."""
+"""Isaac Sim as a simulator. Its modules are imported only once a simulator has started the application."""
 
 from trundle.sim.isaac.simulator import IsaacSimulator
 

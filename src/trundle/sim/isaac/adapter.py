@@ -1,4 +1,4 @@
-"""What an adapter to one generation of Isaac Sim's API does: the least that a simulator needs."""
+"""The interface of an adapter to one generation of Isaac Sim's API: the minimum that a simulator needs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trundle.robots import Robot
 
 @dataclass(frozen=True, slots=True)
 class BodyState:
-    """How the robot's articulation root moves, in the world frame.
+    """Motion of the robot's articulation root, in the world frame.
 
     Attributes:
         position: [m], shape (3,).
@@ -28,14 +28,14 @@ class BodyState:
 
 
 def planar_pose(body: BodyState) -> Pose2D:
-    """Its pose on the floor."""
+    """The body's pose on the floor."""
     w, x, y, z = (float(number) for number in body.quaternion)
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Pose2D(float(body.position[0]), float(body.position[1]), yaw)
 
 
 def base_motion(body: BodyState, root: Pose2D) -> tuple[Pose2D, Twist2D]:
-    """Pose and twist of base_link, of an articulation whose root lies at `root` in base_link."""
+    """Pose and twist of base_link, for an articulation whose root is at `root` in base_link."""
     at_root = planar_pose(body)
     pose = at_root @ root.inverse()
     w = float(body.angular[2])
@@ -45,10 +45,10 @@ def base_motion(body: BodyState, root: Pose2D) -> tuple[Pose2D, Twist2D]:
 
 
 class Adapter(Protocol):
-    """One robot in one stage. Calls come in this order: open_stage, load_robot, then place, and steps after it."""
+    """One robot in one stage. Call order: open_stage, load_robot, place, then steps."""
 
     def open_stage(self, path: str) -> bool:
-        """Open a USD file in the place of the present stage; False where that did not work."""
+        """Open a USD file instead of the current stage; False on failure."""
         ...
 
     def is_loading(self) -> bool:
@@ -56,15 +56,15 @@ class Adapter(Protocol):
         ...
 
     def stage_units(self) -> tuple[float, str]:
-        """Return metres per unit, and the axis that is up."""
+        """Return metres per unit, and the up axis."""
         ...
 
     def add_robot(self, usd: str, path: str) -> None:
-        """Reference a robot's USD file at a prim's path."""
+        """Add a reference to a robot's USD file at a prim path."""
         ...
 
     def load_robot(self, robot: Robot, path: str, timestep: float) -> None:
-        """Take the articulation at a prim's path, and prepare physics with steps of `timestep` [s]."""
+        """Load the articulation at a prim path, and prepare physics with steps of `timestep` [s]."""
         ...
 
     def place(self, position: FloatArray, quaternion: FloatArray) -> None:
@@ -80,11 +80,11 @@ class Adapter(Protocol):
         ...
 
     def step(self) -> None:
-        """Do one physics step, and draw nothing."""
+        """Do one physics step without rendering."""
         ...
 
     def draw(self) -> None:
-        """Draw, and answer the window; physics stands still."""
+        """Render, and process window events, without a physics step."""
         ...
 
     def is_playing(self) -> bool:
@@ -96,11 +96,11 @@ class Adapter(Protocol):
         ...
 
     def halt(self) -> None:
-        """Take all speed from the robot where it stands."""
+        """Set the robot's velocities to 0 at its current pose."""
         ...
 
     def body(self) -> BodyState:
-        """Return how the articulation's root moves."""
+        """Return the motion of the articulation's root."""
         ...
 
     def wheel_positions(self) -> tuple[float, float]:
@@ -116,5 +116,5 @@ class Adapter(Protocol):
         ...
 
     def close(self) -> None:
-        """Stop, and let go of the world; the application goes on."""
+        """Stop, and release the world; the application keeps running."""
         ...

@@ -1,6 +1,6 @@
 """Isaac Sim 5.1: isaacsim.core.api's World, WheeledRobot and DifferentialController.
 
-Imported when the application runs, and not before.
+Imported only once the application runs.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Isaac5Adapter:
     """One robot in one stage of Isaac Sim 5.1; see `Adapter`."""
 
     def open_stage(self, path: str) -> bool:
-        """Open a USD file in the place of the present stage."""
+        """Open a USD file instead of the current stage."""
         return stage_utils.open_stage(path)
 
     def is_loading(self) -> bool:
@@ -29,15 +29,15 @@ class Isaac5Adapter:
         return stage_utils.is_stage_loading()
 
     def stage_units(self) -> tuple[float, str]:
-        """Return metres per unit, and the axis that is up."""
+        """Return metres per unit, and the up axis."""
         return stage_utils.get_stage_units(), str(stage_utils.get_stage_up_axis()).upper()
 
     def add_robot(self, usd: str, path: str) -> None:
-        """Reference a robot's USD file at a prim's path."""
+        """Add a reference to a robot's USD file at a prim path."""
         stage_utils.add_reference_to_stage(usd_path=usd, prim_path=path)
 
     def load_robot(self, robot: Robot, path: str, timestep: float) -> None:
-        """Make the world; the robot stays out of its scene, whose reset would put it back to a default pose."""
+        """Create the world; the robot is not added to its scene, whose reset would move it to a default pose."""
         drive = robot.drive
         self._world = World(physics_dt=timestep, rendering_dt=timestep, stage_units_in_meters=1.0)
         self._robot = WheeledRobot(
@@ -46,11 +46,11 @@ class Isaac5Adapter:
         self._controller = _controller(robot)
 
     def place(self, position: FloatArray, quaternion: FloatArray) -> None:
-        """Write a pose on the robot's prim while the timeline stands, and play."""
+        """Write a pose to the robot's prim while the timeline is stopped, and play."""
         self._world.stop()
         self._robot.set_world_pose(position=position, orientation=quaternion)
         self._world.reset()
-        # Whoever is in no scene takes hold of its joints again after every stop.
+        # A robot outside any scene must be initialized again after every stop.
         self._robot.initialize()
 
     def joint_names(self) -> list[str]:
@@ -58,7 +58,7 @@ class Isaac5Adapter:
         return list(self._robot.dof_names)
 
     def drive(self, v: float, w: float) -> None:
-        """Command a twist; every joint besides the wheels is commanded 0, as WheeledRobot does it in 5.1."""
+        """Command a twist; all joints except the wheels are commanded 0, as in WheeledRobot of 5.1."""
         self._robot.apply_wheel_actions(self._controller.forward(np.array([v, w])))
 
     def step(self) -> None:
@@ -66,7 +66,7 @@ class Isaac5Adapter:
         self._world.step(render=False)
 
     def draw(self) -> None:
-        """Draw without physics."""
+        """Render without physics."""
         self._world.render()
 
     def is_playing(self) -> bool:
@@ -78,13 +78,13 @@ class Isaac5Adapter:
         return self._world.is_stopped()
 
     def halt(self) -> None:
-        """Take all speed from the robot."""
+        """Set the robot's velocities to 0."""
         self._robot.set_linear_velocity(np.zeros(3))
         self._robot.set_angular_velocity(np.zeros(3))
         self._robot.set_joint_velocities(np.zeros(self._robot.num_dof))
 
     def body(self) -> BodyState:
-        """Return how the articulation's root moves."""
+        """Return the motion of the articulation's root."""
         position, quaternion = self._robot.get_world_pose()
         return BodyState(position, quaternion, self._robot.get_linear_velocity(), self._robot.get_angular_velocity())
 
@@ -103,7 +103,7 @@ class Isaac5Adapter:
         set_camera_view(eye=eye, target=target, camera_prim_path=camera)
 
     def close(self) -> None:
-        """Stop, and let the next simulator have a world of its own: World is one for the whole process."""
+        """Stop, and clear World, a singleton of the process, for the next simulator."""
         if hasattr(self, "_world"):
             self._world.stop()
             World.clear_instance()

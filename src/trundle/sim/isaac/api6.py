@@ -1,6 +1,6 @@
 """Isaac Sim 6.x: SimulationManager and the experimental WheeledRobot.
 
-Imported when the application runs, and not before.
+Imported only once the application runs.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from trundle.robots import Robot
 from trundle.sim.isaac.adapter import BodyState
 
 _ROUNDS = 60
-"""Of the application's loop, in which physics must have taken hold of the robot."""
+"""Limit on application updates until physics has initialized the robot."""
 
 
 class Isaac6Adapter:
     """One robot in one stage of Isaac Sim 6.x; see `Adapter`."""
 
     def open_stage(self, path: str) -> bool:
-        """Open a USD file in the place of the present stage."""
+        """Open a USD file instead of the current stage."""
         done, _ = stage_utils.open_stage(path)
         return done
 
@@ -35,18 +35,18 @@ class Isaac6Adapter:
         return stage_utils.is_stage_loading()
 
     def stage_units(self) -> tuple[float, str]:
-        """Return metres per unit, and the axis that is up."""
+        """Return metres per unit, and the up axis."""
         meters, _ = stage_utils.get_stage_units()
         return meters, str(stage_utils.get_stage_up_axis()).upper()
 
     def add_robot(self, usd: str, path: str) -> None:
-        """Reference a robot's USD file at a prim's path."""
+        """Add a reference to a robot's USD file at a prim path."""
         stage_utils.add_reference_to_stage(usd, path)
 
     def load_robot(self, robot: Robot, path: str, timestep: float) -> None:
-        """Take the articulation, and let physics run on the processor: one robot is not worth a graphics card."""
+        """Load the articulation, and run physics on the CPU: one robot does not justify a GPU."""
         self._wheel_names = [robot.drive.left_joint, robot.drive.right_joint]
-        # With a pose it also replaces whatever kinds of transforms the asset's prim has by the plain ones that
+        # Passing a pose also replaces the transform operations of the asset's prim by the standard ones that
         # `place` writes.
         self._robot = WheeledRobot(
             path, wheel_dof_names=self._wheel_names, positions=[[0.0, 0.0, 0.0]], orientations=[[1.0, 0.0, 0.0, 0.0]]
@@ -55,7 +55,7 @@ class Isaac6Adapter:
         SimulationManager.setup_simulation(dt=timestep, device="cpu")
 
     def place(self, position: FloatArray, quaternion: FloatArray) -> None:
-        """Write a pose on the robot's prim while the timeline stands, and play."""
+        """Write a pose to the robot's prim while the timeline is stopped, and play."""
         app_utils.stop()
         RenderingManager.render()
         self._robot.set_world_poses(positions=[position], orientations=[quaternion])
@@ -65,7 +65,7 @@ class Isaac6Adapter:
                 break
             RenderingManager.render()
         else:
-            raise SimulationError("Isaac Sim's physics did not take hold of the robot: is it an articulation?")
+            raise SimulationError("Isaac Sim's physics did not initialize the robot: is it an articulation?")
         self._wheels = [int(index) for index in self._robot.get_dof_indices(self._wheel_names).numpy()]
 
     def joint_names(self) -> list[str]:
@@ -73,7 +73,7 @@ class Isaac6Adapter:
         return list(self._robot.dof_names)
 
     def drive(self, v: float, w: float) -> None:
-        """Command a twist; joints besides the wheels are left alone."""
+        """Command a twist; joints other than the wheels are not commanded."""
         self._robot.apply_wheel_actions(self._controller.forward(np.array([v, w])))
 
     def step(self) -> None:
@@ -81,7 +81,7 @@ class Isaac6Adapter:
         SimulationManager.step(steps=1)
 
     def draw(self) -> None:
-        """Draw without physics."""
+        """Render without physics."""
         RenderingManager.render()
 
     def is_playing(self) -> bool:
@@ -93,12 +93,12 @@ class Isaac6Adapter:
         return app_utils.is_stopped()
 
     def halt(self) -> None:
-        """Take all speed from the robot."""
+        """Set the robot's velocities to 0."""
         self._robot.set_velocities(linear_velocities=[[0.0, 0.0, 0.0]], angular_velocities=[[0.0, 0.0, 0.0]])
         self._robot.set_dof_velocities(0.0)
 
     def body(self) -> BodyState:
-        """Return how the articulation's root moves."""
+        """Return the motion of the articulation's root."""
         positions, quaternions = self._robot.get_world_poses()
         linear, angular = self._robot.get_velocities()
         return BodyState(positions.numpy()[0], quaternions.numpy()[0], linear.numpy()[0], angular.numpy()[0])

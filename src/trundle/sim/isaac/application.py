@@ -1,4 +1,4 @@
-"""Isaac Sim's application, Kit: found, started and closed. There is one in a process, and it starts once."""
+"""Finding, starting and closing Isaac Sim's application, Kit. A process has one, and can start it once."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from isaacsim import SimulationApp
 
 PYTHONS = {5: (3, 11), 6: (3, 12)}
-"""The Python that each generation is built for."""
+"""The Python version of each generation."""
 
 CLOSING_S = 120.0
-"""An application that takes longer than this to close hangs, and its process is ended [s]."""
+"""Time limit for closing the application [s]; after that it is considered hung and its process is ended."""
 
 _WHEELED_ROBOTS_6 = "isaacsim.robot.experimental.wheeled_robots"
 _STREAMING = "isaacsim.exp.full.streaming.kit"
@@ -32,26 +32,26 @@ _running: Application | None = None
 class Application:
     """A running Isaac Sim; close it, or use it in a `with` block.
 
-    Ctrl-C becomes KeyboardInterrupt again, where Isaac Sim ends the process on the spot.
+    Ctrl-C raises KeyboardInterrupt again, instead of ending the process as Isaac Sim's handler does.
 
     Args:
-        headless: Without a window.
-        livestream: Without a window, streamed by WebRTC.
-        app: A SimulationApp that runs already; it is used, and not closed.
+        headless: Run without a window.
+        livestream: Run without a window and stream by WebRTC.
+        app: A running SimulationApp; it is used but not closed.
 
     Attributes:
-        generation: Of its API.
-        draws: Whether anybody sees what it draws: it has a window, or is streamed.
+        generation: Generation of its API.
+        draws: Whether its rendering is visible: it has a window, or is streamed.
 
     Raises:
         InputError: If there is no Isaac Sim for this Python.
-        SimulationError: If it does not start, runs already, or its API is not known.
+        SimulationError: If it does not start, is running already, or its API is unknown.
     """
 
     def __init__(self, *, headless: bool = False, livestream: bool = False, app: SimulationApp | None = None) -> None:
         global _running
         if _running is not None:
-            raise SimulationError("Isaac Sim runs already in this process, and there can be only one")
+            raise SimulationError("Isaac Sim is already running in this process, and there can be only one")
         self.draws = livestream or not headless
         self._borrowed = app is not None
         if app is None:
@@ -71,12 +71,12 @@ class Application:
         return self._app is not None and self._app.is_running() and not self._app.is_exiting()
 
     def update(self) -> None:
-        """Let it do one round of its own loop: load, draw, answer its window."""
+        """Run one update of its loop: loading, rendering, window events."""
         if self._app is not None:
             self._app.update()
 
     def close(self) -> None:
-        """Close it; closing twice does nothing. What was printed before is flushed: closing may end the process."""
+        """Close it; closing twice does nothing. Printed output is flushed first: closing may end the process."""
         global _running
         app, self._app = self._app, None
         if app is None:
@@ -86,7 +86,7 @@ class Application:
             return
         sys.stdout.flush()
         sys.stderr.flush()
-        # It is known to hang here now and then; whoever used it has written and printed everything by now.
+        # It sometimes hangs here; by now all output has been written.
         if sys.__stderr__ is not None:
             faulthandler.dump_traceback_later(CLOSING_S, exit=True, file=sys.__stderr__)
         try:
@@ -102,19 +102,19 @@ class Application:
 
 
 def running_application() -> Application | None:
-    """Return the application that runs in this process, if one does."""
+    """Return the application running in this process, or None."""
     return _running
 
 
 def check_installation() -> None:
-    """See whether this Python has an Isaac Sim that it can start.
+    """Check that this Python has an Isaac Sim that it can start.
 
     Raises:
         InputError: If it has none, or one for another Python; the message says how to start trundle.
     """
     here = ".".join(map(str, sys.version_info[:2]))
     found = importlib.util.find_spec("isaacsim")
-    # Without a loader it is a mere folder of that name, such as Isaac Sim's own in the folder that we are in.
+    # Without a loader it is only a folder of that name, such as Isaac Sim's own in the current folder.
     if found is None or found.loader is None:
         root = os.environ.get("ISAAC_PATH") or os.environ.get("ISAACSIM_PATH")
         python = f"{root}/python.sh" if root else "/path/to/isaac-sim/python.sh"
@@ -137,7 +137,7 @@ def check_installation() -> None:
 
 
 def installed_version() -> str | None:
-    """Return the version of this Python's Isaac Sim, `5.1.0…`; None where that is unknown without starting it."""
+    """Return the version of this Python's Isaac Sim, `5.1.0…`; None if that is unknown before it starts."""
     for package in ("isaacsim", "isaacsim-kernel", "isaacsim-core"):
         try:
             return version(package)
@@ -155,10 +155,10 @@ def _start(*, headless: bool, livestream: bool) -> SimulationApp:
         from isaacsim import SimulationApp
     except ImportError as error:
         raise InputError(
-            f"Isaac Sim is installed for {sys.executable} and cannot be imported: {error}. Start trundle with Isaac "
+            f"Isaac Sim is installed for {sys.executable} but cannot be imported: {error}. Start trundle with Isaac "
             "Sim's own interpreter: /path/to/isaac-sim/python.sh -m trundle …"
         ) from error
-    # With a fast shutdown, closing ends the process: the exit code would always be 0, and a script would end there.
+    # With fast shutdown, closing ends the process: the exit code would always be 0, and scripts would end there.
     config: dict[str, Any] = {"headless": headless or livestream, "fast_shutdown": False}
     experience = ""
     if livestream:
@@ -168,16 +168,16 @@ def _start(*, headless: bool, livestream: bool) -> SimulationApp:
         app = SimulationApp(config, experience)
     except Exception as error:
         raise SimulationError(
-            f"Isaac Sim does not start: {error}. It needs an NVIDIA RTX GPU with a driver of its list; its log "
-            "says more, and its compatibility checker tells what this machine lacks"
+            f"Isaac Sim does not start: {error}. It needs an NVIDIA RTX GPU with a supported driver; see its log "
+            "and its compatibility checker"
         ) from error
-    # Isaac Sim's own handler ends the process at once; the run's folder could not be written any more.
+    # Isaac Sim's own handler ends the process at once, before the run's folder can be written.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     return app
 
 
 def _find_generation() -> Generation:
-    """Find out which API this Isaac Sim has, by what is installed; its modules can be found from its start on."""
+    """Detect the API of this Isaac Sim by its installed modules, which can be found once it has started."""
     if _enable_wheeled_robots() and _has_module(_WHEELED_ROBOTS_6):
         return 6
     if _has_module("isaacsim.core.api") and _has_module("isaacsim.robot.wheeled_robots"):
@@ -189,7 +189,7 @@ def _find_generation() -> Generation:
 
 
 def _enable_wheeled_robots() -> bool:
-    """Switch the extension of 6.x on, which not every experience starts with; 5.1 has none of that name."""
+    """Enable the extension of 6.x, which not every experience includes; 5.1 does not have it."""
     try:
         from isaacsim.core.experimental.utils.app import enable_extension
     except ImportError:

@@ -1,4 +1,4 @@
-"""Where Isaac Sim's environments and robots lie: names, the asset root, folders for work without a network."""
+"""Locations of Isaac Sim's environments and robots: names, the asset root, local folders for offline use."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from trundle.errors import InputError, UnknownNameError
 
 ASSETS_VARIABLE = "TRUNDLE_ISAAC_ASSETS"
-"""Names the asset root where no option does."""
+"""Environment variable for the asset root, used without the option."""
 
 ENVIRONMENTS = {
     "warehouse": "Isaac/Environments/Simple_Warehouse/warehouse.usd",
@@ -23,22 +23,22 @@ ROBOTS = {
     "nova_carter": "Isaac/Robots/NVIDIA/NovaCarter/nova_carter.usd",
     "turtlebot3_burger": "Isaac/Robots/Turtlebot/Turtlebot3/turtlebot3_burger.usd",
 }
-"""Robots of the catalogue that Isaac Sim has too, below the asset root."""
+"""Catalogue robots that Isaac Sim also has, below the asset root."""
 
 _SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _SCHEMES = ("http://", "https://", "omniverse://")
 
 
 def is_usd(text: str) -> bool:
-    """Whether a text is the path or address of a USD file and not a name."""
+    """Whether a text is the path or address of a USD file rather than a name."""
     return text.lower().endswith(_SUFFIXES)
 
 
 def given_root(option: str | None) -> str | None:
-    """Return the asset root that was given: the option, or the variable; none where Isaac Sim is to be asked.
+    """Return the given asset root: the option, or the variable; None to ask Isaac Sim.
 
     Raises:
-        InputError: If it is a folder that is not there, or holds no folder Isaac.
+        InputError: If it is a folder that does not exist, or has no subfolder Isaac.
     """
     root = option or os.environ.get(ASSETS_VARIABLE)
     if not root:
@@ -49,18 +49,18 @@ def given_root(option: str | None) -> str | None:
     source = "--assets-root" if option else ASSETS_VARIABLE
     if not (folder / "Isaac").is_dir():
         raise InputError(
-            f"{source} {root}: {'there is no folder Isaac in it' if folder.is_dir() else 'there is no such folder'}. "
-            "Give the folder that holds Isaac/Environments and Isaac/Robots, such as …/Assets/Isaac/5.1 of the "
+            f"{source} {root}: {'it has no subfolder Isaac' if folder.is_dir() else 'there is no such folder'}. "
+            "Give the folder that contains Isaac/Environments and Isaac/Robots, such as …/Assets/Isaac/5.1 of the "
             "downloaded asset packs"
         )
     return str(folder.resolve())
 
 
 def find_root(option: str | None) -> str:
-    """Return the asset root: the one that was given, else the one that Isaac Sim, which must run, knows.
+    """Return the asset root: the given one, else Isaac Sim's own, for which it must be running.
 
     Raises:
-        InputError: If the given one is no asset root, or Isaac Sim's cannot be reached.
+        InputError: If the given one is not an asset root, or Isaac Sim's cannot be reached.
     """
     root = given_root(option)
     if root is not None:
@@ -72,16 +72,16 @@ def find_root(option: str | None) -> str:
     except RuntimeError as error:
         raise InputError(
             f"Isaac Sim's assets cannot be reached: {error}. Without a network, download the asset packs of your "
-            f"version, and name their folder (it holds Isaac/Environments) by --assets-root or {ASSETS_VARIABLE}"
+            f"version, and give their folder (it contains Isaac/Environments) with --assets-root or {ASSETS_VARIABLE}"
         ) from error
 
 
 def environment_path(name: str) -> str | None:
-    """Return where an environment lies below the asset root; none for the path of a USD file.
+    """Return an environment's path below the asset root; None for the path of a USD file.
 
     Raises:
         UnknownNameError: If it is neither; the nearest name is offered.
-        InputError: If it is a path on this machine, and no file.
+        InputError: If it is a local path without a file.
     """
     if name in ENVIRONMENTS:
         return ENVIRONMENTS[name]
@@ -92,7 +92,7 @@ def environment_path(name: str) -> str | None:
 
 
 def robot_path(name: str, usd: str | None) -> str | None:
-    """Return where a robot lies below the asset root; none where the path of its USD was given.
+    """Return a robot's path below the asset root; None if the path of its USD was given.
 
     Raises:
         InputError: If there is no USD of this robot, or its file is missing.
@@ -105,13 +105,13 @@ def robot_path(name: str, usd: str | None) -> str | None:
     if name not in ROBOTS:
         raise InputError(
             f"Isaac Sim has no robot {name!r} that trundle knows of (it knows {', '.join(sorted(ROBOTS))}). Give its "
-            f"USD with --robot-usd; where MuJoCo is installed, `trundle export {name} --to usd` writes one"
+            f"USD with --robot-usd; if MuJoCo is installed, `trundle export {name} --to usd` writes one"
         )
     return ROBOTS[name]
 
 
 def local_environment(name: str, option: str | None = None) -> Path:
-    """Return the file of an environment on this machine, for making a map of it without Isaac Sim.
+    """Return the file of an environment on this machine, to make a map of it without Isaac Sim.
 
     Raises:
         UnknownNameError: If there is no such environment.
@@ -123,8 +123,8 @@ def local_environment(name: str, option: str | None = None) -> Path:
     root = given_root(option)
     if root is None or root.startswith(_SCHEMES):
         raise InputError(
-            f"environment {name!r} lies in Isaac Sim's assets, and they are not on this machine: name the folder of "
-            f"the downloaded asset packs by --assets-root or {ASSETS_VARIABLE}"
+            f"environment {name!r} is in Isaac Sim's assets, which are not on this machine: give the folder of "
+            f"the downloaded asset packs with --assets-root or {ASSETS_VARIABLE}"
         )
     file = Path(root) / below
     if not file.is_file():

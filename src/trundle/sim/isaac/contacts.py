@@ -1,4 +1,4 @@
-"""What the robot touches, of PhysX' contact report. Imported when the application runs, and not before."""
+"""The robot's contacts, from PhysX' contact report. Imported only once the application runs."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from trundle.worlds import World
 from trundle.worlds.usd.words import NAME
 
 FLOOR_BAND = 0.02
-"""Contacts that are no higher than this above the lowest one [m] are with the floor: it has no name of its own."""
+"""Contacts up to this far above the lowest one [m] are with the floor, which cannot be identified by name."""
 
 
 class ContactReader:
     """Reads contacts of the robot with everything but the floor.
 
-    Solids are named as in the world that trundle wrote, or by their prims' paths in any other stage.
+    Solids have the names of the world that trundle wrote, or their prim paths in any other stage.
 
     Args:
-        world: Names of cells are taken from it.
-        path: Of the robot's prim.
+        world: Used for the names of cells.
+        path: Path of the robot's prim.
     """
 
     def __init__(self, world: World, path: str) -> None:
@@ -36,17 +36,17 @@ class ContactReader:
         self._floor = 0.0
         for prim in Usd.PrimRange(self._stage.GetPrimAtPath(path)):
             if prim.HasAPI(UsdPhysics.RigidBodyAPI):
-                # PhysX' schemas are not everywhere where USD is; their attributes can be written all the same.
+                # Not every USD has PhysX' schemas; their attributes can still be written.
                 prim.AddAppliedSchema("PhysxContactReportAPI")
                 prim.CreateAttribute("physxContactReport:threshold", Sdf.ValueTypeNames.Float, False).Set(0.0)
 
     def find_floor(self) -> None:
-        """Take the lowest contact of the robot, which stands, for the height of the floor."""
+        """Take the lowest contact of the robot at rest as the height of the floor."""
         heights = [z for _, _, points in self._touching() for _, _, z in points]
         self._floor = min(heights, default=0.0)
 
     def read(self, touched: dict[tuple[str, str], Contact]) -> None:
-        """Add what the robot touches now to `touched`, by part and solid; the first place of each pair stays."""
+        """Add the robot's current contacts to `touched`, by part and solid; the first position of each pair is kept."""
         for own, other, points in self._touching():
             part = own.rpartition("/")[2]
             for x, y, z in points:
@@ -56,7 +56,7 @@ class ContactReader:
                     touched.setdefault((part, name), Contact(part, name, x, y))
 
     def _touching(self) -> list[tuple[str, str, list[tuple[float, float, float]]]]:
-        """Pairs that touch after the last physics step: the robot's body, the other's collider, and where [m]."""
+        """Pairs in contact after the last physics step: the robot's body, the other's collider, and where [m]."""
         pairs: list[tuple[str, str, list[tuple[float, float, float]]]] = []
         headers, data = get_physx_simulation_interface().get_contact_report()
         for header in headers:

@@ -1,4 +1,4 @@
-"""Pictures by Isaac Sim's renderer. Imported when the application runs, and not before."""
+"""Pictures from Isaac Sim's renderer. Imported only once the application runs."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 CAMERA = "/OmniverseKit_Persp"
-"""The camera of Isaac Sim's own view."""
+"""The camera of Isaac Sim's viewport."""
 
 _ROUNDS = 120
-"""Of drawing, in which a picture must come; the first take long, as textures are loaded and shaders compiled."""
+"""Limit on updates until a picture arrives; the first ones are slow: textures load and shaders compile."""
 
 _SETTLE = 8
-"""Rounds after the first picture, in which light and textures get sharp."""
+"""Updates after the first picture, until lighting and textures have converged."""
 
 
 def take_picture(size: tuple[int, int], draw: Callable[[], None]) -> npt.NDArray[np.uint8]:
-    """Take a picture with the camera of Isaac Sim's own view.
+    """Take a picture with the camera of Isaac Sim's viewport.
 
     Args:
         size: Width and height [px].
-        draw: Lets Isaac Sim draw once.
+        draw: Renders once.
 
     Returns:
         RGB, uint8, shape (height, width, 3).
 
     Raises:
-        SimulationError: If no picture comes.
+        SimulationError: If there is no picture.
     """
     product = create.render_product(CAMERA, size)
     annotator = AnnotatorRegistry.get_annotator("rgb")
@@ -51,5 +51,5 @@ def take_picture(size: tuple[int, int], draw: Callable[[], None]) -> npt.NDArray
         annotator.detach()
         product.destroy()
     raise SimulationError(
-        f"Isaac Sim drew nothing in {_ROUNDS} rounds: a black view is mostly a driver that is too old for its renderer"
+        f"Isaac Sim rendered nothing in {_ROUNDS} updates: usually the driver is too old for its renderer"
     )

@@ -1,4 +1,4 @@
-"""The signatures of Isaac Sim that trundle calls, read from signatures.yaml, and where a running one differs."""
+"""The signatures of Isaac Sim that trundle calls, from signatures.yaml, and a comparison with a running one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 import yaml
 
 Generation: TypeAlias = Literal[5, 6]
-"""Of the API: 5 is Isaac Sim 5.1, 6 is 6.0 and later."""
+"""Generation of the API: 5 is Isaac Sim 5.1, 6 is 6.0 and later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,11 +21,11 @@ class ApiModule:
     """One module of Isaac Sim, as far as trundle uses it.
 
     Attributes:
-        name: Dotted.
-        generations: Those that have it.
-        source: Where its signatures were read.
-        imports: What its text needs of other modules, a line of Python; may be empty.
-        text: Of a Python stub.
+        name: Dotted name.
+        generations: Generations that have it.
+        source: Source of its signatures.
+        imports: The import line that its text needs; may be empty.
+        text: Text of a Python stub.
     """
 
     name: str
@@ -36,7 +36,7 @@ class ApiModule:
 
 
 def read_signatures() -> list[ApiModule]:
-    """Read all modules, in the file's order: what a module imports comes before it."""
+    """Read all modules in the file's order, in which imported modules come first."""
     text = (resources.files("trundle.sim.isaac") / "signatures.yaml").read_text(encoding="utf-8")
     return [
         ApiModule(
@@ -53,10 +53,10 @@ def read_signatures() -> list[ApiModule]:
 def differences(generation: Generation) -> list[str]:
     """Compare the Isaac Sim that is running in this process with the signatures that trundle was written for.
 
-    A parameter more that has a default is no difference.
+    An additional parameter with a default is not a difference.
 
     Returns:
-        One line for each module, class, function or parameter that is missing; empty where all is as expected.
+        One line for each module, class, function or parameter that is missing; empty if there is no difference.
     """
     found: list[str] = []
     for module in read_signatures():
@@ -71,7 +71,7 @@ def _module_differences(module: ApiModule) -> Iterator[str]:
     except ImportError as error:
         yield f"{module.name} cannot be imported: {error}"
         return
-    # Omniverse's own modules were read from their use, which does not tell what parameters are called.
+    # The signatures of Omniverse's own modules come from example calls, which do not show parameter names.
     look_inside = module.name.partition(".")[0] == "isaacsim"
     for node in ast.parse(module.text).body:
         if isinstance(node, ast.FunctionDef):
@@ -79,7 +79,7 @@ def _module_differences(module: ApiModule) -> Iterator[str]:
         elif isinstance(node, ast.ClassDef):
             owner = getattr(real, node.name, None)
             if owner is None:
-                # Objects that only functions give out, such as IPhysxSimulation, need not have a public class.
+                # Objects that are only returned by functions, such as IPhysxSimulation, need not have a public class.
                 continue
             for method in node.body:
                 if isinstance(method, ast.FunctionDef):
@@ -89,7 +89,7 @@ def _module_differences(module: ApiModule) -> Iterator[str]:
 
 
 def _find_module(name: str) -> object:
-    """Import a module; one that is only an attribute of its package, as some of Omniverse's are, is taken from that."""
+    """Import a module, or get it as an attribute of its package, as for some of Omniverse's modules."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -111,7 +111,7 @@ def _function_differences(owner: object, node: ast.FunctionDef, where: str, *, l
     try:
         has = inspect.signature(getattr(owner, node.name)).parameters
     except (TypeError, ValueError):
-        return  # a property, or compiled: it says nothing about its parameters
+        return  # a property, or compiled: its parameters are unknown
     if any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in has.values()):
         return
     wants = [
@@ -125,4 +125,4 @@ def _function_differences(owner: object, node: ast.FunctionDef, where: str, *, l
             parameter.default is inspect.Parameter.empty and parameter.kind is not inspect.Parameter.VAR_POSITIONAL
         )
         if required and parameter.name not in (*wants, "self"):
-            yield f"{name} needs {parameter.name}, which trundle does not give"
+            yield f"{name} requires {parameter.name}, which trundle does not pass"

@@ -1,4 +1,4 @@
-"""`IsaacSimulator`: the robot in Isaac Sim's physics, behind the same seam as every other simulator."""
+"""`IsaacSimulator`: the robot in Isaac Sim's physics, with the interface of every other simulator."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ROBOT_PATH = "/trundle_robot"
 
 _SETTLE_S = 0.5
 _LARGEST_FALL = 0.1
-"""From where it was put [m], until the robot stands; one that falls farther has no floor under it."""
+"""Largest drop while settling [m]; a robot that falls farther has no floor under it."""
 
 _ADAPTERS = {5: "trundle.sim.isaac.api5:Isaac5Adapter", 6: "trundle.sim.isaac.api6:Isaac6Adapter"}
 
@@ -46,24 +46,24 @@ class IsaacSimulator:
 
     The limits of the robot are applied at every physics step, and its wheels are commanded through Isaac Sim's own
     DifferentialController. The stage is an environment of Isaac Sim, any USD file, or the world itself, written as USD.
-    Isaac Sim is started, unless it runs already, and closed when the simulator is.
+    Isaac Sim is started unless it is running, and closed with the simulator.
 
     Args:
-        world: Where it drives; named solids and cells of it are what contacts are reported with.
-        robot: What drives.
-        environment: An environment by name (`warehouse_with_forklifts`), or a USD file; none means the world as USD.
-            Its frame is the map's.
-        robot_usd: The robot's USD file; none means that of Isaac Sim's assets.
+        world: The world; contacts are reported with its solids and cells by name.
+        robot: The robot.
+        environment: An environment by name (`warehouse_with_forklifts`), or a USD file; None means the world as USD.
+            Its frame is the map frame.
+        robot_usd: The robot's USD file; None means that of Isaac Sim's assets.
         headless: Start Isaac Sim without a window.
-        livestream: Start it without a window, streamed by WebRTC.
+        livestream: Start it without a window and stream by WebRTC.
         physics_dt: Length of a physics step [s].
-        assets_root: Folder or address that holds Isaac/Environments and Isaac/Robots; none means TRUNDLE_ISAAC_ASSETS,
-            or what Isaac Sim finds.
-        ground_offset: Height [m] above z = 0 that the robot's prim is put at; it settles from there.
-        application: A SimulationApp that runs already. It is not closed.
+        assets_root: Folder or address that contains Isaac/Environments and Isaac/Robots; None means
+            TRUNDLE_ISAAC_ASSETS, or Isaac Sim's own asset root.
+        ground_offset: Initial height [m] of the robot's prim above z = 0, from which it settles.
+        application: A running SimulationApp. It is not closed.
 
     Raises:
-        InputError: If there is no Isaac Sim, an option is out of range, or assets are not to be had.
+        InputError: If there is no Isaac Sim, an option is out of range, or assets are missing.
         UnknownNameError: If there is no such environment.
         WorldError: If the stage cannot be opened, or is not in metres with z up.
         RobotError: If the robot's USD lacks the joints of its wheels.
@@ -90,10 +90,10 @@ class IsaacSimulator:
             raise InputError(f"ground_offset {ground_offset} m is out of range; use 0 to 10")
         if robot.drive.axles:
             raise RobotError(
-                f"the robot {robot.name!r} has several wheels a side, and backend isaac drives one; use backend mujoco "
+                f"the robot {robot.name!r} has several wheels per side, backend isaac supports one; use backend mujoco "
                 "or kinematic"
             )
-        # What can be wrong without Isaac Sim is said before it takes its minute to start.
+        # Check everything that does not need Isaac Sim before its start, which takes a minute.
         scene = None if environment is None else (environment, environment_path(environment))
         machine = robot_path(robot.name, robot_usd)
         given_root(assets_root)
@@ -119,14 +119,14 @@ class IsaacSimulator:
             if not found:
                 raise
             lines = "\n  ".join(found)
-            raise SimulationError(f"this Isaac Sim is not as trundle expects it ({error}):\n  {lines}") from error
+            raise SimulationError(f"this Isaac Sim differs from what trundle expects ({error}):\n  {lines}") from error
         except BaseException:
             self.close()
             raise
 
     @property
     def robot(self) -> Robot:
-        """The robot that it moves."""
+        """The simulated robot."""
         return self._robot
 
     @property
@@ -136,17 +136,18 @@ class IsaacSimulator:
 
     @property
     def world(self) -> World | None:
-        """The world that it moves through; none in an environment whose solids are not known."""
+        """The world; None in an environment whose solids are unknown."""
         return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.
 
-        The pose is written on the robot's prim at the ground offset, while the timeline stands; then the robot settles
-        on the floor, which takes no time of the run. A pose inside a collider is taken: the state's contacts say so.
+        The pose is written to the robot's prim at the ground offset while the timeline is stopped; then the robot
+        settles on the floor, which does not count as simulated time. A pose inside a collider is accepted and appears
+        in the state's contacts.
 
         Raises:
-            SimulationError: If it was closed, or the robot does not come to stand.
+            SimulationError: If it was closed, or the robot does not settle.
         """
         adapter = self._check_open()
         pose = Pose2D.of(pose)
@@ -156,14 +157,14 @@ class IsaacSimulator:
             np.array([pose.x, pose.y, self._ground_offset]),
             np.array([math.cos(half), 0.0, 0.0, math.sin(half)]),
         )
-        # The prim is base_link; what Isaac Sim tells the pose of is the articulation's root, which need not lie there.
+        # The prim is base_link; Isaac Sim reports the pose of the articulation's root, which may be elsewhere.
         body = adapter.body()
         self._check_sound(body)
         self._root = pose.inverse() @ planar_pose(body)
         if math.hypot(self._root.x, self._root.y) > self._robot.circumscribed_radius:
             raise SimulationError(
                 f"the robot was put at {pose}, and its root is {math.hypot(self._root.x, self._root.y):.2f} m away: is "
-                "the articulation's root a body of the robot, and the robot's prim where base_link is?"
+                "the articulation's root a body of the robot, and is the robot's prim at base_link?"
             )
         self._ramp.reset()
         self._told = Motion(0.0, 0.0, 0.0, 0.0)
@@ -187,10 +188,10 @@ class IsaacSimulator:
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
 
-        While somebody has paused the timeline in the window, it waits.
+        It waits while the timeline is paused in the window.
 
         Raises:
-            SimulationError: If it or Isaac Sim was closed, the timeline was stopped, or the physics broke down.
+            SimulationError: If it or Isaac Sim was closed, the timeline was stopped, or the physics diverged.
             InputError: If `dt` is not a multiple of the physics step.
         """
         adapter = self._check_open()
@@ -221,7 +222,7 @@ class IsaacSimulator:
             RGB, uint8, shape (height, width, 3).
 
         Raises:
-            SimulationError: If it was closed, or no picture comes.
+            SimulationError: If it was closed, or there is no picture.
         """
         self.look(eye, target)
         from trundle.sim.isaac.picture import take_picture
@@ -229,7 +230,7 @@ class IsaacSimulator:
         return take_picture(size, self._check_open().draw)
 
     def look(self, eye: tuple[float, float, float], target: tuple[float, float, float]) -> None:
-        """Put the camera of Isaac Sim's own view at `eye`, looking at `target` [m], map frame."""
+        """Put the camera of Isaac Sim's viewport at `eye`, looking at `target` [m], map frame."""
         from trundle.sim.isaac.picture import CAMERA
 
         self._check_open().look(np.array(eye), np.array(target), CAMERA)
@@ -239,13 +240,13 @@ class IsaacSimulator:
         return self._check_open().joint_names()
 
     def wait(self) -> None:
-        """Answer the window until it is closed."""
+        """Process window events until the window is closed."""
         adapter = self._check_open(alive=False)
         while self._application.is_running:
             adapter.draw()
 
     def close(self) -> None:
-        """Let go of the world, and close Isaac Sim if it was started here; closing twice does nothing."""
+        """Release the world, and close Isaac Sim if it was started here; closing twice does nothing."""
         if self._closed:
             return
         self._closed = True
@@ -288,7 +289,7 @@ class IsaacSimulator:
         except ValueError as error:
             raise WorldError(f"{path}: Isaac Sim cannot open it: {error}") from error
         if not done:
-            raise WorldError(f"{path}: Isaac Sim cannot open it; is it there, and are its references?")
+            raise WorldError(f"{path}: Isaac Sim cannot open it; do the file and its references exist?")
         self._wait_for_loading(adapter)
         check_units(path, *adapter.stage_units())
 
@@ -307,10 +308,10 @@ class IsaacSimulator:
             self._application.update()
 
     def _wait_for_timeline(self, adapter: Adapter) -> None:
-        """Let somebody who has paused in the window look around."""
+        """Keep the window responsive while the timeline is paused."""
         while not adapter.is_playing():
             if adapter.is_stopped() or not self._application.draws:
-                raise SimulationError("the timeline of Isaac Sim was stopped; a stopped run cannot be taken up again")
+                raise SimulationError("the timeline of Isaac Sim was stopped; a stopped run cannot be resumed")
             self._check_open()
             adapter.draw()
             time.sleep(0.02)
@@ -328,19 +329,19 @@ class IsaacSimulator:
         if fell > self._ground_offset + _LARGEST_FALL:
             raise SimulationError(
                 f"the robot fell {fell:.2f} m in {_SETTLE_S} s: there is no collider under it. Start it above the "
-                f"floor (--ground-offset, now {self._ground_offset:g} m), and see that the stage's floor collides"
+                f"floor (--ground-offset, now {self._ground_offset:g} m), and check that its floor has a collider"
             )
 
     def _check_sound(self, body: BodyState) -> None:
         numbers = np.concatenate([body.position, body.quaternion, body.linear, body.angular])
         if not np.isfinite(numbers).all():
             raise SimulationError(
-                "the physics of Isaac Sim broke down: a pose or a speed is not finite; use a smaller --physics-dt "
+                "the physics of Isaac Sim diverged: a pose or a speed is not finite; use a smaller --physics-dt "
                 f"than {self._physics_dt} s, and check the robot's masses and colliders"
             )
 
     def _follow_wheels(self, angles: tuple[float, float]) -> None:
-        """Add what the wheels turned in a physics step; an angle that Isaac Sim wrapped at a full turn is unwrapped."""
+        """Add the wheels' rotation in a physics step; angles that Isaac Sim wraps at a full turn are unwrapped."""
         by_left, by_right = (math.remainder(new - old, math.tau) for new, old in zip(angles, self._angles, strict=True))
         self._angles = angles
         self._turned = (self._turned[0] + by_left, self._turned[1] + by_right)

@@ -1,4 +1,4 @@
-"""What a stage must be like for a robot to drive in it."""
+"""Checks that a robot can drive in a stage."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ _UNITS = {0.01: "centimetres", 0.001: "millimetres"}
 
 
 def check_units(path: str, meters: float, up: str) -> None:
-    """See that a stage is in metres, with z up.
+    """Check that a stage is in metres with z up.
 
     Raises:
         WorldError: If it is not.
     """
     if abs(meters - 1.0) > 1e-6:
         raise WorldError(
-            f"{path}: the stage is in {_UNITS.get(round(meters, 6), f'units of {meters:g} m')}, and robots and maps "
+            f"{path}: the stage is in {_UNITS.get(round(meters, 6), f'units of {meters:g} m')}, but robots and maps "
             f"are in metres: everything would be {1.0 / meters:g} times too large for the robot. Reference it, scaled "
             f"by {meters:g}, from a stage in metres"
         )
     if up != "Z":
-        raise WorldError(f"{path}: in this stage {up} is up, and must be Z. Reference it, turned, from one with Z up")
+        raise WorldError(f"{path}: the up axis is {up}, it must be Z. Reference it, rotated, from a stage with Z up")
 
 
 def check_joints(robot: Robot, usd: str, path: str) -> None:
-    """See that the stage has the joints of the robot's wheels below a prim's path, before Isaac Sim looks for them.
+    """Check that the stage has the robot's wheel joints below a prim path, before Isaac Sim looks for them.
 
     Raises:
-        RobotError: If it has not; the message lists those that it has.
+        RobotError: If a joint is missing; the message lists the existing ones.
 
     Warns:
-        RobotWarning: If a wheel's joint has no drive that follows a speed.
+        RobotWarning: If a wheel joint has no velocity drive.
     """
     import omni.usd
     from pxr import Usd, UsdPhysics
@@ -49,7 +49,7 @@ def check_joints(robot: Robot, usd: str, path: str) -> None:
     if missing:
         raise RobotError(
             f"the robot's USD {usd} has no joint {' and no joint '.join(missing)}; it has "
-            f"{', '.join(sorted(moving)) or 'none that moves'}. Name its wheel joints as left_joint and right_joint in "
+            f"{', '.join(sorted(moving)) or 'none'}. Give its wheel joints as left_joint and right_joint in "
             "the robot's YAML"
         )
     for name in (robot.drive.left_joint, robot.drive.right_joint):
@@ -60,7 +60,7 @@ def check_joints(robot: Robot, usd: str, path: str) -> None:
         if damping <= 0.0 or stiffness > 0.0:
             warnings.warn(
                 f"{usd}: the drive of {name} has a damping of {damping:g} and a stiffness of {stiffness:g}: it will "
-                "not follow a commanded speed. Give it a damping (per degree, in UsdPhysics) and no stiffness",
+                "not follow a commanded speed. Give it a damping (per degree, in UsdPhysics) and a stiffness of 0",
                 RobotWarning,
                 stacklevel=3,
             )

@@ -1,4 +1,4 @@
-"""Which contacts of a MuJoCo state count, under which names."""
+"""The robot's contacts in a MuJoCo state, by name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class ContactReader:
 
     Args:
         model: The compiled world and robot.
-        world: What the model was built from.
+        world: The world that the model was built from.
     """
 
     def __init__(self, model: mujoco.MjModel, world: World) -> None:
@@ -25,7 +25,7 @@ class ContactReader:
         self._cells = CellNames(world)
 
     def read(self, data: mujoco.MjData, touched: dict[tuple[str, str], Contact]) -> None:
-        """Add what the robot touches now to `touched`, by part and solid; the first place of each pair stays."""
+        """Add the robot's current contacts to `touched`, by part and solid; the first position of each pair is kept."""
         pairs = data.contact.geom.tolist()
         for index, pair in enumerate(pairs):
             if self._floor in pair:

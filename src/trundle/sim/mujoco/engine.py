@@ -1,4 +1,4 @@
-"""A quicker start of MuJoCo."""
+"""A faster import of MuJoCo."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import os
 
 
 def import_engine() -> None:
-    """Import MuJoCo without GLFW, which starts another Python to ask its own version; a window imports it later.
+    """Import MuJoCo without GLFW, which starts another Python to query its own version; a window imports it later.
 
-    MuJoCo reads MUJOCO_GL while it is imported; `trundle.viewer` chooses a driver by itself when a picture is drawn.
+    MuJoCo reads MUJOCO_GL on import; `trundle.viewer` chooses a driver when a picture is drawn.
     """
     before = os.environ.get("MUJOCO_GL")
     os.environ["MUJOCO_GL"] = "disable"

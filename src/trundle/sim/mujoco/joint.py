@@ -1,11 +1,11 @@
-"""`Joint`: one joint of a robot, in URDF's words."""
+"""`Joint`: one joint of a robot, in URDF's terms."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "ball")
-"""URDF's joint types, and MuJoCo's ball joint, which URDF has none of."""
+"""URDF's joint types, and MuJoCo's ball joint, which URDF does not have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,9 +15,9 @@ class Joint:
     Attributes:
         name: Its name; MJCF allows it to be empty.
         type: One of `TYPES`.
-        axis: Unit vector in the child body's frame (MJCF) or the joint's frame (URDF; the two are the same frame); none
-            for a type that has no axis.
-        limits: Lower and upper position [rad or m], or none.
+        axis: Unit vector in the child body's frame (MJCF) or the joint's frame (URDF; both frames are the same); None
+            for a type without an axis.
+        limits: Lower and upper position [rad or m], or None.
         parent: Name of the body or link that it is on.
         child: Name of the body or link that it moves.
         drives: Whether an actuator moves it.

@@ -36,14 +36,14 @@ def list_joints(
     """List joints, in the order of the description.
 
     Args:
-        source: A robot, the path of an MJCF (.xml, .mjcf), URDF or USD file, or what `Robot.load` takes. The meshes
-            and textures of a file need not be there.
+        source: A robot, the path of an MJCF (.xml, .mjcf), URDF or USD file, or anything `Robot.load` takes. The meshes
+            and textures of a file may be missing.
         trusted: As in `World.load`.
         time_limit_s: As in `World.load`.
         memory_limit_gb: As in `World.load`.
 
     Returns:
-        The joints. A `Robot`'s are those within it: that it floats in the world is not listed.
+        The joints. For a `Robot`, the free joint of base_link is not listed.
 
     Raises:
         RobotError: If the file is missing, too large, not XML, neither MJCF nor URDF, or MuJoCo cannot build it.
@@ -83,15 +83,13 @@ def read_joints(path: Path) -> list[Joint]:
         spec = read_mjcf(path, root, error=RobotError)
         _drop_assets(spec)
         return _model_joints(compile_spec(path, spec, error=RobotError)[0])
-    raise RobotError(
-        f"{path}: a robot's file starts with <mujoco> (MJCF) or <robot> (URDF), this one with <{root.tag}>"
-    )
+    raise RobotError(f"{path}: the root element is <{root.tag}>; MJCF has <mujoco> and URDF has <robot>")
 
 
 def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
-    """Joints of the wheels that `trundle drive` drives of a URDF; none of an arm.
+    """Joints of the wheels that `trundle drive` drives in a URDF; empty for an arm.
 
-    Where it is no robot that can be driven, as without its meshes, those that are named so.
+    If the robot cannot be driven, for example without its meshes, they are found by name.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)
@@ -104,7 +102,7 @@ def _wheel_joints(path: Path, root: XmlElement) -> frozenset[str]:
 
 
 def _drop_assets(spec: mujoco.MjSpec) -> None:
-    """Put a small ball in the place of every mesh, as joints do not depend on them."""
+    """Replace every mesh by a small ball, because joints do not depend on meshes."""
     for geom in spec.geoms:
         if geom.meshname or geom.hfieldname:
             geom.meshname = geom.hfieldname = ""
@@ -151,7 +149,7 @@ def _model_joint(model: mujoco.MjModel, index: int, drives: bool) -> Joint:
 
 
 def _driven(model: mujoco.MjModel) -> set[int]:
-    """Joints that an actuator moves, itself or through a tendon that couples joints."""
+    """Joints that an actuator moves, directly or through a tendon that couples joints."""
     driven: set[int] = set()
     for kind, target in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True):
         if kind in (mujoco.mjtTrn.mjTRN_JOINT.value, mujoco.mjtTrn.mjTRN_JOINTINPARENT.value):

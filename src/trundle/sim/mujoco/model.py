@@ -17,24 +17,24 @@ TIMESTEP = 0.005
 """Length of a physics step [s]."""
 
 HEADROOM = 0.2
-"""Above the robot [m], from where on nothing of a mesh collides."""
+"""Height above the robot [m] above which meshes do not collide."""
 
 _ROOM_ABOVE = 0.1
-"""How much higher than it stands a robot may come when it rides up on something [m]."""
+"""How far a robot may rise when it rides up on something [m]."""
 
 
 def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks: bool = True) -> mujoco.MjSpec:
-    """Compose a world and a robot; the robot's base_link starts at the origin, on the floor, looking along x.
+    """Compose a world and a robot; the robot's base_link starts at the origin, on the floor, facing x.
 
-    Geoms are named after what they are: a solid's geom has the solid's name, the floor is `world:floor`, the robot's
+    Names of geoms: a solid's geom has the solid's name, the floor is `world:floor`, the robot's
     start with `robot:` (`robot:chassis`, `robot:wheel_left`, `robot:caster_0`, …). Geom groups: 0 world, 1 blocked
-    cells, 2 the robot's looks, 3 what collides and is not shown: the robot's colliders, pieces of meshes.
+    cells, 2 the robot's visuals, 3 hidden colliders: the robot's, and pieces of meshes.
 
     Args:
-        world: What stands on the floor.
-        robot: What drives.
+        world: The world.
+        robot: The robot.
         timestep: Length of a physics step [s].
-        looks: With what the robot looks like; its motion is the same without, and quicker to compute.
+        looks: Include the robot's visuals; without them its motion is the same, and faster to compute.
 
     Raises:
         WorldError: If a solid cannot be modelled.
@@ -56,7 +56,7 @@ def robot_spec(robot: Robot, *, floor: bool = False, timestep: float = TIMESTEP,
 
 
 def within_reach(world: World, robot: Robot) -> World:
-    """Leave out what is wholly above the robot: it cannot be touched, and every solid costs time at every step."""
+    """Leave out solids entirely above the robot: they cannot be touched, and each costs time at every step."""
     top = robot.body.height + _ROOM_ABOVE
     return World(world.name, tuple(solid for solid in world.solids if solid.bounds()[0][2] < top), world.seeds)
 
@@ -68,10 +68,10 @@ def _empty_spec(name: str, timestep: float) -> mujoco.MjSpec:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
-    # A dozen degrees of freedom: sparse matrices and islands of contacts cost more than they save.
+    # With a dozen degrees of freedom, sparse matrices and contact islands cost more than they save.
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
-    # A reset in the middle of a run would look like a jump of the robot: the simulator reports a breakdown instead.
+    # A reset in the middle of a run would look like a jump of the robot: the simulator reports the divergence instead.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     _set_looks(spec)
     return spec
@@ -84,7 +84,7 @@ def _set_looks(spec: mujoco.MjSpec) -> None:
     view.headlight.ambient = (0.38, 0.38, 0.40)
     view.headlight.diffuse = (0.35, 0.35, 0.35)
     view.headlight.specular = (0.05, 0.05, 0.05)
-    # With an extent of 10 m: see from 5 cm to 300 m, and shadows within 7 m of the robot.
+    # For an extent of 10 m: clip from 5 cm to 300 m, shadows within 7 m of the robot.
     spec.stat.extent = 10.0
     view.map.znear = 0.005
     view.map.zfar = 30.0

@@ -1,4 +1,4 @@
-"""What a robot looks like in pictures: made of its footprint, wheels, casters and lidars; nothing here collides."""
+"""The visuals of a robot, from its footprint, wheels, casters and lidars; they do not collide."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ACROSS_Y = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 
 def add_prism_mesh(spec: mujoco.MjSpec, name: str, outline: FloatArray, low: float, high: float) -> None:
-    """Add a mesh: a convex outline [m], counter-clockwise, shape (N, 2), drawn up from `low` to `high` [m]."""
+    """Add a mesh: a convex outline [m], counter-clockwise, shape (N, 2), extruded from `low` to `high` [m]."""
     count = len(outline)
     vertices = np.vstack([np.c_[outline, np.full(count, z)] for z in (low, high)])
     faces: list[tuple[int, int, int]] = []
@@ -39,13 +39,13 @@ def add_prism_mesh(spec: mujoco.MjSpec, name: str, outline: FloatArray, low: flo
 
 
 def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot, wheels: Sequence[tuple[str, int]]) -> None:
-    """Dress a robot whose bodies are already there: chassis, wheels, casters, lidar pucks and a light at the front.
+    """Add visuals to a robot's existing bodies: chassis, wheels, casters, lidar pucks and a light at the front.
 
     Args:
-        spec: What to add to.
+        spec: The model to add to.
         base: base_link.
-        robot: What it is.
-        wheels: Bodies of the wheels that are seen, with +1 on the left and -1 on the right.
+        robot: The robot.
+        wheels: Bodies of the visible wheels, with +1 on the left and -1 on the right.
     """
     spec.add_material(name="robot:glow", rgba=_LIGHT, emission=0.6)
     _add_sun(base)
@@ -71,7 +71,7 @@ def add_looks(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot, wheels: S
 
 
 def _add_sun(base: mujoco.MjsBody) -> None:
-    """A light that goes with the robot: a shadow map that covers only its surroundings stays sharp."""
+    """A light that moves with the robot: its shadow map covers only the surroundings and stays sharp."""
     base.add_light(
         name="robot:sun",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -85,7 +85,7 @@ def _add_sun(base: mujoco.MjsBody) -> None:
 
 
 def _dress_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> None:
-    """A dark body with a band in the robot's colour, a deck under the lowest lidar, and a tower where it goes on."""
+    """A dark body with a band in the robot's colour, a deck under the lowest lidar, and a tower on taller robots."""
     low, top = robot.body.clearance, robot.body.height
     span = top - low
     accent = (*robot.body.color, 1.0)
@@ -148,7 +148,7 @@ def _add_roller(body: mujoco.MjsBody, radius: float, width: float, color: tuple[
 
 
 def _add_spokes(body: mujoco.MjsBody, reach: float, y: float) -> None:
-    """Three bars on the outer face, so that a wheel is seen to turn."""
+    """Three bars on the outer face, so that the wheel's rotation is visible."""
     for turn in (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0):
         geom = _add(body, mujoco.mjtGeom.mjGEOM_BOX, (reach, 0.002, 0.13 * reach), (0.0, y, 0.0), _DARK)
         geom.quat = (math.cos(turn / 2.0), 0.0, math.sin(turn / 2.0), 0.0)
@@ -191,7 +191,7 @@ def _shrunk(outline: FloatArray, scale: float) -> FloatArray:
 
 
 def _between_wheels(robot: Robot) -> FloatArray:
-    """The outline drawn in so far that wheels inside it are seen from the side."""
+    """The outline, narrowed so that wheels inside it are visible from the side."""
     half_width = float(np.abs(robot.outline[:, 1]).max())
     inside = robot.drive.track_width / 2.0 - 0.55 * robot.drive.wheel_width
     across = inside / half_width if 0.5 * half_width < inside < half_width else 1.0
@@ -199,5 +199,5 @@ def _between_wheels(robot: Robot) -> FloatArray:
 
 
 def _front(outline: FloatArray) -> float:
-    """Where the x axis leaves the outline [m]."""
+    """Where the x axis crosses the front of the outline [m]."""
     return float(outline[:, 0].max())

@@ -25,18 +25,19 @@ _CHASSIS_FRICTION = 0.8
 
 _GUARD = ":guard"
 _GUARD_SCALE = 0.98
-"""A wheel meets solids as an ellipsoid so much smaller than its tread, so that a chassis as long meets them first."""
+"""Scale of a wheel's ellipsoid that collides with solids: smaller than the tread, so that a chassis of the same length
+collides first."""
 
 _TRACTION_MASS = 1e-3
-"""Of a hidden wheel [kg]."""
+"""Mass of a hidden wheel [kg]."""
 
 _HOLD = 0.65
-"""Share of the traction that a servo answers a wheel with that is held; above it the wheels of a robot that pushes a
-wall slip, climb and throw it back."""
+"""Share of the traction that a servo applies to a blocked wheel; with more, the wheels of a robot that pushes a wall
+slip, climb and throw it back."""
 # As stiff as the timestep allows: wheels that sink into the floor roll on a smaller radius.
 _STIFF_SOLREF = (0.01, 1.0)
 _STIFF_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
-# As hard to push in, and slow to come out again: what reached into a wall within one step is not thrown back.
+# As stiff, but with slow recovery: a part that penetrates a wall within one step is not thrown back.
 _BUMPER_SOLREF = (0.01, 4.0)
 _SOFT_SOLREF = (0.02, 1.0)
 _SOFT_SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
@@ -49,7 +50,7 @@ class Servo:
     Attributes:
         gain: Torque per speed error [N·m·s/rad].
         torque: Largest torque [N·m].
-        error: Largest speed error [rad/s] that is answered in full.
+        error: Largest speed error [rad/s] that is corrected in full.
         armature: Inertia of the motor at the wheel's axle [kg·m²].
     """
 
@@ -69,20 +70,20 @@ class Servo:
 
 @dataclass(frozen=True, slots=True)
 class FeedForward:
-    """Tells the wheels' servos the torque that a change of speed needs, so that they need no speed error to find it.
+    """Torque feed-forward of the wheels' servos for changes of speed, so that these cause no speed error.
 
-    A wheel that is held, which turns slower or faster than commanded by more than the servo's largest error, gets the
-    torque of that error and no feed-forward: what does not accelerate needs none.
+    A blocked wheel, whose speed differs from the command by more than the servo's largest error, gets the torque of
+    that error without feed-forward, because it does not accelerate.
 
     Attributes:
-        mass: Of the whole robot [kg].
-        moment: Of inertia of the whole robot about z at base_link [kg·m²].
+        mass: Mass of the whole robot [kg].
+        moment: Moment of inertia of the whole robot about z at base_link [kg·m²].
         arm: Mass times how far the centre of mass is ahead of base_link [kg·m].
         wheel: Inertia of one wheel and its motor about the axle [kg·m²].
-        radius: Of a wheel [m].
+        radius: Radius of a wheel [m].
         track: Distance between the wheels [m].
-        gain: Of the servos [N·m·s/rad].
-        error: Largest speed error [rad/s] that they answer in full.
+        gain: Gain of the servos [N·m·s/rad].
+        error: Largest speed error [rad/s] that they correct in full.
         timestep: [s].
     """
 
@@ -98,7 +99,7 @@ class FeedForward:
 
     @classmethod
     def of(cls, model: mujoco.MjModel, robot: Robot) -> FeedForward:
-        """Read the inertias off a compiled model that has this robot in it."""
+        """Compute the inertias from a compiled model with this robot."""
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         inertia = np.zeros((model.nv, model.nv))
@@ -119,7 +120,7 @@ class FeedForward:
         )
 
     def free(self, before: Motion, now: Motion) -> tuple[float, float]:
-        """Speeds [rad/s] to set the servos to, in the step from one motion to the next, where both wheels follow."""
+        """Servo setpoints [rad/s] for the step from one motion to the next, if both wheels follow."""
         v_rate, w_rate = (now.v - before.v) / self.timestep, (now.w - before.w) / self.timestep
         # Newton and Euler at base_link, whose origin is not the centre of mass.
         force = self.mass * v_rate - self.arm * now.w * now.w
@@ -130,14 +131,14 @@ class FeedForward:
         return now.left + left / self.gain, now.right + right / self.gain
 
     def held(self, free: float, commanded: float, speed: float) -> float:
-        """Speed [rad/s] to set a servo to.
+        """Setpoint [rad/s] of a servo.
 
-        The error is limited, and not the torque: MuJoCo damps a servo at its limit of torque no more, and it chatters.
+        The error is limited instead of the torque: at its torque limit MuJoCo does not damp a servo, and it chatters.
 
         Args:
-            free: Where the wheel follows, from `free`.
-            commanded: Speed commanded for the step before [rad/s].
-            speed: What it has.
+            free: Setpoint from `free`, for a wheel that follows.
+            commanded: Commanded speed of the previous step [rad/s].
+            speed: Actual speed [rad/s].
         """
         error = commanded - speed
         if -self.error <= error <= self.error:
@@ -188,9 +189,9 @@ def add_robot(spec: mujoco.MjSpec, robot: Robot, *, looks: bool = True) -> None:
 
 
 def traction_joints(robot: Robot) -> tuple[str, str]:
-    """Joints of the two wheels that grip: the drive's, or of several axles those of a hidden pair in their middle.
+    """Joints of the two wheels with traction: the drive's, or with several axles those of a hidden pair in the middle.
 
-    Wheels of several axles would scrub in every turn. So they carry the robot and turn as commanded, without
+    Wheels on several axles would scrub in every turn. So they carry the robot and rotate as commanded, without
     friction, and the pair in the middle drives it.
     """
     drive = robot.drive
@@ -198,7 +199,7 @@ def traction_joints(robot: Robot) -> tuple[str, str]:
 
 
 def named_wheels(robot: Robot) -> list[tuple[DriveWheel, str]]:
-    """The wheels that a robot shows, with their bodies' names."""
+    """The visible wheels of a robot, with their bodies' names."""
     if not robot.drive.axles:
         return list(zip(robot.drive.wheels, ("wheel_left", "wheel_right"), strict=True))
     words = {1: "left", -1: "right"}
@@ -249,14 +250,14 @@ def _add_chassis(spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: Robot) -> Non
 def _add_wheel(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel, servo: Servo) -> None:
     body = _add_wheel_body(base, robot, name, wheel)
     body.joints[0].armature = servo.armature
-    # An ellipsoid touches at one point, in the middle: a wide cylinder scrubs on a line, and yaw is 12 % short.
+    # An ellipsoid touches at one point, in its middle: a wide cylinder scrubs along a line, and yaw is 12 % short.
     tread = _add_tread(body, robot, name)
     tread.contype = FLOOR_TYPE
     _add_guard(body, robot, name)
 
 
 def _add_traction(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel, servo: Servo) -> None:
-    """A wheel in the middle of several that grips in their place: it is almost weightless, and meets the floor."""
+    """A hidden wheel in the middle with the traction of several: almost massless, it touches only the floor."""
     body = _add_wheel_body(base, robot, name, wheel)
     _set_cylinder_inertia(body, _TRACTION_MASS, robot.drive.wheel_radius, robot.drive.wheel_width)
     body.joints[0].armature = servo.armature
@@ -264,13 +265,13 @@ def _add_traction(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWhe
 
 
 def _add_carrying_wheel(base: mujoco.MjsBody, robot: Robot, name: str, wheel: DriveWheel) -> None:
-    """One of several wheels of a side: it carries and turns, and slides without friction."""
+    """One of several wheels on a side: it carries load and rotates, but slides without friction."""
     body = _add_wheel_body(base, robot, name, wheel)
     tread = _add_tread(body, robot, name)
     tread.contype = FLOOR_TYPE
     tread.friction = (0.0, 0.005, 0.0001)
     tread.condim = 1
-    # Softer, so that the pair that grips carries the most.
+    # Softer, so that the pair with traction carries most of the load.
     tread.solref, tread.solimp = _SOFT_SOLREF, _SOFT_SOLIMP
     _add_guard(body, robot, name)
 
@@ -290,7 +291,7 @@ def _add_tread(body: mujoco.MjsBody, robot: Robot, name: str) -> mujoco.MjsGeom:
 
 
 def _add_guard(body: mujoco.MjsBody, robot: Robot, name: str) -> None:
-    """What a wheel meets solids with; one that grips what it runs into climbs it."""
+    """The frictionless collider of a wheel against solids: a wheel with friction would climb them."""
     radius, width = _GUARD_SCALE * robot.drive.wheel_radius, robot.drive.wheel_width
     kind = mujoco.mjtGeom.mjGEOM_ELLIPSOID
     guard = _add_collider(body, f"robot:{name}{_GUARD}", kind, (radius, width / 2.0, radius), friction=0.0)
@@ -327,7 +328,7 @@ def _add_ball(base: mujoco.MjsBody, caster: Caster, index: int) -> None:
     size = (caster.radius, 0.0, 0.0)
     geom = _add_collider(body, f"robot:caster_{index}", mujoco.mjtGeom.mjGEOM_SPHERE, size, friction=0.0)
     geom.condim = 1
-    # Softer than the wheels, so that where there are more legs than needed the driven ones carry the most.
+    # Softer than the wheels, so that with redundant supports the driven wheels carry most of the load.
     geom.solref, geom.solimp = _SOFT_SOLREF, _SOFT_SOLIMP
 
 
@@ -339,9 +340,9 @@ def _add_collider(
     *,
     friction: float,
 ) -> mujoco.MjsGeom:
-    """Add an unseen geom that meets the world and nothing of the robot.
+    """Add an invisible geom that collides with the world but not with the robot.
 
-    Of two geoms of equal priority the larger friction counts; the robot's are of a higher one, so theirs does.
+    MuJoCo takes the larger friction of two geoms of equal priority; the robot's have a higher one, so theirs is used.
     """
     return body.add_geom(
         name=name,
@@ -363,6 +364,6 @@ def _add_collider(
 def _set_cylinder_inertia(body: mujoco.MjsBody, mass: float, radius: float, width: float) -> None:
     across = mass * (3.0 * radius**2 + width**2) / 12.0
     body.mass = mass
-    body.ipos = (0.0, 0.0, 0.0)  # Left out, MuJoCo takes the body's own place for it: an unbalanced wheel.
+    body.ipos = (0.0, 0.0, 0.0)  # By default the body's position, which would unbalance the wheel.
     body.inertia = (across, mass * radius**2 / 2.0, across)
     body.explicitinertial = True

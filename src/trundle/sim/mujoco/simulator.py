@@ -29,31 +29,31 @@ Casters = Literal["trailing", "reversed"]
 
 _SETTLE_S = 2.0
 _LARGEST_TILT = 0.05
-"""Of a robot at rest [rad]; one that falls on its chassis lies at more."""
+"""Maximum tilt of a robot at rest [rad]; one that has tipped over exceeds it."""
 
 
 class MujocoSimulator:
     """Drives a robot through a world in MuJoCo.
 
-    The limits of the robot are applied at every physics step; its wheels are velocity servos that are given the torque
-    which the acceleration needs. After a reset the robot stands on the floor at rest, as it does after settling there.
+    The limits of the robot are applied at every physics step; its wheels are velocity servos with torque
+    feed-forward for acceleration. After a reset the robot is at rest on the floor, already settled.
 
     Args:
-        world: Where it drives.
-        robot: What drives.
-        lidar: Take scans: with all lidars of the robot, or with those named.
+        world: The world.
+        robot: The robot.
+        lidar: Lidars to simulate: all of the robot's, none, or those named.
         timestep: Length of a physics step [s].
-        casters: How swivel casters stand after a reset: behind their axis for driving forward, or the other way.
+        casters: Direction of swivel casters after a reset: trailing for driving forward, or reversed.
         mass: True mass of the robot over the one that its servos are tuned for, 0.1 to 10.
         friction: Friction between the robot and everything else, relative to rubber on concrete, 0.05 to 5.
 
     Attributes:
-        model: The compiled MuJoCo model: what the robot can touch, without its looks. Viewers build their own.
-        data: Its state, in step with what `step` returned; observers read it and never write.
+        model: The compiled MuJoCo model, without the robot's visuals and solids out of reach. Viewers build their own.
+        data: Its state, consistent with the result of `step`; treat it as read-only.
 
     Raises:
         InputError: If an option is out of range.
-        RobotError: If the robot cannot be modelled, or does not stand on its wheels.
+        RobotError: If the robot cannot be modelled, or tips over.
         WorldError: If the world cannot be modelled.
     """
 
@@ -102,18 +102,18 @@ class MujocoSimulator:
 
     @property
     def robot(self) -> Robot:
-        """The robot that it moves."""
+        """The simulated robot."""
         return self._robot
 
     @property
     def world(self) -> World:
-        """The world that it moves through."""
+        """The world."""
         return self._world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run.
 
-        A pose inside a solid is taken; the state's contacts then say what the robot stands in.
+        A pose inside a solid is accepted; the state's contacts then name the solid.
         """
         self._check_open()
         pose, seed = Pose2D.of(pose), check_seed(seed)
@@ -139,7 +139,7 @@ class MujocoSimulator:
         """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
 
         Raises:
-            SimulationError: If it was closed, or the physics broke down.
+            SimulationError: If it was closed, or the physics diverged.
             InputError: If `dt` is not a multiple of the physics step.
         """
         self._check_open()
@@ -148,12 +148,12 @@ class MujocoSimulator:
         touched: dict[tuple[str, str], Contact] = {}
         model, data, control = self.model, self.data, self.data.ctrl
         qpos, qvel = data.qpos, data.qvel
-        contact = data.contact  # A view that follows the data; making a new one costs as much as reading it.
+        contact = data.contact  # A live view of the data; creating a new one costs as much as reading it.
         step, commanded = mujoco.mj_step, self._commanded
         left_address, right_address = self._wheel_qpos
         left_speed, right_speed = self._wheel_qvel
         drive, free = self._feed_forward, (0.0, 0.0)
-        several = len(control) > 2  # wheels a side, which only turn along
+        several = len(control) > 2  # passive wheels per side, which only rotate along
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
         steady = False
         for motion in motions:
@@ -167,7 +167,7 @@ class MujocoSimulator:
             commanded = motion
             step(model, data)
             angles.append((qpos[left_address], qpos[right_address]))
-            # The floor is geom 0, and a plane comes first in its contacts: any other number is a collision.
+            # The floor is geom 0, and a plane comes first in its contacts: any other index is a collision.
             if any(contact.geom1.tolist()):
                 self._contacts.read(data, touched)
         self._commanded = commanded
@@ -177,7 +177,7 @@ class MujocoSimulator:
         return self._state(tuple(touched.values()), since)
 
     def close(self) -> None:
-        """Let go of the model; closing twice does nothing."""
+        """Release the model; closing twice does nothing."""
         self._closed = True
 
     def __enter__(self) -> Self:
@@ -187,7 +187,7 @@ class MujocoSimulator:
         self.close()
 
     def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
-        # mj_multiRay tries every beam on every geom: with 800 solids that took 18 times as long.
+        # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
         return self._outlines[z].cast_quickly(x, y, angles, reach)
 
     def _check_open(self) -> None:
@@ -195,10 +195,10 @@ class MujocoSimulator:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
     def _check_sound(self) -> None:
-        # A sum that is not a number is not below anything either.
+        # A sum that is NaN fails the comparison, too.
         if not (sum(map(abs, self.data.qvel.tolist())) < 1e4 and math.isfinite(sum(self.data.qpos.tolist()))):
             raise SimulationError(
-                f"the physics broke down at {self._steps * self._timestep:.3f} s: a position is not finite or the "
+                f"the physics diverged at {self._steps * self._timestep:.3f} s: a position is not finite or the "
                 f"speeds are above 10000; use a smaller timestep than {self._timestep} s, and check the robot's masses"
             )
 
@@ -238,7 +238,7 @@ def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, in
 
 
 def check_stands(robot: Robot) -> None:
-    """Check that a robot stands on its wheels and casters.
+    """Check that a robot is stable on its wheels and casters.
 
     Raises:
         RobotError: If it tips over, or MuJoCo cannot model it.
@@ -247,7 +247,7 @@ def check_stands(robot: Robot) -> None:
 
 
 def _resting_state(robot: Robot, timestep: float, casters: Casters, *, mass: float = 1.0) -> FloatArray:
-    """Joint positions of the robot after it has settled on a bare floor, looking along x from the origin.
+    """Joint positions of the robot after it has settled on an empty floor, at the origin facing x.
 
     Raises:
         RobotError: If it cannot be modelled, or does not come to rest on its wheels.
@@ -269,7 +269,7 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters, *, mass: flo
     upright = 1.0 - 2.0 * (rest[4] ** 2 + rest[5] ** 2)
     if not (np.isfinite(rest).all() and upright > math.cos(_LARGEST_TILT)):
         raise RobotError(describe_imbalance(robot))
-    # Height, roll and pitch are what settling is for; everything else starts where it was put.
+    # Settling determines height, roll and pitch; everything else starts at its given value.
     height = rest[2]
     tilt = np.array([rest[3], rest[4], rest[5], 0.0])
     start[2] = height

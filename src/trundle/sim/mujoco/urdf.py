@@ -1,4 +1,4 @@
-"""The joints of a URDF file, read from its own XML: MuJoCo's importer drops fixed joints and the names around them."""
+"""The joints of a URDF file, read from its XML: MuJoCo's importer drops fixed joints and the names around them."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ def urdf_joints(path: Path, robot: XmlElement, *, wheels: Set[str] = frozenset()
     """List the joints below a URDF's `<robot>`, in the order of the file.
 
     Args:
-        path: Of the file, for messages.
+        path: Path of the file, for messages.
         robot: Its `<robot>`; plain xacro in it is expanded.
         wheels: Joints that a simulator drives, besides those that a transmission or ros2_control commands.
 
     Raises:
-        RobotError: If a joint has no name, type, parent or child, an unknown type, or numbers that are none; or if the
-            file has xacro that is not plain.
+        RobotError: If a joint has no name, type, parent or child, an unknown type, or invalid numbers; or if the
+            file uses more than plain xacro.
     """
     expand_xacro(path, robot, error=RobotError)
     driven = _driven_joints(robot) | wheels
@@ -34,7 +34,7 @@ def urdf_joints(path: Path, robot: XmlElement, *, wheels: Set[str] = frozenset()
     names = [joint.name for joint in joints]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise RobotError(f"{path}: two joints are named {twice!r}")
+        raise RobotError(f"{path}: two joints have the name {twice!r}")
     return joints
 
 
@@ -62,7 +62,7 @@ def _joint(path: Path, element: ElementTree.Element, driven: set[str]) -> Joint:
 
 
 def _axis(where: str, element: ElementTree.Element | None) -> tuple[float, float, float]:
-    """The unit axis; x where none is given, as URDF says."""
+    """The unit axis; x by default, as in URDF."""
     if element is None:
         return (1.0, 0.0, 0.0)
     words = element.get("xyz", "1 0 0").split()

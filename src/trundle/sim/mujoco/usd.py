@@ -1,4 +1,4 @@
-"""The joints of a robot's USD file: UsdPhysics' joints, in URDF's words."""
+"""The joints of a robot's USD file: UsdPhysics' joints, in URDF's terms."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _TURNS, _SLIDES = ("rotX", "rotY", "rotZ"), ("transX", "transY", "transZ")
 def usd_joints(path: Path) -> list[Joint]:
     """List the joints of a stage, in its order, named by their prims' paths.
 
-    A generic joint is called after the freedoms that its limits leave. A joint without one of its bodies is on the
-    `world`. It drives if it has a drive.
+    The type of a generic joint follows from the degrees of freedom that its limits leave. A missing body of a joint is
+    the `world`. A joint is driven if it has a drive.
 
     Raises:
-        RobotError: If the file cannot be read; what a broken part of it is called is in the message.
+        RobotError: If the file cannot be read; the message names the invalid prim.
 
     Warns:
-        WorldWarning: About references that cannot be had, whose joints are not listed.
+        WorldWarning: About missing references, whose joints are not listed.
     """
     try:
         with opened(str(path)) as stage:
@@ -83,7 +83,7 @@ def _freedom(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | No
 
 
 def _generic(prim: Any, unit: float) -> tuple[str, Any, tuple[float, float] | None]:
-    """A joint that is free but for what its limits lock; a limit from high to low locks."""
+    """A joint that is free except where limits lock it; a lower limit above the upper one locks an axis."""
     limits: dict[str, tuple[float, float]] = {}
     for name in (*_TURNS, *_SLIDES):
         low, high = -math.inf, math.inf

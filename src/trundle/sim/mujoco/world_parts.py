@@ -17,19 +17,20 @@ from trundle.worlds.mjcf import PIECE
 FLOOR = "world:floor"
 GROUP_WORLD = 0
 GROUP_CELLS = 1
-"""Blocked cells lie in a group of their own, so that rays can leave out the slopes of their height field."""
+"""Blocked cells have their own geom group, so that rays can ignore the slopes of their height field."""
 
 GROUP_PIECES = 3
-"""Pieces of meshes collide and are not shown, as the robot's colliders."""
+"""Pieces of meshes are hidden colliders, like those of the robot."""
 
-# The robot's colliders are of these types and answer nothing; the world answers them and is of no type. So the robot
-# meets the world, and neither meets itself. The floor's type is MuJoCo's default: an exported robot stands on any.
+# The robot's colliders have these contype bits and conaffinity 0; the world has the conaffinity and contype 0. So the
+# robot collides with the world, and neither with itself. The floor uses MuJoCo's default: an exported robot stands on
+# any floor.
 FLOOR_TYPE = 1
 SOLIDS_TYPE = 2
 
 
 def add_floor(spec: mujoco.MjSpec) -> None:
-    """Add the floor, one endless plane at z = 0 with a line every metre."""
+    """Add the floor, an infinite plane at z = 0 with a line every metre."""
     spec.add_texture(
         name="world:floor",
         type=mujoco.mjtTexture.mjTEXTURE_2D,
@@ -63,15 +64,15 @@ def solid_of(geom: str) -> str:
 def add_solids(spec: mujoco.MjSpec, world: World, *, ceiling: float = math.inf) -> None:
     """Add a world's solids to the world body, each as one geom of the solid's name.
 
-    MuJoCo collides convex bodies alone. A mesh that is convex collides as it is; any other is only seen, and collides
-    as convex pieces, geoms of a group that is not shown: see `trundle.sim.convex`. What reaches no higher than the
-    floor collides with nothing. Blocked cells become a height field whose slopes cross the floor at the edges of the
+    MuJoCo collides only convex bodies. A convex mesh collides unchanged; any other is only visual, and collides as
+    convex pieces, geoms of a hidden group: see `trundle.sim.convex`. Solids that reach no higher than the floor do not
+    collide. Blocked cells become a height field whose slopes cross the floor at the edges of the
     cells, see `cell_heights`.
 
     Args:
-        spec: What to add to.
-        world: What stands on the floor.
-        ceiling: Height [m] above which nothing of a mesh collides.
+        spec: The model to add to.
+        world: The world.
+        ceiling: Height [m] above which meshes do not collide.
     """
     if not world.solids:
         return
@@ -111,7 +112,7 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, vertices: FloatArray, faces: npt.N
 
 
 def at_least_four(vertices: FloatArray) -> FloatArray:
-    """Vertices [m], shape (N, 3), the first repeated where there are fewer than MuJoCo takes."""
+    """Vertices [m], shape (N, 3), the first repeated if there are fewer than MuJoCo needs."""
     missing = max(0, 4 - len(vertices))
     return np.vstack([vertices, np.repeat(vertices[:1], missing, axis=0)])
 
@@ -132,10 +133,10 @@ def _add_pieces(spec: mujoco.MjSpec, name: str, pieces: Pieces) -> None:
 
 
 def cell_heights(cells: OccupancyCells) -> npt.NDArray[np.float32]:
-    """Heights of a field with one point in the middle of every cell, 0 (free) to 1 (blocked), with a free rim around.
+    """Heights of a field with one sample at the centre of every cell, 0 (free) to 1 (blocked), with a free rim around.
 
-    Shape (rows + 2, cols + 2). The field is sunk by the walls' own height: the slope from a blocked to a free cell then
-    crosses the floor at the edge between the two, and free cells lie well below the floor.
+    Shape (rows + 2, cols + 2). The field is lowered by the walls' height: the slope from a blocked to a free cell then
+    crosses the floor at the edge between the two, and free cells are well below the floor.
     """
     return np.pad(cells.blocked, 1).astype(np.float32)
 
