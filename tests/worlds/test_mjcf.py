@@ -161,7 +161,7 @@ def test_includes_are_followed_and_what_can_move_is_left_out(tmp_path):
     )
     mocap = f"<body name='hand' mocap='true'>{box.format('palm', 0)}</body>"
     (tmp_path / "w.xml").write_text(f"<mujoco><include file='inc.xml'/><worldbody>{mocap}</worldbody></mujoco>")
-    with pytest.warns(WorldWarning, match="left out: 1 geoms of hand"):
+    with pytest.warns(WorldWarning, match="was left out: 1 geoms of hand"):
         (solid,) = World.load(tmp_path / "w.xml").solids
     assert solid.name == "inside"
     np.testing.assert_allclose(solid.bounds()[1], (1, 2, 1))

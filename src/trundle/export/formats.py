@@ -1,4 +1,4 @@
-"""The export formats: their names and suffixes, what each can hold, and the functions that write them."""
+"""The export formats: their names and suffixes, the kinds they support, and the functions that write them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Format:
 
     Attributes:
         suffixes: File suffixes; the first is the usual one.
-        world: `"module:function"` that writes a world, taking the world and the path, or none.
+        world: `"module:function"` that writes a world, taking the world and the path, or None.
         robot: The same for a robot.
         scene: The same for a robot in a world.
     """
@@ -80,15 +80,15 @@ def format_of(path: str | os.PathLike[str]) -> str:
 def export_world(world: World, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
     """Write a world to a file.
 
-    What is written loads back to the same solids: their names, shapes, poses and colours. A GLB holds meshes alone, and
-    its round shapes are at most 0.5 % larger. A map holds the solids in its height band. Blocked
+    The file loads back as the same solids: names, shapes, poses and colours. A GLB holds only meshes, and its round
+    shapes are at most 0.5 % larger. A map holds the solids in its height band. Blocked
     cells of a large map are written as boxes, in USD as one mesh of them.
 
     Args:
         world: The world.
-        path: The file; what was there is replaced whole or not at all.
-        to: The format by name; none means the one of the path's suffix.
-        options: Of the format: `robot` for mjcf; `resolution` and `z_range` for map; `profile` for usd.
+        path: The file; an existing file is replaced atomically.
+        to: The format by name; None means the one of the path's suffix.
+        options: Options of the format: `robot` for mjcf; `resolution` and `z_range` for map; `profile` for usd.
 
     Returns:
         The path.
@@ -104,13 +104,13 @@ def export_world(world: World, path: str | os.PathLike[str], *, to: str | None =
 
 
 def export_robot(robot: Robot, path: str | os.PathLike[str], *, to: str | None = None, **options: Any) -> Path:
-    """Write a robot to a file: its bodies with their masses and inertias, its joints and what collides.
+    """Write a robot to a file: its bodies with their masses and inertias, its joints and colliders.
 
     Args:
         robot: The robot.
-        path: The file; what was there is replaced whole or not at all.
-        to: The format by name; none means the one of the path's suffix.
-        options: Of the format: `profile` for usd.
+        path: The file; an existing file is replaced atomically.
+        to: The format by name; None means the one of the path's suffix.
+        options: Options of the format: `profile` for usd.
 
     Returns:
         The path.
@@ -128,10 +128,10 @@ def export_scene(scene: Scene, path: str | os.PathLike[str], *, to: str | None =
     """Write a robot in a world, at its start pose, to a file; `isaac-script` includes the planned paths.
 
     Args:
-        scene: What is written.
-        path: The file; what was there is replaced whole or not at all.
-        to: The format by name; none means the one of the path's suffix.
-        options: Of the format: `profile` for usd; `environment` and `robot_usd` for isaac-script.
+        scene: The scene.
+        path: The file; an existing file is replaced atomically.
+        to: The format by name; None means the one of the path's suffix.
+        options: Options of the format: `profile` for usd; `environment` and `robot_usd` for isaac-script.
 
     Returns:
         The path.

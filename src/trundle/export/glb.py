@@ -15,7 +15,7 @@ from trundle.worlds import World
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 
 _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-"""From our axes, z up, to glTF's, y up."""
+"""From trundle's axes, z up, to glTF's, y up."""
 
 
 def export_world(world: World, path: Path) -> None:
@@ -24,7 +24,7 @@ def export_world(world: World, path: Path) -> None:
     glTF has no boxes or cylinders: they are written as meshes, round ones at most 0.5 % larger and never smaller.
 
     Raises:
-        WorldError: If the number of cells cannot be held.
+        WorldError: If there are too many cells.
         OutputError: If the file cannot be written.
         MissingExtraError: If trimesh is not installed.
     """

@@ -46,10 +46,10 @@ def export_scene(scene: Scene, path: Path, *, environment: str | None = None, ro
     written beside it, `<stem>_world.usd`, and so is a robot that Isaac Sim does not have, `<stem>_robot.usd`.
 
     Args:
-        scene: What is written; it needs a path.
+        scene: The scene; it needs a path.
         path: The script.
-        environment: One of Isaac Sim's by name, or a USD file; none means the scene's world.
-        robot_usd: The robot's USD file; none means Isaac Sim's own where it has one.
+        environment: One of Isaac Sim's by name, or a USD file; None means the scene's world.
+        robot_usd: The robot's USD file; None means Isaac Sim's own, if it has one.
 
     Raises:
         InputError: If there is no path, or a file is missing.
@@ -93,7 +93,7 @@ def _fill(scene: Scene, path: Path, environment: str, robot_usd: str) -> str:
     robot, start, goal = scene.robot, scene.start, scene.paths[-1].goal
     drive, limits = robot.drive, robot.limits
     if drive.axles:
-        raise InputError(f"the robot {robot.name!r} has several wheels on each side, and the script drives one on each")
+        raise InputError(f"the robot {robot.name!r} has several wheels on each side, but the script supports one")
     fastest = (2.0 * limits.linear_speed + limits.angular_speed * drive.track_width) / (2.0 * drive.wheel_radius)
     length = sum(plan.length for plan in scene.paths)
     route = [stretch for plan in scene.paths for stretch in plan_stretches(plan)]
@@ -194,5 +194,5 @@ def _text(value: str) -> str:
 
 
 def _plain(value: str) -> str:
-    """Words that can stand in a docstring."""
+    """Text that is safe in a docstring."""
     return "".join(letter if letter.isprintable() and letter not in '\\"' else "_" for letter in value)

@@ -16,8 +16,8 @@ def export_world(
     Args:
         world: The world.
         path: The YAML; its image lies beside it.
-        resolution: Edge of a cell [m].
-        z_range: Heights between which a solid counts [m].
+        resolution: Cell size [m].
+        z_range: Height band of obstacles [m].
 
     Raises:
         MapError: If the map cannot be made; see `OccupancyGrid.from_world`.

@@ -32,12 +32,12 @@ from trundle.worlds.mjcf import PIECE
 def export_world(world: World, path: Path, *, robot: Robot | None = None) -> None:
     """Write a world, or with a robot the whole model that trundle simulates.
 
-    Without a robot each solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides convex
-    bodies alone: a mesh that is none is seen, and collides as convex pieces that are not; see `trundle.sim.convex`. The
+    Without a robot each solid is one geom of its name, meshes with their vertices in the file. MuJoCo collides only
+    convex bodies: any other mesh is only visual, and collides as hidden convex pieces; see `trundle.sim.convex`. The
     floor is a plane, at z = 0 or where the world's ground is.
 
     Raises:
-        WorldError: If a name, a mesh or the number of cells cannot be held.
+        WorldError: If a name or a mesh cannot be written, or there are too many cells.
         OutputError: If the file cannot be written.
     """
     if robot is not None:
@@ -69,7 +69,7 @@ def export_world(world: World, path: Path, *, robot: Robot | None = None) -> Non
 
 
 def export_robot(robot: Robot, path: Path) -> None:
-    """Write a robot: bodies with masses and inertias, joints, colliders, looks and the servos of its wheels.
+    """Write a robot: bodies with masses and inertias, joints, colliders, visuals and the servos of its wheels.
 
     Raises:
         OutputError: If the file cannot be written.
@@ -81,7 +81,7 @@ def export_scene(scene: Scene, path: Path) -> None:
     """Write the whole model that trundle simulates, with the robot at its start.
 
     Raises:
-        WorldError: If the world cannot be held.
+        WorldError: If the world cannot be written.
         OutputError: If the file cannot be written.
     """
     spec = build_spec(scene.world, scene.robot)
@@ -126,7 +126,7 @@ def _add_solid(
 
 
 def _take_apart(solids: Sequence[Solid], ground: float) -> dict[str, Pieces]:
-    """What collides of meshes over the ground."""
+    """Convex collision pieces of meshes above the ground."""
     pieces = take_apart([lower_solid(solid, ground) for solid in solids], ceiling=math.inf)
     up = (0.0, 0.0, ground)
     return {

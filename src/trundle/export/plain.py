@@ -1,4 +1,4 @@
-"""Worlds in terms that other formats have: blocked cells as boxes, names that are valid in XML."""
+"""Worlds reduced to features of other formats: blocked cells as boxes, names that are valid in XML."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]
 
     Args:
         world: The world.
-        reserved: Names that the format needs itself; a solid of such a name gets a number behind it.
+        reserved: Names used by the format itself; a solid with such a name gets a number appended.
 
     Raises:
         WorldError: If the cells need more than MOST_BOXES boxes.
@@ -44,14 +44,14 @@ def plain_solids(world: World, *, reserved: tuple[str, ...] = ()) -> list[Solid]
 
 
 def check_xml_names(what: str, names: list[str]) -> None:
-    """Refuse names that an XML file cannot hold.
+    """Refuse names that an XML file cannot contain.
 
     Raises:
         WorldError: If one is empty or has a control character.
     """
     for name in names:
         if not name or _NOT_XML.search(name):
-            raise WorldError(f"{what} cannot hold the name {name!r}: give a name of printable characters")
+            raise WorldError(f"{what} cannot contain the name {name!r}: give a name of printable characters")
 
 
 def check_encodable(names: Iterable[str]) -> None:

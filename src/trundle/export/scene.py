@@ -20,7 +20,7 @@ class Scene:
         world: The world.
         robot: The robot.
         start: Pose of base_link, map frame.
-        paths: The planned paths to its goals, in order; empty where nothing was planned.
+        paths: The planned paths to its goals, in order; empty if nothing was planned.
         speed_mask: Limits its speed, or None.
     """
 

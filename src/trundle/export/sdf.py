@@ -20,11 +20,11 @@ from trundle.worlds.shapes import Names
 def export_world(world: World, path: Path) -> None:
     """Write a world: each solid is a static model of its name, with one collision and one visual in its colour.
 
-    Meshes are OBJ files in a folder beside it, `<stem>_meshes`. In names `::`, which SDF keeps for its own use, is
+    Meshes are OBJ files in a folder beside it, `<stem>_meshes`. In names `::`, which SDF reserves, is
     written as `/`, and `world` and `__…__`, which it reserves, get a number appended.
 
     Raises:
-        WorldError: If a name or the number of cells cannot be held.
+        WorldError: If a name cannot be written, or there are too many cells.
         OutputError: If a file cannot be written.
     """
     names = Names()
@@ -47,7 +47,7 @@ def export_world(world: World, path: Path) -> None:
 
 def _take_name(names: Names, name: str) -> str:
     plain = name.replace("::", "/")
-    # sdformat refuses a file with a model that is called so.
+    # sdformat refuses a file with a model of this name.
     if plain == "world" or re.fullmatch("__.*__", plain, re.DOTALL):
         names.take(plain)
     return names.take(plain)
@@ -106,7 +106,7 @@ def _add_color(visual: ElementTree.Element, color: tuple[float, float, float, fl
 
 
 def _write_meshes(path: Path, solids: list[Solid]) -> dict[str, str]:
-    """Write the meshes; returns each solid's file as the SDF names it, relative to its own folder."""
+    """Write the meshes; return each solid's file relative to the SDF's folder."""
     meshes = [(solid.name, solid.shape) for solid in solids if isinstance(solid.shape, Mesh)]
     if not meshes:
         return {}

@@ -11,19 +11,19 @@ from trundle.worlds import World
 
 
 def export_world(world: World, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
-    """Write a world as a USD stage: every solid a collider of its name and colour, on a ground plane at z = 0.
+    """Write a world as a USD stage: every solid is a collider with its name and colour, on a ground plane at z = 0.
 
-    `World.load` gives back the same solids, seeds, colours and kinds, to single precision where they are meshes and to
-    double precision where not; blocked cells come back as one mesh of their walls.
+    `World.load` returns the same solids, seeds, colours and kinds, meshes in single precision and other shapes in
+    double precision; blocked cells come back as one mesh of their walls.
 
     Args:
-        world: What to write.
+        world: The world.
         path: A .usd (binary), .usdc (binary) or .usda (text) file.
-        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, and light.
+        profile: "isaac" adds what Isaac Sim needs: PhysX settings and a light.
 
     Raises:
         UnknownNameError: If there is no such profile.
-        OutputError: If the file cannot be written, or its name ends otherwise.
+        OutputError: If the file cannot be written, or its suffix is not one of USD's.
         MissingExtraError: If usd-core is not installed.
     """
     write_world(world, path, profile=profile)
@@ -35,16 +35,16 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
     Bodies have the masses and inertias that trundle simulates with. Joints lie under `joints`, have the robot's names,
     and those of the drive wheels an angular velocity drive (its damping is per degree). base_link is on the ground, so
     a robot that is referenced at z = 0 stands on the floor. Wheels collide as narrow cylinders in their middle.
-    Colliders are of the purpose guide; what is seen is apart from them.
+    Colliders have the purpose guide; visuals are separate.
 
     Args:
-        robot: What to write.
+        robot: The robot.
         path: A .usd (binary), .usdc (binary) or .usda (text) file.
-        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, and a robot that stands clear of the ground.
+        profile: "isaac" adds what Isaac Sim needs: PhysX settings, and a start slightly above the ground.
 
     Raises:
         UnknownNameError: If there is no such profile.
-        OutputError: If the file cannot be written, or its name ends otherwise.
+        OutputError: If the file cannot be written, or its suffix is not one of USD's.
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)
@@ -63,18 +63,17 @@ def export_robot(robot: Robot, path: str | os.PathLike[str], *, profile: Profile
 def export_scene(scene: Scene, path: str | os.PathLike[str], *, profile: Profile | None = None) -> None:
     """Write a robot in a world as one USD stage: the world as `export_world` writes it, and in it the robot.
 
-    The robot is a prim of its own name beside the solids, with its base_link on the ground at the start. Its paths are
+    The robot is a prim with its name beside the solids, with base_link on the ground at the start. Its paths are
     not written.
 
     Args:
-        scene: What to write.
+        scene: The scene.
         path: A .usd (binary), .usdc (binary) or .usda (text) file.
-        profile: "isaac" adds what Isaac Sim wants: settings of PhysX, light, and a robot that stands clear of the
-            ground.
+        profile: "isaac" adds what Isaac Sim needs: PhysX settings, a light, and a start slightly above the ground.
 
     Raises:
         UnknownNameError: If there is no such profile.
-        OutputError: If the file cannot be written, or its name ends otherwise.
+        OutputError: If the file cannot be written, or its suffix is not one of USD's.
         MissingExtraError: If usd-core is not installed.
     """
     check_profile(profile)

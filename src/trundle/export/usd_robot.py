@@ -1,4 +1,4 @@
-"""A `Robot` as a USD stage: the bodies, joints and colliders that trundle simulates it with."""
+"""A `Robot` as a USD stage: the bodies, joints and colliders of its simulation model."""
 
 from __future__ import annotations
 
@@ -54,14 +54,14 @@ def robot_stage(robot: Robot) -> Any:
     _add_lidars(stage, f"/{root}/{BASE}", robot)
     base = stage.GetPrimAtPath(f"/{root}/{BASE}")
     UsdPhysics.ArticulationRootAPI.Apply(base)
-    # The robot does not collide with itself; joints say so for the bodies that they join.
+    # The robot does not collide with itself; bodies connected by a joint are already excluded.
     others = [Sdf.Path(writer.paths[body]) for body in bodies if writer.paths[body] != str(base.GetPath())]
     UsdPhysics.FilteredPairsAPI.Apply(base).CreateFilteredPairsRel().SetTargets(others)
     return stage
 
 
 class _Writer:
-    """Writes a model's bodies and joints under one prim, side by side: rigid bodies do not lie within each other."""
+    """Writes a model's bodies and joints under one prim, as siblings: rigid bodies must not be nested."""
 
     def __init__(self, stage: Any, root: str, model: mujoco.MjModel) -> None:
         self.stage, self.root, self.model = stage, root, model
@@ -71,7 +71,7 @@ class _Writer:
         self._materials: dict[float, Any] = {}
 
     def add_body(self, body: int, data: mujoco.MjData) -> None:
-        """Write a body with its mass and geometry at its place."""
+        """Write a body with its mass and geometry at its pose."""
         model = self.model
         path = self.paths[body] = f"{self.root}/{self._names.take(model.body(body).name)}"
         xform = UsdGeom.Xform.Define(self.stage, path)
@@ -88,7 +88,7 @@ class _Writer:
         for geom in range(first, first + int(model.body_geomnum[body])):
             is_collider = int(model.geom_group[geom]) == GROUP_COLLIDERS
             if is_collider and int(model.geom_contype[geom]) == SOLIDS_TYPE:
-                continue  # What wheels meet solids with; in USD their treads do.
+                continue  # Wheels' extra colliders against solids; in USD the treads serve for both.
             name = model.geom(geom).name.partition(":")[2] or f"{model.body(body).name}_look"
             self._add_geom(f"{path}/{names.take(f'{name}_collider' if is_collider else name)}", geom, is_collider)
 
@@ -121,7 +121,7 @@ class _Writer:
         joint = UsdPhysics.RevoluteJoint.Define(self.stage, path)
         joint.CreateAxisAttr(_axis(model.jnt_axis[index]) or "X")
         prim = joint.GetPrim()
-        # PhysX's own schema is not in usd-core; its attributes can be written all the same.
+        # PhysX's own schema is not in usd-core; its attributes can still be written.
         prim.AddAppliedSchema("PhysxJointAPI")
         armature = float(model.dof_armature[int(model.jnt_dofadr[index])])
         prim.CreateAttribute("physxJoint:armature", Sdf.ValueTypeNames.Float, False).Set(armature)
@@ -151,7 +151,7 @@ class _Writer:
         bind_friction(prim, self._material(float(model.geom_friction[geom, 0])))
 
     def _define(self, path: str, geom: int, is_collider: bool) -> tuple[Any, FloatArray | None]:
-        """Define a geom's shape; the second is what it is to be scaled by along its axes."""
+        """Define a geom's shape; the second value is its scale along its axes."""
         model, size = self.model, self.model.geom_size[geom]
         match mujoco.mjtGeom(int(model.geom_type[geom])):
             case mujoco.mjtGeom.mjGEOM_BOX:
@@ -163,7 +163,7 @@ class _Writer:
                 gprim.CreateRadiusAttr(float(size[0]))
                 return gprim, None
             case mujoco.mjtGeom.mjGEOM_ELLIPSOID if is_collider:
-                # A wheel, which MuJoCo rolls on one point; a collider of PhysX cannot be scaled to an ellipsoid.
+                # A wheel, which MuJoCo rolls on one point; PhysX cannot scale a collider to an ellipsoid.
                 return self._cylinder(path, "Y", size[0], min(float(size[1]), _TREAD / 2.0)), None
             case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
                 gprim = UsdGeom.Sphere.Define(self.stage, path)
@@ -180,7 +180,7 @@ class _Writer:
             case mujoco.mjtGeom.mjGEOM_MESH:
                 return define_mesh(self.stage, path, self._mesh(int(model.geom_dataid[geom]))), None
             case kind:
-                raise OutputError(f"{model.geom(geom).name}: a geom of type {kind.name} has no form in USD")
+                raise OutputError(f"{model.geom(geom).name}: a geom of type {kind.name} cannot be written as USD")
 
     def _cylinder(self, path: str, axis: str, radius: float, half: float) -> Any:
         gprim = UsdGeom.Cylinder.Define(self.stage, path)
@@ -196,7 +196,7 @@ class _Writer:
         return Mesh(model.mesh_vert[vertex : vertex + vertices].astype(float), model.mesh_face[face : face + faces])
 
     def _material(self, friction: float) -> Any:
-        """A material of a friction. The floor's counts too for wheels, and no more than the caster's for casters."""
+        """A material with a friction. Wheels combine it with the floor's; casters use the lower of the two."""
         if friction not in self._materials:
             UsdGeom.Scope.Define(self.stage, f"{self.root}/materials")
             path = f"{self.root}/materials/friction_{friction:g}".replace(".", "_")
@@ -205,7 +205,7 @@ class _Writer:
 
 
 def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
-    """A frame for each lidar, for a sensor to be put on."""
+    """A frame for each lidar, to attach a sensor to."""
     names = PrimNames()
     for name, lidar in robot.lidars.items():
         frame = UsdGeom.Xform.Define(stage, f"{base}/{names.take(name if 'lidar' in name else f'lidar_{name}')}")
@@ -213,12 +213,12 @@ def _add_lidars(stage: Any, base: str, robot: Robot) -> None:
 
 
 def _axis(axis: FloatArray) -> str | None:
-    """Which of USD's axes an axis is; none if it is none of them."""
+    """The USD axis equal to an axis; None if there is none."""
     return next((name for name, unit in _AXES.items() if np.allclose(axis, unit, atol=1e-12)), None)
 
 
 def _frame(axis: FloatArray) -> FloatArray:
-    """Rotation, shape (3, 3), that takes one of USD's axes to a joint's: none for one of them, else x to it."""
+    """Rotation, shape (3, 3), from one of USD's axes to a joint's: identity if it is one of them, else from x."""
     if _axis(axis) is not None:
         return np.eye(3)
     x, y, z = (float(number) for number in axis)

@@ -17,8 +17,8 @@ def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:
     """Make the stage of a world with the robot in it, at its start.
 
     Args:
-        scene: What is written.
-        height: That base_link stands above the floor [m].
+        scene: The scene.
+        height: Height of base_link above the floor [m].
     """
     stage = world_stage(scene.world)
     root = stage.GetDefaultPrim()
@@ -28,7 +28,7 @@ def scene_stage(scene: Scene, *, height: float = 0.0) -> Any:
     robot = robot_stage(scene.robot)
     source = robot.GetDefaultPrim()
     path = root.GetPath().AppendChild(names.take(source.GetName()))
-    # Joints, materials and filtered pairs point within the robot, and follow it.
+    # Joints, materials and filtered pairs refer to prims within the robot, and are remapped with it.
     Sdf.CopySpec(robot.GetRootLayer(), source.GetPath(), stage.GetRootLayer(), path)
     start = scene.start
     w, x, y, z = Pose3D.planar(start.x, start.y, height, start.yaw).quaternion

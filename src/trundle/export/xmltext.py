@@ -1,4 +1,4 @@
-"""XML that is written: indented, numbers so exact that they read back the same."""
+"""Writing XML: indented, with numbers that read back exactly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers with spaces between them, each in the fewest digits that read back to it."""
+    """Numbers separated by spaces, each with the fewest digits that read back exactly."""
     return " ".join(_number(value) for value in np.asarray(list(values), dtype=np.float64).tolist())
 
 

@@ -24,9 +24,9 @@ class Curve:
 
     Attributes:
         x, y: Shape (N,) each.
-        color: Of the line.
+        color: Colour of the line.
         name: For the legend; empty for none.
-        width: Of the line [px].
+        width: Width of the line [px].
     """
 
     x: FloatArray
@@ -41,12 +41,12 @@ class Chart:
     """Curves over one pair of axes.
 
     Attributes:
-        title: With the unit of y.
+        title: Title, with the unit of y.
         curves: At least one, drawn in order.
-        square: Whether both axes have one scale.
-        zero: Whether 0 is always seen.
-        least: The shortest span of y that is shown, in its unit, so that rounding does not look like a difference;
-            with `square` of both axes.
+        square: Whether both axes have the same scale.
+        zero: Whether 0 is always visible.
+        least: Minimum span of the y axis, in its unit, so that rounding does not look like a difference; with
+            `square` of both axes.
     """
 
     title: str
@@ -58,7 +58,7 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class _Axes:
-    """What the frame shows, and where it is [px]."""
+    """The data range of the frame, and its position [px]."""
 
     x: tuple[float, float]
     y: tuple[float, float]
@@ -90,12 +90,12 @@ def draw_chart(chart: Chart, size: tuple[int, int]) -> Image.Image:
 
 
 def round_marks(low: float, high: float, about: int = 5) -> list[float]:
-    """Round numbers from `low` to `high`, about so many."""
+    """About `count` round numbers from `low` to `high`."""
     raw = (high - low) / about
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * 0.999)
     first = math.ceil(low / step - 1e-9)
-    # Rounded, and 0.0 added: no mark reads -0.
+    # Rounded, and 0.0 added, so that no mark reads -0.
     return [round(index * step, 12) + 0.0 for index in range(first, math.floor(high / step + 1e-9) + 1)]
 
 

@@ -1,4 +1,4 @@
-"""How far two runs of the same commands diverge, as numbers and as a picture."""
+"""The divergence of two runs of the same commands, as numbers and as a picture."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Comparison:
         final_position_error_m: Distance at the end [m].
         final_yaw_error_rad: Difference in yaw at the end, as a positive number [rad].
         rms_position_error_m: Root mean square distance [m].
-        max_command_difference: Largest difference between the commands, in v [m/s] or w [rad/s]; above 0 the two were
-            not driven by the same commands.
+        max_command_difference: Largest difference between the commands, in v [m/s] or w [rad/s]; above 0 their
+            commands differ.
         first, second: The two motions, the second at the times of the first.
     """
 
@@ -50,14 +50,14 @@ class Comparison:
 
 
 def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Comparison:
-    """Compare two motions over the time that both have.
+    """Compare two motions over their common time span.
 
     The second is interpolated linearly to the times of the first; its commands are those in force at that time.
 
     Args:
         first: The reference.
-        second: What is compared with it.
-        align: Move and turn the second so that both start at one pose.
+        second: The motion to compare with it.
+        align: Move and rotate the second so that both start at the same pose.
 
     Raises:
         InputError: If they share no time, or start at different poses without `align`.
@@ -116,7 +116,7 @@ def draw_comparison(comparison: Comparison, names: tuple[str, str]) -> Image.Ima
     draw = ImageDraw.Draw(page)
     draw.text((28, 16), plain(f"{names[0]} and {names[1]}"), font=font(28), fill=INK)
     line = (
-        f"apart at most {1000.0 * comparison.max_position_error_m:.1f} mm and "
+        f"maximum distance {1000.0 * comparison.max_position_error_m:.1f} mm and "
         f"{np.degrees(comparison.max_yaw_error_rad):.2f}° in {time[-1] - time[0]:.1f} s"
     )
     draw.text((28, 54), line, font=font(17), fill=FAINT)
@@ -147,7 +147,7 @@ def _at(motion: Motion, time: FloatArray) -> Motion:
 
 
 def _aligned(first: Motion, second: Motion) -> Motion:
-    """The second from where the first starts."""
+    """The second motion, moved to the start of the first."""
     turn = float(first.yaw[0] - second.yaw[0])
     cos, sin = np.cos(turn), np.sin(turn)
     x, y = second.x - second.x[0], second.y - second.y[0]

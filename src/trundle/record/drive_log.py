@@ -1,4 +1,4 @@
-"""What `trundle drive` records: every control period, and how each command ended."""
+"""The record of `trundle drive`: every control period, and the state at the end of each command."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ COLUMNS = (
 
 
 class Leg(TypedDict):
-    """How one command ended: the pose [m, m, rad], the twist, the wheel speeds [rad/s] and what was touched on it."""
+    """State at the end of one command: pose [m, m, rad], twist, wheel speeds [rad/s], and its contacts."""
 
     v: float
     w: float
@@ -76,7 +76,7 @@ class DriveLog:
             self._ends.append(state)
 
     def legs(self) -> list[Leg]:
-        """Every leg that was driven, in order."""
+        """All driven legs, in order."""
         return [
             Leg(
                 v=v,
@@ -93,7 +93,7 @@ class DriveLog:
         ]
 
     def summary(self) -> DriveSummary:
-        """Time, distance, turns and contacts of the whole drive, of which at least one state was added."""
+        """Time, distance, turns and contacts of the whole drive, which must have at least one state."""
         return DriveSummary.from_states(self._states)
 
     def save(self, path: Path) -> None:

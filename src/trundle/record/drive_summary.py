@@ -1,4 +1,4 @@
-"""A drive in a few numbers."""
+"""Summary of a drive."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from trundle.sim import RobotState
 
 @dataclass(frozen=True, slots=True)
 class DriveSummary:
-    """What a drive amounts to.
+    """Totals of a drive.
 
     Attributes:
         seconds: Simulated time [s].
@@ -22,8 +22,8 @@ class DriveSummary:
         top_speed: Largest speed, forward or back [m/s].
         turned_left: Sum of all turns to the left [rad].
         turned_right: Sum of all turns to the right [rad].
-        contacts: How often a contact began with something that was not touched before.
-        touched: Names of what was touched, sorted.
+        contacts: Number of contacts that began, counted once while they last.
+        touched: Names of the touched solids, sorted.
         pose: The last pose, map frame.
     """
 
@@ -38,7 +38,7 @@ class DriveSummary:
 
     @classmethod
     def from_states(cls, states: Sequence[RobotState]) -> Self:
-        """Summarise the states of a drive, in order, of which there is at least one."""
+        """Summarise the states of a drive, in order, at least one."""
         distance = left = right = 0.0
         contacts = 0
         for before, after in itertools.pairwise(states):

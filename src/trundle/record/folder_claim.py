@@ -25,19 +25,19 @@ RUN_FILES = (
     "video.mp4",
     "video.gif",
 )
-"""Files by which a folder is known to hold a run. The first two are written last and complete it."""
+"""Files that mark a folder as a run's. The first two are written last and complete it."""
 
 PREVIOUS = "previous-run"
-"""The folder, within a run's, that keeps the run that is being replaced."""
+"""Subfolder that keeps the old run while it is being replaced."""
 
 
 def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, extra: Sequence[str] = ()) -> None:
-    """Refuse a folder that holds a run, before any work is done.
+    """Refuse a folder that already holds a run, before any work is done.
 
     Args:
-        out: The folder; none is a new one.
-        overwrite: Whether its run is to be replaced.
-        extra: Names of further files that are going to be written.
+        out: The folder; None means a new one.
+        overwrite: Whether to replace its run.
+        extra: Names of further files that will be written.
 
     Raises:
         OutputError: If it holds a run.
@@ -48,7 +48,7 @@ def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, e
     held = [name for name in (*RUN_FILES, *extra, PREVIOUS) if os.path.lexists(folder / name)]
     if held:
         raise OutputError(
-            f"{folder} holds a run already ({', '.join(held)}); give another folder with -o, or replace that run with "
+            f"{folder} already holds a run ({', '.join(held)}); give another folder with -o, or replace that run with "
             "--overwrite"
         )
 
@@ -56,14 +56,14 @@ def check_free(out: str | os.PathLike[str] | None, *, overwrite: bool = False, e
 class FolderClaim:
     """Exclusive use of a folder while the claim is open; use it in a `with` block.
 
-    A folder in which nothing was written is removed again at the end, if it was made here.
+    An empty folder is removed at the end if it was created here.
 
     Args:
         out: The folder; none means a new `runs/<time>-<name>`.
-        name: Of the run, for the folder's name.
+        name: Name of the run, for the folder's name.
         overwrite: Replace the run that the folder holds.
-        extra: Names of files that the run writes besides `RUN_FILES`.
-        root: Where new folders are made.
+        extra: Names of files that the run writes in addition to `RUN_FILES`.
+        root: Parent of new folders.
 
     Attributes:
         path: The folder.
@@ -102,13 +102,13 @@ class FolderClaim:
 
     @contextmanager
     def replacing(self) -> Iterator[None]:
-        """Keep the folder's earlier run aside while the block writes the new one; delete it when the block has ended.
+        """Set the folder's old run aside while the block writes the new one; delete it when the block has ended.
 
-        Where the block fails, or is killed, before it has written `episode.json` or `drive.csv`, the earlier run comes
-        back: at once, or with the next claim. After that both are there, the earlier one in `PREVIOUS`.
+        If the block fails, or is killed, before it has written `episode.json` or `drive.csv`, the old run is restored:
+        at once, or by the next claim. After that both exist, the old one in `PREVIOUS`.
 
         Raises:
-            OutputError: If the earlier run cannot be moved.
+            OutputError: If the old run cannot be moved.
         """
         self._try(self._put_aside)
         try:
@@ -126,7 +126,7 @@ class FolderClaim:
         self._is_open = False
         self._lock.release()
         if self._is_new:
-            with suppress(OSError):  # it is not empty: it stays
+            with suppress(OSError):  # it is not empty: keep it
                 self.path.rmdir()
 
     def __enter__(self) -> Self:
@@ -142,14 +142,14 @@ class FolderClaim:
             raise OutputError(f"cannot replace the run in {self.path}: {error}") from error
 
     def _is_recorded(self) -> bool:
-        """Whether there is a run's record that is not aside."""
+        """Whether the folder holds a run's record other than the old one."""
         return any((self.path / name).exists() for name in RUN_FILES[:2])
 
     def _put_aside(self) -> None:
         held = [name for name in self._files if os.path.lexists(self.path / name)]
         if not held:
             return
-        self._drop_previous()  # of a replacement that was killed when its own record was written
+        self._drop_previous()  # of a replacement that was killed after its record was written
         self._previous.mkdir()
         for name in held:
             (self.path / name).rename(self._previous / name)
@@ -162,7 +162,7 @@ class FolderClaim:
             path.replace(self.path / path.name)
         self._previous.rmdir()
         sync_folder(self.path)
-        _LOGGER.info("replacing the run in %s was interrupted: the earlier run is restored", self.path)
+        _LOGGER.info("replacing the run in %s was interrupted: the old run is restored", self.path)
 
     def _drop_previous(self) -> None:
         if not self._previous.is_dir():

@@ -1,4 +1,4 @@
-"""A picture of a map with what its check found."""
+"""A picture of a map with the findings of its check."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ _RING = 13  # [px]
 _TAG = (34, 24)  # room for a number [px]
 _LINE = 46  # [px], for each kind of finding below the map
 _MOST_LINES = 24
-_MOST_RINGS = 20  # of a group, the largest
+_MOST_RINGS = 20  # per group, at the largest findings
 _ASIDE = ((1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0), (0, -1), (0, 1))
 _NAMES: tuple[tuple[Severity, str], ...] = (("error", "error"), ("warning", "warning"), ("info", "remark"))
 
 
 def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str, robot_area: float | None = None) -> Image.Image:
-    """Draw a map with its findings: a ring and a number at each place, and below what they mean.
+    """Draw a map with its findings: a ring and a number at each place, and an explanation below.
 
-    Findings of one kind with one fix have one number.
+    Findings of the same kind and fix share a number.
 
     Args:
         grid: The map.
-        report: What was found in it.
+        report: The findings.
         title: Headline.
-        robot_area: What the robot's footprint covers [m²]: smaller free areas are listed last, on one line, and have no
-            ring. None means the smallest robot's.
+        robot_area: Area of the robot's footprint [m²]: smaller free areas are listed last, on one line, without rings.
+            None means the smallest robot's.
     """
     groups, small = group_findings(report.findings, robot_area)
     view = MapView(_as_costmap(grid))
@@ -66,7 +66,7 @@ def draw_report(grid: OccupancyGrid, report: MapReport, *, title: str, robot_are
 
 
 def _draw_tags(picture: Image.Image, view: MapView, groups: list[Group]) -> None:
-    """Write the number beside each ring where there is room, and beside one of each group in any case."""
+    """Write the number beside each ring if there is room, and always beside one ring of each group."""
     draw = ImageDraw.Draw(picture)
     rings = [
         (number, finding, [float(at) for at in view.to_pixels([finding.where])[0]])
@@ -103,7 +103,7 @@ def _has_room(box: Area, taken: list[Area], size: tuple[int, int]) -> bool:
 
 
 def count_by_severity(report: MapReport) -> str:
-    """How many errors, warnings and remarks there are, in words."""
+    """The numbers of errors, warnings and remarks as text."""
     counts = Counter(finding.severity for finding in report.findings)
     parts = [f"{counts[key]} {name}{'s' if counts[key] > 1 else ''}" for key, name in _NAMES if counts[key]]
     return ", ".join(parts) or "nothing found"

@@ -1,4 +1,4 @@
-"""A map's report as lines of text: what matters first, and no more than fit a screen."""
+"""A map's report as lines of text: the most important first, limited to one screen."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ if TYPE_CHECKING:
     from trundle.maps.check.grouping import Group
 
 MOST_LINES = 15
-"""Of the whole report, unless everything is asked for."""
+"""Maximum number of lines, unless all findings are requested."""
 
-_PLACES = 3  # that are named of a group
+_PLACES = 3  # listed per group
 
 
 def tell_report(title: str, report: MapReport, robot_area: float | None, *, most: int | None) -> list[str]:
     """The report's lines.
 
     Args:
-        title: Of the map.
-        report: What was found in it.
-        robot_area: What the robot's footprint covers [m²]; smaller free areas are listed last. None means the smallest
+        title: Title of the map.
+        report: The findings.
+        robot_area: Area of the robot's footprint [m²]; smaller free areas are listed last. None means the smallest
             robot's.
-        most: The most lines; None lists every finding.
+        most: Maximum number of lines; None lists every finding.
     """
     from trundle.maps.check.grouping import group_findings, tell_small
     from trundle.record.map_report import count_by_severity
 
-    first, last = f"{title}: {count_by_severity(report)}", _tell_unverified(report)
+    first, last = f"{title}: {count_by_severity(report)}", _unverified_lines(report)
     if most is None:
         return [first, *(line for finding in report.findings for line in _tell_finding(finding)), *last]
     groups, small = group_findings(report.findings, robot_area)
@@ -42,7 +42,7 @@ def _tell_finding(finding: Finding) -> list[str]:
 
 
 def _tell_groups(groups: list[Group], room: int) -> list[str]:
-    """Two lines a group where there is room: the worst keep what to do about them the longest."""
+    """Two lines per group if there is room: fixes are dropped from the least severe first."""
     listed = len(groups) if len(groups) <= room else room - 1
     spare = room - listed - (listed < len(groups))
     lines: list[str] = []
@@ -70,8 +70,8 @@ def _place(finding: Finding) -> str:
     return "nowhere" if finding.where is None else f"({finding.where[0]:.2f}, {finding.where[1]:.2f})"
 
 
-def _tell_unverified(report: MapReport) -> list[str]:
-    """What could not be looked for, and why; a reason that begins with the kinds is not repeated after them."""
+def _unverified_lines(report: MapReport) -> list[str]:
+    """The kinds that could not be checked, and why; a reason that begins with the kinds is not repeated after them."""
     lines: list[str] = []
     remarks = list(report.remarks)
     for name, kinds in (("unverified", report.unverified), ("ambiguous", report.ambiguous)):

@@ -1,4 +1,4 @@
-"""A costmap as a picture to draw on: cropped, enlarged by whole pixels a cell, with smooth lines."""
+"""A costmap as a picture to draw on: cropped, enlarged by whole pixels per cell, with smooth lines."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ LONG_SIDE = 1000
 MAX_SIDE = 2000
 _MARGIN_M = 2.0
 _LEAST_VIEW_M = 8.0
-_LEAST_RATIO = 0.85  # of the shorter to the longer side of a view, where the map is wide enough
+_LEAST_RATIO = 0.85  # ratio of the shorter to the longer side of a view, if the map is wide enough
 _WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of it
 
 
 class MapView:
-    """The part of a map in focus, with what is drawn on it.
+    """The part of a map in focus, to draw on.
 
     Args:
-        costmap: The map as the robot sees it.
-        focus: Points [m] in the map frame, shape (N, 2), that must be seen; none means the whole map.
+        costmap: The robot's costmap.
+        focus: Points [m] in the map frame, shape (N, 2), that must be visible; None means the whole map.
         long_side: Least length of the longer side, in pixels of the finished picture.
-        max_side: Largest length of the longer side; larger maps are shown with several cells a pixel.
+        max_side: Largest length of the longer side; larger maps have several cells per pixel.
         zones: Speed limits; keep-out zones are part of the costmap.
     """
 
@@ -73,7 +73,7 @@ class MapView:
         self._draw = ImageDraw.Draw(self._image, "RGBA")
 
     def _tint(self, pixels: npt.NDArray[np.uint8], zones: SpeedZones, merged: int) -> None:
-        """Blend the colour of limited speed into the colours of cells, each of which stands for `merged` a side."""
+        """Blend the colour of speed limits into the colours of cells, each of which covers `merged` by `merged`."""
         row0, _, col0, _ = self._crop
         rows, cols = pixels.shape[:2]
         middle = (merged - 1) / 2.0
@@ -87,23 +87,23 @@ class MapView:
         return self._pixels_per_cell / self._costmap.resolution
 
     def to_pixels(self, points: npt.ArrayLike) -> FloatArray:
-        """Where points [m] in the map frame, shape (N, 2), are in the finished picture [px]; y goes down."""
+        """Pixels of points [m] in the map frame, shape (N, 2), in the finished picture; y points down."""
         local = self._costmap.origin.inverse().transform_points(np.asarray(points, dtype=np.float64).reshape(-1, 2))
         cells = local / self._costmap.resolution
         _, row1, col0, _ = self._crop
         return np.column_stack([cells[:, 0] - col0, row1 - cells[:, 1]]) * self._pixels_per_cell
 
     def finish(self) -> Image.Image:
-        """Return the picture; the view can be drawn on further."""
+        """Return the picture; the view can still be drawn on."""
         return self._image.reduce(SMOOTH)
 
     def refresh(self, picture: Image.Image, points: npt.ArrayLike, margin: float) -> None:
-        """Bring a finished picture up to date around points [m], shape (N, 2), and `margin` [px] beyond."""
+        """Update a finished picture around points [m], shape (N, 2), with a `margin` [px]."""
         box = self._box(self.to_pixels(points), margin)
         picture.paste(self._image.crop(_enlarged(box)).reduce(SMOOTH), box)
 
     def stamp(self, picture: Image.Image, pose: Pose2D, corners: FloatArray, color: Rgb) -> None:
-        """Draw a robot into a finished picture, and not into the view."""
+        """Draw a robot into a finished picture, without changing the view."""
         points = pose.transform_points(corners)
         box = self._box(self.to_pixels(points), 4.0)
         patch = self._image.crop(_enlarged(box))
@@ -148,7 +148,7 @@ class MapView:
     def outline(
         self, pose: Pose2D, corners: FloatArray, color: Rgb, width: float, *, alpha: int = 255, fill: int = 0
     ) -> None:
-        """Draw a robot's footprint at a pose, map frame; `alpha` and `fill` are 0..255, of its line and its inside."""
+        """Draw a robot's footprint at a pose, map frame; `alpha` and `fill` are 0..255, for line and interior."""
         pixels = self.to_pixels(pose.transform_points(corners)) * SMOOTH
         points = [(float(x), float(y)) for x, y in pixels]
         if fill:
@@ -189,7 +189,7 @@ def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
 
 
 def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, int, int]:
-    """First and last + 1 row and column of the part to show: what is known, and of that what is in focus."""
+    """First and last + 1 row and column of the part to show: the known cells, restricted to the focus."""
     rows, cols = costmap.shape
     known = costmap.data != NO_INFORMATION
     margin = math.ceil(0.5 / costmap.resolution)
@@ -211,11 +211,11 @@ def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, in
 
 
 def _around(low: int, high: int, length: float, first: int, last: int) -> tuple[int, int]:
-    """Widen low..high to a length, shifted so that as much of it as there is lies within first..last."""
+    """Widen low..high to a length, shifted to lie within first..last as far as possible."""
     wanted = min(math.ceil(length), last - first)
     begin = (low + high - wanted) // 2
     begin = max(first, min(begin, last - wanted))
-    # What is in focus may lie outside the map; some of the map is shown in any case.
+    # The focus may lie outside the map; some of the map is always shown.
     return begin, begin + wanted
 
 
@@ -226,10 +226,10 @@ def _extent(known: npt.NDArray[np.intp], margin: int, size: int) -> tuple[int, i
 
 
 def _merge_cells(cells: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:
-    """Merge squares of cells: occupied where any is, else unknown where any is, else the largest cost."""
+    """Merge squares of cells: occupied if any cell is, else unknown if any is, else the largest cost."""
     rows, cols = (math.ceil(side / factor) * factor for side in cells.shape)
     padded = np.pad(cells, ((0, rows - cells.shape[0]), (0, cols - cells.shape[1])), mode="edge")
-    # Ranks: costs up to 253 as they are, unknown 254, occupied 255.
+    # Ranks: costs up to 253 unchanged, unknown 254, occupied 255.
     ranks = np.where(padded == LETHAL, 255, np.where(padded == NO_INFORMATION, 254, padded))
     merged = ranks.reshape(rows // factor, factor, cols // factor, factor).max(axis=(1, 3))
     swapped = np.where(merged == 255, LETHAL, np.where(merged == 254, NO_INFORMATION, merged))

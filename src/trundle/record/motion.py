@@ -20,13 +20,13 @@ _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "comm
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Where a robot was and its commands, one row per control period, in arrays of shape (N,).
+    """Poses and commands of a robot, one row per control period, in arrays of shape (N,).
 
     Attributes:
-        time: Simulated time [s], rising.
+        time: Simulated time [s], increasing.
         x, y, yaw: Pose of base_link, map frame [m, m, rad].
         v, w: Twist in base_link [m/s, rad/s].
-        commanded_v, commanded_w: What was commanded during the period that ends there [m/s, rad/s].
+        commanded_v, commanded_w: Command during the period that ends at this time [m/s, rad/s].
     """
 
     time: FloatArray
@@ -43,7 +43,7 @@ class Motion:
         """Read the folder of a run or of a drive, or the file in it.
 
         Raises:
-            InputError: If there is no such folder or file, or it is neither; the message says what was looked for.
+            InputError: If there is no such folder or file, or it has no record; the message says what was searched.
         """
         place = Path(as_path(path, "the folder or file of a run"))
         is_folder = exists(place) and place.is_dir()
@@ -80,7 +80,7 @@ def _read_csv(file: Path) -> dict[str, FloatArray]:
     except KeyError as error:
         raise InputError(f"{file}: no column {error.args[0]}; give the drive.csv of trundle drive") from error
     except (TypeError, ValueError) as error:
-        raise InputError(f"{file}: a row has something that is not a number: {error}") from error
+        raise InputError(f"{file}: a row has a value that is not a number: {error}") from error
     if not all(np.isfinite(column).all() for column in columns.values()):
-        raise InputError(f"{file}: a row has something that is not finite")
+        raise InputError(f"{file}: a row has a value that is not finite")
     return columns

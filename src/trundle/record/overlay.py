@@ -1,4 +1,4 @@
-"""Pictures of plans and of runs: the map, its inflation, the path, and where the robot drove."""
+"""Pictures of plans and runs: the map, its inflation, the path, and the driven trajectory."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from trundle.record.zones import speed_zones, zone_marks
 from trundle.robots import Robot
 
 _SPEED_LEVELS = 24
-_OUTLINES = 14  # about how many footprints are drawn along a path
+_OUTLINES = 14  # approximate number of footprints along a path
 _LEAST_GAP_M = 1.2
 _LEGEND = (
     Mark("line", PLANNED, "planned"),
@@ -62,13 +62,13 @@ def draw_plan(
     """Draw a planned path on its map, with the robot's footprint at both ends.
 
     Args:
-        costmap: What the path was planned on.
+        costmap: The costmap of the plan.
         path: The path.
-        robot: Whose footprint is drawn.
-        title: Headline; none means the robot's and the planner's names.
-        lines: Smaller lines below it; none means length and cost.
-        speed_mask: Where speed is limited, or none.
-        before: The path as it was before it was smoothed, drawn thin on top of it, or none.
+        robot: The robot, for its footprint.
+        title: Headline; None means the robot's and the planner's names.
+        lines: Smaller lines below it; None means length and cost.
+        speed_mask: The speed limits, or None.
+        before: The path before smoothing, drawn thin on top, or None.
     """
     zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, path.poses[:, :2], zones=zones)
@@ -97,14 +97,14 @@ def draw_plan(
 def draw_paths(
     costmap: Costmap, robot: Robot, paths: Mapping[str, Path], *, title: str = "", speed_mask: SpeedMask | None = None
 ) -> Image.Image:
-    """Draw several paths between the same ends on their map, each in a colour of its own.
+    """Draw several paths between the same ends on their map, each in its own colour.
 
     Args:
-        costmap: What they were planned on.
-        robot: Whose footprint is drawn at both ends.
-        paths: At least one, by name; where they lie on each other, they are striped.
-        title: Headline; none means the robot's name.
-        speed_mask: Where speed is limited, or none.
+        costmap: The costmap of the plans.
+        robot: The robot, whose footprint is drawn at both ends.
+        paths: At least one, by name; overlapping parts are striped.
+        title: Headline; None means the robot's name.
+        speed_mask: The speed limits, or None.
     """
     zones = speed_zones(speed_mask, robot)
     view = MapView(costmap, np.concatenate([path.poses[:, :2] for path in paths.values()]), zones=zones)
@@ -128,13 +128,13 @@ def draw_paths(
 
 
 def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: SpeedMask | None = None) -> Image.Image:
-    """Draw a run on its map: planned paths, where the robot drove, coloured by speed, and its outcome.
+    """Draw a run on its map: planned paths, the driven trajectory coloured by speed, and the outcome.
 
     Args:
-        costmap: What it was planned on.
-        robot: Whose footprint is drawn.
+        costmap: The costmap of the run.
+        robot: The robot, for its footprint.
         episode: The run.
-        speed_mask: Where speed was limited, or none.
+        speed_mask: The speed limits, or None.
     """
     trajectory = episode.trajectory
     goals = np.array([goal[:2] for goal in episode.goals])
@@ -195,7 +195,7 @@ def describe(episode: Episode) -> list[str]:
 
 
 def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, width: float = 4.0) -> None:
-    """Draw where the robot drove, coloured by its speed."""
+    """Draw the driven trajectory, coloured by speed."""
     points = trajectory.poses[:, :2]
     kept = thin(view.to_pixels(points), 1.5)
     if len(kept) < 2:
@@ -209,7 +209,7 @@ def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, widt
 
 
 def thin(pixels: FloatArray, gap: float) -> list[int]:
-    """Indices of points, shape (N, 2), that are `gap` apart along the line; the first and the last are among them."""
+    """Indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pixels, axis=0).T))])
     marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
     return sorted({*marks.tolist(), len(pixels) - 1})
@@ -233,7 +233,7 @@ def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatA
 
 
 def _heading(poses: FloatArray, before: int, after: int) -> float:
-    """Yaw while driving from one pose to the next: a planned path turns at its corners, a driven one in between."""
+    """Yaw between consecutive poses: a planned path turns at its corners, a driven one in between."""
     step = poses[after, :2] - poses[before, :2]
     if np.hypot(*step) < 0.2:
         return float(poses[after, 2])
@@ -250,7 +250,7 @@ def _draw_robot(view: MapView, robot: Robot, pose: Pose2D, color: Rgb) -> None:
 
 
 def _draw_goal(view: MapView, robot: Robot, goal: Goal) -> None:
-    """Draw a goal: as the footprint to reach where it has a yaw, else as a target."""
+    """Draw a goal: as the footprint at the goal if it has a yaw, else as a target."""
     if not goal.yaw_free:
         _draw_robot(view, robot, goal.pose, GOAL)
         return

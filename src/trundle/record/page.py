@@ -1,4 +1,4 @@
-"""A page around a picture: title and figures above, legend below. Its letters are those that Pillow brings."""
+"""A page around a picture: title and figures above, legend below. The font is the one included in Pillow."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _LOWEST_SPEED = "driven at 0"
 _LEGEND_ROW = 26
 _BETWEEN_MARKS = 24
 _SIGN = {"line": 26, "square": 16}
-"""How wide what stands before an entry of the legend is [px]."""
+"""Width of the symbol before a legend entry [px]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """An entry of the legend: a line or a filled square of one colour, and what it stands for."""
+    """An entry of the legend: a line or a filled square of one colour, and its label."""
 
     shape: Literal["line", "square"]
     color: Rgb
@@ -41,16 +41,16 @@ def compose_page(
     pixels_per_metre: float,
     top_speed: float | None = None,
 ) -> Image.Image:
-    """Set a picture of a map on a page.
+    """Place a picture of a map on a page.
 
     Args:
-        picture: The map with what was drawn on it.
+        picture: The picture of the map.
         title: First line.
-        status: A word after the title, in its colour.
+        status: A word after the title, in its own colour.
         lines: Smaller lines below the title.
-        legend: Entries below the picture, in as many rows as they need.
+        legend: Entries below the picture, in as many rows as needed.
         pixels_per_metre: For the scale bar.
-        top_speed: End of the colour bar [m/s]; none means no colour bar.
+        top_speed: End of the colour bar [m/s]; None means no colour bar.
     """
     width = max(picture.width, _LEAST_WIDTH) + 2 * _EDGE
     small = font(17)
@@ -98,13 +98,13 @@ def _draw_disc(draw: ImageDraw.ImageDraw, center: tuple[float, float], radius: i
 
 
 def _legend_room(width: int, pixels_per_metre: float, top_speed: float | None) -> tuple[float, float]:
-    """Where the legend begins and ends: beside the scale, and the colour bar where there is one."""
+    """Left and right ends of the legend: beside the scale, and the colour bar if there is one."""
     end = width - _EDGE if top_speed is None else _place_speeds(width - _EDGE, top_speed)[0]
     return _EDGE + round(scale_length(pixels_per_metre) * pixels_per_metre) + 36, end - 24
 
 
 def _place_speeds(right: int, top: float) -> tuple[int, int, int]:
-    """Where the words before the colour bar of speeds begin, and the bar itself begins and ends."""
+    """Positions of the label and of both ends of the colour bar of speeds."""
     length = text_length(font(15))
     end = right - round(length(_speed_text(top))) - 8
     begin = end - _BAR[0]
@@ -126,7 +126,7 @@ def _speed_text(top: float) -> str:
 
 
 def _break_legend(legend: Sequence[Mark], room: float) -> list[list[Mark]]:
-    """Rows of the legend, at least one; each entry stands in one of them."""
+    """Rows of the legend, at least one; each entry is in one of them."""
     rows: list[list[Mark]] = [[]]
     x = 0.0
     for mark in legend:
@@ -162,7 +162,7 @@ def draw_tag(
     apart: float,
     size: tuple[int, int],
 ) -> None:
-    """Write a word on a small field of colour, up and right of a point [px] by `apart`, in a picture of `size`."""
+    """Write a word on a small coloured background, up and right of a point [px] by `apart`, in a picture of `size`."""
     letters = font(16)
     wide, high = round(draw.textlength(text, font=letters)) + 14, 24
     x = min(max(2, at[0] + apart), size[0] - wide - 2)

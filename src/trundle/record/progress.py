@@ -1,4 +1,4 @@
-"""How far a run is, on the error stream: a bar with the time left on a terminal, plain lines elsewhere."""
+"""The progress of a run on the error stream: a bar with the remaining time on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _EVERY = 5  # steps
-_PLAIN_STEP = 0.25  # of the whole, from one plain line to the next
+_PLAIN_STEP = 0.25  # progress between plain lines
 
 
 class ProgressBar:
-    """An observer that shows the share of the planned length that is driven; use it in a `with` block.
+    """An observer that shows the driven share of the planned length; use it in a `with` block.
 
     Args:
-        quiet: Show nothing at all.
-        plain: Print a line for every quarter where the error stream is no terminal; otherwise nothing is shown there.
+        quiet: Show nothing.
+        plain: If the error stream is not a terminal, print a line for every quarter instead of nothing.
     """
 
     def __init__(self, *, quiet: bool = False, plain: bool = False) -> None:
@@ -84,7 +84,7 @@ class ProgressBar:
 
 
 def _make_bar() -> Progress | None:
-    """Return a started bar, or None where it could not be seen."""
+    """Return a started bar, or None if it would not be visible."""
     if not sys.stderr.isatty():
         return None
     from rich.console import Console

@@ -1,4 +1,4 @@
-"""`RunFolder`: writes what a run leaves, so that a kill at any moment leaves no half file."""
+"""`RunFolder`: writes the results of a run atomically, so that a kill at any moment leaves no partial file."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ _VERSIONS = ("numpy", "mujoco", "isaacsim", "pillow", "av")
 
 
 WriteExtra = Callable[[Path, Episode], object]
-"""Writes a further file of a run, given its path and the episode."""
+"""Writes an additional file of a run, given its path and the episode."""
 
 
 class RunFolder:
     """An observer that writes a run's folder at its end.
 
-    `trajectory.npz`, `paths.npz`, `scenario.yaml` and `episode.json` come first, so that a failure later cannot lose
-    the outcome; then pictures and video. `episode.json` is written again at the end, with `complete: true`.
+    `trajectory.npz`, `paths.npz`, `scenario.yaml` and `episode.json` are written first, so that a later failure cannot
+    lose the outcome; then pictures and video. `episode.json` is written again at the end, with `complete: true`.
 
-    Use it in a `with` block: a folder in which nothing was written is removed again, if it was made here.
+    Use it in a `with` block: an empty folder is removed if it was created here.
 
     Args:
-        out: The folder; none means a new `runs/<time>-<name>`.
-        name: Of the run, for the folder's name.
-        overwrite: Replace the run that the folder holds; it is deleted when the new one is there.
-        scenario: The exact scenario, written as `scenario.yaml`; none where the run has none.
+        out: The folder; None means a new `runs/<time>-<name>`.
+        name: Name of the run, for the folder's name.
+        overwrite: Replace an existing run in the folder; it is deleted once the new one is complete.
+        scenario: The exact scenario, written as `scenario.yaml`; None if the run has none.
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
-        frames: Where the video's pictures come from; none means a drawn view from above.
+        frames: Source of the video's pictures; None means a drawn view from above.
         report: Called with the progress of the video.
-        extras: Further files by name, and what writes them.
+        extras: Additional files by name, with their writers.
 
     Attributes:
         path: The folder.
@@ -94,20 +94,20 @@ class RunFolder:
         self._claim.close()
 
     def on_start(self, run: RunInfo) -> None:
-        """Keep what is driven.
+        """Store the information of the run.
 
         Raises:
-            OutputError: If it has recorded a run already.
+            OutputError: If it has already recorded a run.
         """
         if self.record is not None:
-            raise OutputError(f"{self.path} has its run; make another RunFolder for the next one")
+            raise OutputError(f"{self.path} already has a run; create another RunFolder for the next one")
         self._info = run
 
     def on_step(self, step: Step) -> None:
         """Do nothing: the episode has every step."""
 
     def on_end(self, episode: Episode) -> None:
-        """Write the files. One that fails, or is stopped by Ctrl-C, does not keep the others from being written.
+        """Write the files. If one fails, or is stopped by Ctrl-C, the others are still written.
 
         Raises:
             OutputError: If files could not be written; it names them.
@@ -128,12 +128,12 @@ class RunFolder:
             raise OutputError(f"in {self.path}: " + "; ".join(self._failures))
 
     def _save(self, file: str, write: Callable[[Path], object]) -> None:
-        """Write a file; where `write` returns a name, that is the file written."""
+        """Write a file; if `write` returns a name, that is the actual file."""
         try:
             name = write(self.path / file)
             self._files.append(name if isinstance(name, str) else file)
         except KeyboardInterrupt:
-            _LOGGER.warning("%s is left out: stopped by Ctrl-C", file)
+            _LOGGER.warning("%s was not written: stopped by Ctrl-C", file)
         except (TrundleError, OSError, ValueError) as error:
             self._failures.append(f"{file}: {error}")
 
@@ -166,14 +166,14 @@ class RunFolder:
 
 
 def with_images(names: Iterable[str]) -> tuple[str, ...]:
-    """Names of files, and of the images that come with those that are maps."""
+    """Names of files, and of the images of those that are maps."""
     return tuple(
         one for name in names for one in ((name, f"{Path(name).stem}.png") if name.endswith(".yaml") else (name,))
     )
 
 
 def save_png(image: Image.Image, path: str | os.PathLike[str]) -> None:
-    """Write a PNG whole, or leave what was there.
+    """Write a PNG atomically.
 
     Raises:
         OutputError: If it cannot be written.

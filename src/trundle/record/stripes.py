@@ -1,4 +1,4 @@
-"""Several lines on one map, striped in the colours of all where they lie on each other."""
+"""Several lines on one map, striped in the colours of all where they overlap."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _DASH = 18.0
 def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, width: float = 5.0) -> None:
     """Draw lines so that each stays visible along its whole length.
 
-    Where several lie on each other, stripes of their colours take turns; the stripes are those of the first of them.
+    Overlapping lines alternate in stripes of their colours; the stripes follow the first of them.
 
     Args:
         view: The map to draw on.
         lines: Points [m] in the map frame, shape (N, 2), and a colour, for each line.
-        width: Of the lines [px].
+        width: Width of the lines [px].
     """
     sampled = [_resample(view.to_pixels(points)) for points, _ in lines]
     stripes = np.stack([_stripe_numbers(samples, view.size, width) for samples in sampled])
@@ -34,7 +34,7 @@ def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, widt
         cols, rows = np.floor(samples).astype(int).T
         inside = (cols >= 0) & (cols < view.size[0]) & (rows >= 0) & (rows < view.size[1])
         here = np.where(inside, stripes[:, rows.clip(0, view.size[1] - 1), cols.clip(0, view.size[0] - 1)], 0)
-        here[index] = np.maximum(here[index], 1)  # at its very ends, too, it lies on itself
+        here[index] = np.maximum(here[index], 1)  # a line covers its own ends, too
         shown = _choose(here)
         changes = np.flatnonzero(np.diff(shown)) + 1
         for first, last in itertools.pairwise([0, *changes.tolist(), len(samples) - 1]):
@@ -42,7 +42,7 @@ def draw_striped(view: MapView, lines: Sequence[tuple[FloatArray, Rgb]], *, widt
 
 
 def _choose(here: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
-    """Which line is shown at each sample of one, from the stripe numbers of all lines there, shape (lines, samples)."""
+    """The line visible at each sample of one, from the stripe numbers of all lines there, shape (lines, samples)."""
     on = here > 0
     first = on.argmax(axis=0)
     turn = here[first, np.arange(here.shape[1])] % on.sum(axis=0)

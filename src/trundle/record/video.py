@@ -27,18 +27,18 @@ from trundle.record.zones import speed_zones
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300
 DRAWN_SIDE = 840  # least longer side of a drawn frame [px], where the map has fewer cells
-MAX_DRAWN_SIDE = 1280  # more cells than this share pixels
+MAX_DRAWN_SIDE = 1280  # with more cells than this, several share a pixel
 
 Pixels: TypeAlias = npt.NDArray[np.uint8]
 Report: TypeAlias = Callable[[str, int, int], None]
-"""Called with what is being made, how many of its parts are done, and of how many."""
+"""Called with the task, the number of finished parts, and their total."""
 
 
 class FrameSource(Protocol):
-    """Gives a picture for one pose after another, in the order of the run."""
+    """Gives a picture for each pose, in the order of the run."""
 
     def render(self, pose: Pose2D) -> Pixels:
-        """Return the picture of the robot at a pose: RGB, uint8, shape (height, width, 3), always of one size."""
+        """Return the picture of the robot at a pose: RGB, uint8, shape (height, width, 3), always of the same size."""
         ...
 
 
@@ -53,15 +53,15 @@ def write_video(
     *,
     report: Report | None = None,
 ) -> str:
-    """Write a time-lapse of a run, of at most 300 frames; as an animated GIF where PyAV is missing.
+    """Write a time-lapse of a run, of at most 300 frames; as an animated GIF if PyAV is missing.
 
-    Each frame says the time, the robot's speed and how fast the video plays.
+    Each frame shows the time, the robot's speed and the playback rate.
 
     Args:
         path: The .mp4 to write.
-        run: What ran.
-        episode: How it went.
-        frames: Where the pictures come from; none means a drawn view from above.
+        run: The run.
+        episode: Its episode.
+        frames: Source of the pictures; None means a drawn view from above.
         report: Called with the progress.
 
     Returns:
@@ -89,19 +89,19 @@ def write_video(
 
 
 def playing_rate(times: FloatArray, fps: int) -> float:
-    """How many seconds of the run a second of the video shows, for frames at these times [s]."""
+    """Playback rate: seconds of the run per second of video, for frames at these times [s]."""
     return float(times[-1] - times[0]) * fps / max(1, len(times) - 1) if len(times) > 1 else 1.0
 
 
 def caption(frame: Pixels, time_s: float, speed: float, rate: float) -> Pixels:
-    """Write the time [s], the speed [m/s] and how fast the video plays into the upper left corner of a frame."""
+    """Write the time [s], the speed [m/s] and the playback rate into the upper left corner of a frame."""
     size = max(13, frame.shape[0] // 26)
     letters = font(size)
     speed = round(speed, 2) + 0.0  # never -0.00
     texts = (f"{time_s:.1f} s", f"{speed:.2f} m/s", f"{rate:.1f}x speed" if rate >= 1.05 else "real time")
     widths = [letters.getlength(text) for text in ("8888.8 s", "-88.88 m/s", "888.8x speed")]
     room = (round(sum(widths)) + size, round(1.7 * size))
-    # Drawn on a copy of the corner alone: a frame may be shown more than once.
+    # Drawn on a copy of only the corner: a frame may be shown more than once.
     corner = Image.fromarray(np.ascontiguousarray(frame[: room[1] + size // 2, : room[0] + size // 2]))
     draw = ImageDraw.Draw(corner, "RGBA")
     left, top = size // 2, size // 2
@@ -129,7 +129,7 @@ def pick_rows(count: int) -> npt.NDArray[np.intp]:
 
 
 def encode(path: str | os.PathLike[str], pictures: Iterable[Pixels], *, fps: int = FRAMES_PER_SECOND) -> str:
-    """Write pictures of one size as H.264 (MPEG-4 part 2 where there is no encoder for it), or as GIF without PyAV.
+    """Write pictures of one size as H.264 (MPEG-4 part 2 without an encoder for it), or as GIF without PyAV.
 
     Returns:
         The name of the file that was written.
@@ -188,8 +188,8 @@ class DrawnFrames:
     """Frames drawn from above: the map, the planned paths, the trajectory so far and the robot.
 
     Args:
-        run: What ran.
-        episode: How it went.
+        run: The run.
+        episode: Its episode.
     """
 
     def __init__(self, run: RunInfo, episode: Episode) -> None:
@@ -212,7 +212,7 @@ class DrawnFrames:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Nothing to release."""
+        """Do nothing: there is nothing to release."""
 
     def render(self, pose: Pose2D) -> Pixels:
         """Draw the next frame; the trajectory so far stays visible."""

@@ -1,4 +1,4 @@
-"""Zones of masks in pictures: what is kept out, and where speed is limited."""
+"""Zones of masks in pictures: keep-out areas and speed limits."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _MOST_MARKS = 2
 
 
 class SpeedZones:
-    """The limits of a speed mask as colours: the slower, the stronger.
+    """The limits of a speed mask as colours: stronger for lower limits.
 
     Args:
         mask: The mask.
-        top_speed: The robot's [m/s].
+        top_speed: Maximum speed of the robot [m/s].
     """
 
     def __init__(self, mask: SpeedMask, top_speed: float) -> None:
@@ -28,11 +28,11 @@ class SpeedZones:
         self._top_speed = top_speed
 
     def strength(self, x: npt.ArrayLike, y: npt.ArrayLike) -> FloatArray:
-        """How strong the colour is at points [m], map frame: 0 without a limit, 0.25 to 0.7 with one."""
+        """Strength of the colour at points [m], map frame: 0 without a limit, 0.25 to 0.7 with one."""
         return self._strength_of(self._mask.limit_at(x, y, self._top_speed))
 
     def marks(self) -> list[Mark]:
-        """Entries of the legend: the limits themselves, where they are few, else from where to where they go."""
+        """Entries of the legend: the limits if they are few, else their range."""
         values = np.flatnonzero(np.bincount(np.maximum(self._mask.grid.data, 0).ravel(), minlength=101))
         limits = np.unique(self._mask.limits(self._top_speed)[values[values > 0]])
         if len(limits) == 0:
@@ -53,12 +53,12 @@ class SpeedZones:
 
 
 def speed_zones(mask: SpeedMask | None, robot: Robot) -> SpeedZones | None:
-    """The zones of a mask for a robot, or none without a mask."""
+    """The zones of a mask for a robot, or None without a mask."""
     return None if mask is None else SpeedZones(mask, robot.limits.linear_speed)
 
 
 def zone_marks(costmap: Costmap, zones: SpeedZones | None) -> list[Mark]:
-    """Entries of the legend for the zones that there are."""
+    """Entries of the legend for the existing zones."""
     kept_out = costmap.keepout is not None and bool((costmap.keepout == LETHAL).any())
     marks = [Mark("square", KEPT_OUT, "kept out")] if kept_out else []
     return marks + ([] if zones is None else zones.marks())

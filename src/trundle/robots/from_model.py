@@ -212,11 +212,11 @@ def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: floa
     if len(speeds) == 2 and 0.0 < min(speeds) < 1e3:
         limits["linear_speed"] = min(speeds) * radius
         limits["angular_speed"] = 2.0 * min(speeds) * radius / track
-        what = "its accelerations are"
+        what = "its accelerations"
     else:
-        what = "its maximum speeds and accelerations are"
+        what = "its maximum speeds and accelerations"
     warnings.warn(
-        f"{path}: the model does not say what {what.replace(' are', '')} may be; assumed: "
+        f"{path}: the model does not define {what}; assumed: "
         + ", ".join(f"{key} {value:.3g}" for key, value in limits.items() if isinstance(value, float))
         + ". Give limits to override these",
         RobotWarning,

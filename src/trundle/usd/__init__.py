@@ -1,1 +1,1 @@
-"""Writing USD stages: of worlds, and what Isaac Sim wants of any stage besides. `worlds.usd` reads them."""
+"""Writing worlds as USD stages, and the additions that Isaac Sim needs. `worlds.usd` reads stages."""

@@ -1,7 +1,7 @@
-"""What Isaac Sim wants of a stage besides UsdPhysics: settings of PhysX, light, and a robot that stands clear.
+"""Additions to a stage for Isaac Sim besides UsdPhysics: PhysX settings, a light, and a raised robot.
 
-PhysX's schemas are not in usd-core. Their names and attributes are written all the same: Isaac Sim reads them by name.
-Names and types are those of Omniverse PhysX' PhysxSchema.
+PhysX's schemas are not in usd-core. Their attributes are written by name, which is how Isaac Sim reads them. Names and
+types are those of Omniverse PhysX' PhysxSchema.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdPhysics, UsdShade
 from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
 
 POSITION_ITERATIONS, VELOCITY_ITERATIONS = 32, 1
-"""Of PhysX's solver for the robot: written down, so that no version's default counts."""
+"""Iterations of PhysX's solver for the robot, explicit so that they do not depend on a version's defaults."""
 
 _SLEEP_THRESHOLD = 0.0
-"""Kinetic energy by mass below which a robot falls asleep [m²/s²]: it never does."""
+"""Kinetic energy by mass below which a robot falls asleep [m²/s²]: disabled."""
 
 
 def fit_for_isaac(stage: Any) -> None:
-    """Add what Isaac Sim wants to the stage of a world, a robot or both."""
+    """Add what Isaac Sim needs to the stage of a world, a robot or both."""
     prims = list(stage.Traverse())
     for prim in prims:
         if prim.IsA(UsdPhysics.Scene):
@@ -34,7 +34,7 @@ def fit_for_isaac(stage: Any) -> None:
 
 
 def lift(prim: Any) -> None:
-    """Put a robot a little above the ground: one that starts in the floor falls through it."""
+    """Raise a robot slightly above the ground: one that starts in the floor falls through it."""
     UsdGeom.Xformable(prim).AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, GROUND_OFFSET))
 
 
@@ -42,7 +42,7 @@ def _set_scene(prim: Any) -> None:
     types = Sdf.ValueTypeNames
     _write(prim, "PhysxSceneAPI", "physxScene:timeStepsPerSecond", types.UInt, round(1.0 / TIMESTEP))
     _write(prim, "PhysxSceneAPI", "physxScene:solverType", types.Token, "TGS", uniform=True)
-    # One robot is faster on the processor, and the same from run to run.
+    # One robot is faster on the CPU, and deterministic.
     _write(prim, "PhysxSceneAPI", "physxScene:enableGPUDynamics", types.Bool, False)
     _write(prim, "PhysxSceneAPI", "physxScene:broadphaseType", types.Token, "MBP", uniform=True)
 
@@ -64,7 +64,7 @@ def _write(prim: Any, schema: str, name: str, kind: Any, value: object, *, unifo
 
 
 def _add_light(stage: Any) -> None:
-    """An opened stage has no light but its own: without one the window stays black."""
+    """Add a light: an opened stage has only its own lights, and without one the window stays black."""
     root = stage.GetDefaultPrim().GetPath()
     lights = UsdGeom.Scope.Define(stage, root.AppendChild("Lights")).GetPath()
     sky = UsdLux.DomeLight.Define(stage, lights.AppendChild("Sky"))

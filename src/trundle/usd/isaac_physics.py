@@ -1,7 +1,7 @@
-"""How a robot is simulated in Isaac Sim: what its stages are written with, and its simulator steps by."""
+"""Physics settings for Isaac Sim, used by the exported stages and by the simulator."""
 
 TIMESTEP = 0.005
-"""Length of a physics step [s]: the same as in the other simulators, so that limits act alike."""
+"""Length of a physics step [s]: the same as in the other simulators, so that limits have the same effect."""
 
 GROUND_OFFSET = 0.02
-"""Height [m] above z = 0 that the robot is put at: one that starts in the floor falls through it."""
+"""Initial height of the robot above z = 0 [m]: one that starts in the floor falls through it."""

@@ -1,4 +1,4 @@
-"""What worlds and robots as USD stages have in common: units, names, poses, meshes, friction, and saving."""
+"""Shared code for worlds and robots as USD stages: units, names, poses, meshes, friction, and saving."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ SUFFIXES = (".usd", ".usda", ".usdc")
 
 
 class PrimNames:
-    """Gives out names of prims that are valid and unique under one parent: `rack 1` becomes `rack_1`."""
+    """Makes prim names that are valid and unique under one parent: `rack 1` becomes `rack_1`."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
 
     def take(self, name: str) -> str:
-        """Take the name that is nearest to a given one."""
+        """Return the free name most similar to the given one."""
         plain = Tf.MakeValidIdentifier(name)
         given, number = plain, 1
         while given in self._taken:
@@ -35,7 +35,7 @@ class PrimNames:
 
 
 def new_stage(root: str) -> Any:
-    """A stage in metres and kilograms with z up, whose default prim is a transform of the given name."""
+    """A stage in metres and kilograms with z up, whose default prim is a transform with the given name."""
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -45,10 +45,10 @@ def new_stage(root: str) -> Any:
 
 
 def save(stage: Any, path: str | os.PathLike[str]) -> None:
-    """Write a stage to a file, or leave what was there.
+    """Write a stage to a file atomically.
 
     Raises:
-        OutputError: If the file cannot be written, or its name does not end as a USD file's does.
+        OutputError: If the file cannot be written, or its suffix is not one of USD's.
     """
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
@@ -61,21 +61,21 @@ def save(stage: Any, path: str | os.PathLike[str]) -> None:
 
 
 def set_pose(xformable: Any, pose: Pose3D) -> None:
-    """Give a prim its place in its parent, in double precision."""
+    """Set a prim's pose in its parent, in double precision."""
     xformable.AddTranslateOp().Set(Gf.Vec3d(*pose.position))
     w, x, y, z = pose.quaternion
     xformable.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(w, x, y, z))
 
 
 def set_color(gprim: Any, color: Color) -> None:
-    """Give a prim one colour, and an opacity where it is not opaque."""
+    """Set a prim's colour, and its opacity if it is not opaque."""
     gprim.CreateDisplayColorAttr([Gf.Vec3f(*color[:3])])
     if color[3] < 1.0:
         gprim.CreateDisplayOpacityAttr([color[3]])
 
 
 def define_mesh(stage: Any, path: str, mesh: Mesh) -> Any:
-    """Define a triangle mesh; its points are in single precision, as USD has them."""
+    """Define a triangle mesh; its points are in single precision, as in USD."""
     prim = UsdGeom.Mesh.Define(stage, path)
     points = mesh.vertices.astype(np.float32)
     prim.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
@@ -86,12 +86,12 @@ def define_mesh(stage: Any, path: str, mesh: Mesh) -> Any:
 
 
 def set_extent(gprim: Any) -> None:
-    """Give a prim the extent that its shape has."""
+    """Set a prim's extent from its shape."""
     gprim.CreateExtentAttr(UsdGeom.Boundable.ComputeExtentFromPlugins(gprim, Usd.TimeCode.Default()))
 
 
 def make_collider(prim: Any, *, approximation: str = "none") -> None:
-    """Let a prim collide; a mesh as its approximation says, in UsdPhysics' words."""
+    """Make a prim a collider; for a mesh with one of UsdPhysics' approximations."""
     UsdPhysics.CollisionAPI.Apply(prim)
     if prim.IsA(UsdGeom.Mesh):
         UsdPhysics.MeshCollisionAPI.Apply(prim).CreateApproximationAttr(approximation)
@@ -101,11 +101,11 @@ def friction_material(stage: Any, path: str, friction: float, *, lowest: bool) -
     """Define a material for contacts.
 
     Args:
-        stage: Where.
-        path: Its path.
-        friction: Static and dynamic.
-        lowest: Whether the lower friction of the two that touch counts. PhysX takes the mean else, and gives a caster
-            without friction that of half the floor's.
+        stage: The stage.
+        path: Path of the material.
+        friction: Static and dynamic friction.
+        lowest: Whether contacts use the lower friction of the two materials. By default PhysX takes the mean, which
+            gives a frictionless caster half the floor's friction.
     """
     material = UsdShade.Material.Define(stage, path)
     prim = material.GetPrim()
@@ -114,13 +114,13 @@ def friction_material(stage: Any, path: str, friction: float, *, lowest: bool) -
     physics.CreateDynamicFrictionAttr(friction)
     physics.CreateRestitutionAttr(0.0)
     if lowest:
-        # PhysX's own schema is not in usd-core; its attributes can be written all the same.
+        # PhysX's own schema is not in usd-core; its attributes can still be written.
         prim.AddAppliedSchema("PhysxMaterialAPI")
         prim.CreateAttribute("physxMaterial:frictionCombineMode", Sdf.ValueTypeNames.Token, False).Set("min")
     return material
 
 
 def bind_friction(prim: Any, material: Any) -> None:
-    """Let a collider's contacts have a material."""
+    """Bind a physics material to a collider."""
     binding = UsdShade.MaterialBindingAPI.Apply(prim)
     binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")

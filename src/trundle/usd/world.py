@@ -46,7 +46,7 @@ def world_stage(world: World) -> Any:
     UsdGeom.Scope.Define(stage, home)
     names = PrimNames()
     paths = [f"{home}/{names.take(solid.name)}" for solid in world.solids]
-    # All at once: a stage composes a prim's children again for each that is added to it.
+    # All at once: a stage recomposes a prim's children for each one that is added.
     with Sdf.ChangeBlock():
         for path in paths:
             Sdf.CreatePrimInLayer(stage.GetRootLayer(), path).specifier = Sdf.SpecifierDef
@@ -62,7 +62,7 @@ def _add_scene(stage: Any) -> None:
 
 
 def _add_floor(stage: Any, world: World, material: Any) -> None:
-    """A plane under everything; for physics it has no end."""
+    """A plane under everything, infinite in physics."""
     low, high = world.bounds
     middle = (low + high) / 2.0
     floor = UsdGeom.Plane.Define(stage, f"/{_ROOT}/GroundPlane")
@@ -101,7 +101,7 @@ def _add_solid(stage: Any, path: str, solid: Solid) -> Any:
     set_color(gprim, solid.color)
     prim = gprim.GetPrim()
     make_collider(prim)
-    # A solid may have any name, a prim may not.
+    # A solid may have any name, unlike a prim.
     prim.SetCustomDataByKey(NAME, solid.name)
     if solid.kind:
         prim.AddAppliedSchema("SemanticsLabelsAPI:class")
@@ -111,7 +111,7 @@ def _add_solid(stage: Any, path: str, solid: Solid) -> Any:
 
 
 def _add_mesh(stage: Any, path: str, solid: Solid, mesh: Mesh) -> Any:
-    """Points far from their frame's origin lose their precision, so they are moved there and the mesh with them."""
+    """Points far from the origin lose precision, so the points are centred and the mesh is moved instead."""
     middle = _middle(mesh.vertices)
     gprim = define_mesh(stage, path, Mesh(mesh.vertices - middle, mesh.faces))
     set_pose(gprim, solid.pose)
@@ -121,7 +121,7 @@ def _add_mesh(stage: Any, path: str, solid: Solid, mesh: Mesh) -> Any:
 
 
 def _middle(vertices: FloatArray) -> FloatArray:
-    """What to move a mesh by: nothing, unless it is farther from its origin than it is large."""
+    """Offset to centre a mesh by: zero, unless it is farther from the origin than its size."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2.0
     return middle if np.abs(middle).max() > (high - low).max() else np.zeros(3)

@@ -1,4 +1,4 @@
-"""Writing a world as a USD stage; usd-core is imported when it is."""
+"""Writing a world as a USD stage; usd-core is imported on use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from trundle.worlds import World
 from trundle.worlds.usd import need_usd
 
 Profile: TypeAlias = Literal["isaac"]
-"""What a stage is fitted for besides UsdPhysics."""
+"""Targets that a stage can be adapted to, besides UsdPhysics."""
 
 PROFILES: tuple[Profile, ...] = ("isaac",)
 

@@ -1,4 +1,4 @@
-"""Where the camera stands: fixed views of a world and views that follow a robot."""
+"""Camera placement: fixed views of a world and views that follow a robot."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Camera:
     """A camera without roll.
 
     Attributes:
-        eye: Where it is [m], map frame.
-        target: What is in the middle of the picture [m], map frame; straight below the eye, north is up.
+        eye: Position [m], map frame.
+        target: Point in the middle of the picture [m], map frame; if it is straight below the eye, north is up.
         fovy_deg: Vertical field of view [deg].
 
     Raises:
-        InputError: If a number is not finite, eye and target are one point, or the field of view is not in 1..150.
+        InputError: If a number is not finite, eye and target are equal, or the field of view is not in 1..150.
     """
 
     eye: tuple[float, float, float]
@@ -61,7 +61,7 @@ class Camera:
 
 
 IsClear = Callable[[tuple[float, float, float], tuple[float, float, float]], bool]
-"""Whether nothing stands between two points [m]."""
+"""Whether the line between two points [m] is clear."""
 
 # From behind, first low and far, then nearer, then from above: elevation [deg] and distance [sizes of the robot].
 _CHASE = ((24, 5.6), (34, 5.6), (26, 3.8), (40, 4.2), (56, 4.6), (68, 5.0), (80, 5.4))
@@ -71,12 +71,12 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
     """Place a camera of `CAMERAS`.
 
     Args:
-        name: Which one.
-        world: What is seen.
-        robot: Who is seen.
-        pose: Where the robot is.
+        name: Name of the camera.
+        world: The world.
+        robot: The robot.
+        pose: Pose of the robot.
         aspect: Width over height of the picture.
-        is_clear: Views that follow the robot rise or turn until this says that it is seen.
+        is_clear: Views that follow the robot rise or turn until this says that it is visible.
 
     Raises:
         UnknownNameError: If there is no such camera.
@@ -95,7 +95,7 @@ def aim(name: str, world: World, robot: Robot, pose: Pose2D, aspect: float, is_c
 
 
 def _first_clear(cameras: list[Camera], points: list[tuple[float, float, float]], is_clear: IsClear) -> Camera:
-    """The first that sees all points [m]; the last if none does."""
+    """The first camera that sees all points [m]; the last if none does."""
     return next((camera for camera in cameras if all(is_clear(point, camera.eye) for point in points)), cameras[-1])
 
 
@@ -139,7 +139,7 @@ def _camera_at(
 
 
 def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, FloatArray]:
-    """Bounds [m] of what an overview shows: the world, or the robot with some floor around it where there is none."""
+    """Bounds [m] of what an overview shows: the world, or if it is empty the robot with some floor around it."""
     if world.solids:
         return world.bounds
     around = 1.5 * _reach(robot)
@@ -150,7 +150,7 @@ def _extent(world: World, robot: Robot, pose: Pose2D) -> tuple[FloatArray, Float
 
 
 def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fovy_deg: float, aspect: float) -> Camera:
-    """Look at bounds [m] so that they fill the picture; what stands high on the near side may leave it."""
+    """Look at bounds [m] so that they fill the picture; tall objects on the near side may extend beyond it."""
     axes = _axes(azimuth, elevation)
     middle = (low + high) / 2.0
     corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
@@ -158,7 +158,7 @@ def _fit(low: FloatArray, high: FloatArray, azimuth: float, elevation: float, fo
     corners = corners[is_far | (corners[:, 2] == low[2])]
     half = math.tan(math.radians(fovy_deg) / 2.0) * 0.95
     target, distance = middle, 1.0
-    for _ in range(20):  # Centre what is seen, then step back until it fits.
+    for _ in range(20):  # Centre the view, then step back until it fits.
         right, up, forward = axes @ (corners - target).T
         distance = float(np.max([np.abs(right) / (half * aspect) - forward, np.abs(up) / half - forward]))
         for axis, offset in ((axes[0], right), (axes[1], up)):

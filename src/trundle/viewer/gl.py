@@ -1,7 +1,7 @@
 """Finds an OpenGL driver that renders without a screen, and opens a context on it.
 
-MuJoCo itself chooses when it is first imported, by MUJOCO_GL. Here the choice is made when the first picture is drawn,
-so that a program that imported MuJoCo earlier, or never set the variable, gets its pictures as well.
+MuJoCo chooses a driver on its first import, by MUJOCO_GL. Here the choice is made when the first picture is drawn, so
+that it also works if MuJoCo was imported earlier or the variable was never set.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Literal, Protocol
 GlKind = Literal["egl", "osmesa"]
 
 PACKAGES = "libegl1 libgl1-mesa-dri libopengl0"
-"""Debian's packages that bring EGL with a software driver; libosmesa6 alone does too, more slowly."""
+"""Debian packages for EGL with a software driver; libosmesa6 alone works as well, more slowly."""
 
 _EGL_PLATFORM_DEVICE = 0x313F  # EGL_EXT_platform_device
 _MAX_DEVICES = 32
@@ -37,7 +37,7 @@ class GlContext(Protocol):
 
 @functools.cache
 def find_gl() -> GlKind | None:
-    """Say which driver can render without a screen: EGL before OSMesa, or None.
+    """Find a driver that can render without a screen: EGL before OSMesa, or None.
 
     MUJOCO_GL narrows the choice: `egl` or `osmesa` allow that one, `disable` none; other values allow both.
     """
@@ -52,7 +52,7 @@ def find_gl() -> GlKind | None:
 
 
 def describe_missing_gl() -> str:
-    """One sentence on what to install for a better picture; empty where a driver was found."""
+    """One sentence on what to install for a better picture; empty if a driver was found."""
     if find_gl() is not None:
         return ""
     return (
@@ -78,7 +78,7 @@ def open_context(kind: GlKind, width: int, height: int) -> GlContext:
 
 
 def _egl_works() -> bool:
-    """Whether EGL initialises one of its devices, asked without PyOpenGL, which can be set up only once a process."""
+    """Whether EGL initialises one of its devices, queried without PyOpenGL, which can be set up only once."""
     if not _loads("libOpenGL.so.0", "libGL.so.1"):
         return False
     try:
@@ -119,7 +119,7 @@ def _loads(*names: str) -> bool:
 
 @contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Set environment variables that a library reads while it starts, and put them back."""
+    """Set environment variables while a library starts, and restore them."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

@@ -24,7 +24,7 @@ from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
 from trundle.worlds import World
 
 _KEYS = {265: "up", 264: "down", 263: "left", 262: "right", 32: "stop"}
-"""GLFW's codes of the keys that drive. Letters are taken: the window switches what it shows by them."""
+"""GLFW's codes of the keys that drive. Letters are in use: the window toggles its display with them."""
 
 _CLOSING_S = 10.0  # how long a window may take to close
 _SHADOWS_M = 40.0
@@ -32,7 +32,7 @@ _SHADOWS_M = 40.0
 
 
 def has_screen() -> bool:
-    """Whether a window with OpenGL can be opened here; it tries, unseen."""
+    """Whether a window with OpenGL can be opened here, tried with a hidden one."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     import glfw
@@ -53,10 +53,10 @@ class NativeWindow:
     """MuJoCo's window on a robot in a world.
 
     Args:
-        world: What stands on the floor.
-        robot: Who is shown.
-        pose: Where it stands, map frame; none means at the world's first seed point, or at the origin.
-        chase: Keep the camera behind the robot; else it starts close to its front, and the mouse moves it.
+        world: The world.
+        robot: The robot.
+        pose: Its pose, map frame; None means the world's first seed point, or the origin.
+        chase: Keep the camera behind the robot; otherwise it starts close to its front and is moved by the mouse.
 
     Raises:
         SimulationError: If there is no screen.
@@ -104,7 +104,7 @@ class NativeWindow:
             self._handle.sync()
 
     def mark_route(self, path: npt.ArrayLike | None, goal: Pose2D | None) -> None:
-        """Show a path (waypoints [m], map frame, shape (N, 2) or more columns) and a goal on the floor, or none."""
+        """Show a path (waypoints [m], map frame, shape (N, 2) or more columns) and a goal on the floor, or neither."""
         if self.is_open:
             with self._handle.lock():
                 mark_route(self._handle.user_scn, path, goal, goal_radius(self._stage.robot.circumscribed_radius))
@@ -125,7 +125,7 @@ class NativeWindow:
     def close(self) -> None:
         """Close it; closing twice does nothing."""
         self._handle.close()
-        # The end of the program tears GLFW down; a window that still is being drawn then crashes it.
+        # GLFW is terminated when the program ends; a window that is still being drawn would crash it.
         for thread in self._threads:
             thread.join(_CLOSING_S)
 

@@ -26,7 +26,7 @@ class Picture:
     Attributes:
         pixels: RGB, shape (height, width, 3), uint8, read-only.
         kind: How it was drawn: `egl`, `osmesa` or `software`.
-        advice: What to install for a better picture; empty where there is nothing to say.
+        advice: What to install for a better picture; may be empty.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -37,7 +37,7 @@ class Picture:
         self.pixels.flags.writeable = False
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it as PNG; a kill leaves no half file.
+        """Write it as PNG, atomically.
 
         Raises:
             OutputError: If the file cannot be written.
@@ -61,9 +61,9 @@ def render(
     """Draw a robot in a world.
 
     Args:
-        world: What stands on the floor.
-        robot: Who is in the picture.
-        pose: Where it stands, map frame; none means at the world's first seed point, or at the origin.
+        world: The world.
+        robot: The robot.
+        pose: Its pose, map frame; None means the world's first seed point, or the origin.
         size: Width and height, in pixels.
         camera: One of `CAMERAS` or a fixed `Camera`.
         path: Waypoints [m], map frame, shape (N, 2) or more columns, drawn on the floor.

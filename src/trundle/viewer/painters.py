@@ -1,4 +1,4 @@
-"""Renderers of a model: OpenGL where there is a driver, else our software renderer."""
+"""Renderers of a model: OpenGL if there is a driver, else trundle's software renderer."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Painter(Protocol):
 
     @property
     def kind(self) -> RendererKind:
-        """How it draws."""
+        """The kind of renderer."""
         ...
 
     def paint(self, data: mujoco.MjData, camera: Camera) -> Pixels:
@@ -38,17 +38,17 @@ class Painter(Protocol):
         ...
 
     def close(self) -> None:
-        """Release what it holds; closing twice does nothing."""
+        """Release its resources; closing twice does nothing."""
         ...
 
 
 def open_painter(model: mujoco.MjModel, size: tuple[int, int]) -> Painter:
-    """Open the best renderer available: EGL, then OSMesa, then ours. `size` is (width, height) in pixels."""
+    """Open the best renderer available: EGL, then OSMesa, then software. `size` is (width, height) in pixels."""
     kind = find_gl()
     if kind is not None:
         try:
             return GlPainter(model, size, kind)
-        except Exception as error:  # noqa: BLE001 - drivers and their bindings share no exception; ours always works
+        except Exception as error:  # noqa: BLE001 - drivers share no exception class; software always works
             _logger.warning("OpenGL by %s failed (%s); drawing without it", kind, error)
     quality = model.vis.quality
     return SoftwarePainter(
@@ -60,9 +60,9 @@ class GlPainter:
     """Draws with OpenGL.
 
     Args:
-        model: What to draw.
+        model: The model to draw.
         size: Width and height of the pictures, in pixels.
-        kind: The driver, as `find_gl` says it.
+        kind: The driver, as returned by `find_gl`.
 
     Raises:
         Exception: Whatever the driver or its bindings raise.
@@ -109,7 +109,7 @@ class GlPainter:
     def _aim_shadows(self, data: mujoco.MjData, camera: Camera) -> None:
         """Spread the shadow map over what the camera looks at, and align the sun with the line of sight.
 
-        Beyond the shadow map the floor is speckled, but only towards the sun: so that is kept behind the camera.
+        Beyond the shadow map the floor is speckled, but only towards the sun, so the sun is kept behind the camera.
         """
         reach = 3.0 * camera.distance + 2.0  # half the width of the shadow map [m]
         self._mjr.shadowClip = reach

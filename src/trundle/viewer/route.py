@@ -27,7 +27,7 @@ def path_pieces(path: npt.ArrayLike) -> list[tuple[FloatArray, FloatArray]]:
         path: Waypoints [m], shape (N, 2) or more columns.
 
     Raises:
-        InputError: If it is no path.
+        InputError: If it is not a path.
     """
     points = np.asarray(path, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] < 2 or not np.isfinite(points[:, :2]).all():
@@ -46,10 +46,10 @@ def mark_route(scene: mujoco.MjvScene, path: npt.ArrayLike | None, goal: Pose2D 
     """Replace the marks of a scene by those of a path and of a goal, each of which may be None.
 
     Args:
-        scene: Whose geoms are the marks.
+        scene: The scene whose geoms are the marks.
         path: Waypoints [m], map frame, shape (N, 2) or more columns.
         goal: Drawn as a disc.
-        radius: Of that disc [m].
+        radius: Radius of that disc [m].
     """
     scene.ngeom = 0
     no_size, no_place = np.zeros(3), np.zeros(3)
@@ -70,7 +70,7 @@ def mark_route(scene: mujoco.MjvScene, path: npt.ArrayLike | None, goal: Pose2D 
 
 
 def _next_geom(scene: mujoco.MjvScene) -> mujoco.MjvGeom | None:
-    """The next geom of a scene, or None where it is full."""
+    """The next geom of a scene, or None if it is full."""
     if scene.ngeom >= scene.maxgeom:
         return None
     scene.ngeom += 1

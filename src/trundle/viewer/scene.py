@@ -20,20 +20,20 @@ MAX_SIZE = 4096
 
 
 class SceneRenderer:
-    """Draws a robot in a world for one pose after another, with OpenGL where there is a driver, else in software.
+    """Draws a robot in a world for one pose after another, with OpenGL if there is a driver, else in software.
 
     Args:
-        world: What stands on the floor.
-        robot: Who drives.
+        world: The world.
+        robot: The robot.
         size: Width and height of the pictures, in pixels.
         camera: One of `CAMERAS` or a fixed `Camera`.
         path: Waypoints [m] in the map frame, shape (N, 2) or more columns, drawn on the floor.
         goal: Drawn on the floor as a disc.
-        samples: Samples a pixel at edges; 0 is quickest, 4 looks best.
+        samples: Samples per pixel at edges; 0 is fastest, 4 looks best.
         shadow_size: Edge of the shadow map, in pixels; 0 draws no shadows.
 
     Raises:
-        InputError: If the size is out of range, or the path is none.
+        InputError: If the size is out of range, or the path is invalid.
         WorldError: If a solid cannot be modelled.
     """
 
@@ -61,14 +61,14 @@ class SceneRenderer:
 
     @property
     def kind(self) -> RendererKind:
-        """How it draws: `egl`, `osmesa` or `software`."""
+        """The kind of renderer: `egl`, `osmesa` or `software`."""
         return self._kind
 
     def render(self, pose: Pose2D | Sequence[float], *, wheel_positions: WheelSpeeds = AT_REST) -> Pixels:
         """Draw the robot at a pose.
 
         Args:
-            pose: Of base_link in the map frame.
+            pose: Pose of base_link in the map frame.
             wheel_positions: Angles of the drive wheels [rad].
 
         Returns:

@@ -1,4 +1,4 @@
-"""The pictures of a run's video by OpenGL, as good as this machine draws them in reasonable time."""
+"""The frames of a run's video by OpenGL, in a quality that this machine can render in reasonable time."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from trundle.viewer.painters import Pixels
 
 QUICK_S = 0.01
-"""A small picture that takes longer than this is drawn by a processor and not by a graphics card."""
+"""If a small picture takes longer than this, it is rendered by the CPU instead of a GPU."""
 
 STRIDE = 2
-"""Without a graphics card, a new picture is drawn for every so many frames."""
+"""Without a GPU, frames per rendered picture."""
 
 
 class SceneFrames:
     """Follows the robot with a camera behind it.
 
-    With a graphics card: large, with shadows. Without one: smaller, no shadows, and every other picture twice.
+    With a GPU: large, with shadows. Without one: smaller, without shadows, and each picture is shown twice.
 
     Args:
-        mission: Where the robot drove.
-        episode: How it went.
+        mission: The mission.
+        episode: Its episode.
     """
 
     def __init__(self, mission: Mission, episode: Episode) -> None:

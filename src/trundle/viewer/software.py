@@ -18,21 +18,21 @@ from trundle.viewer.triangles import model_triangles
 _NEAR = 0.02  # [m]
 _SKY_HIGH, _SKY_LOW = np.array([0.60, 0.73, 0.88]), np.array([0.90, 0.93, 0.96])
 _FLOOR = np.array([0.70, 0.71, 0.72])
-_LINE_DARK, _LINE_WIDTH = 0.15, 0.014  # the floor's metre lines: how much darker, and how wide [m]
+_LINE_DARK, _LINE_WIDTH = 0.15, 0.014  # the floor's metre lines: darkening, and width [m]
 _FOG_AT = 160.0  # [m]
-_BLOCK = 200_000  # pixels that are shaded at a time
-_SOFT = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))  # where a shadow's edge is sampled, in its pixels
+_BLOCK = 200_000  # pixels shaded per batch
+_SOFT = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))  # sample offsets at a shadow's edge, in its pixels
 
 
 @dataclass(frozen=True, slots=True)
 class _Shadows:
-    """What the sun sees.
+    """The shadow map: the scene from the sun.
 
     Attributes:
-        axes: Right, up and forward of the sun's view, one a row.
-        middle: Of the view [m], map frame.
+        axes: Right, up and forward of the sun's view, one per row.
+        middle: Centre of the view [m], map frame.
         scale: Pixels per metre.
-        depths: [m] along `forward` from `middle`, infinite where nothing is; a single one where there are no shadows.
+        depths: [m] along `forward` from `middle`, infinite where it is empty; a single one without shadows.
     """
 
     axes: FloatArray
@@ -41,7 +41,7 @@ class _Shadows:
     depths: FloatArray
 
     def lit(self, points: FloatArray, normals: FloatArray) -> FloatArray:
-        """How much sun falls on points [m] of surfaces, 0 to 1, shape (N,)."""
+        """Sunlight on points [m] of surfaces, 0 to 1, shape (N,)."""
         strength = np.clip(-normals @ self.axes[2], 0.0, 1.0)
         size = len(self.depths)
         if size == 1:
@@ -62,10 +62,10 @@ class SoftwarePainter:
     """Draws without OpenGL.
 
     Args:
-        model: What to draw; its first light is the sun, its planes are floors.
+        model: The model to draw; its first light is the sun, its planes are floors.
         size: Width and height of the pictures, in pixels.
         groups: Which geom groups are shown, 1 or 0 each.
-        samples: Samples a pixel: 4 or more draw at twice the size and average.
+        samples: Samples per pixel: 4 or more draw at twice the size and average.
         shadow_size: Edge of the shadow map, in pixels; 0 draws no shadows.
     """
 
@@ -117,10 +117,10 @@ class SoftwarePainter:
         return (np.clip(averaged, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
     def close(self) -> None:
-        """Do nothing: it holds nothing."""
+        """Do nothing: there is nothing to release."""
 
     def _cast_shadows(self, corners: FloatArray, camera: Camera) -> _Shadows:
-        """Draw what the sun sees around what the camera looks at."""
+        """Draw the shadow map around the camera's target."""
         model = self._model
         forward = model.light_dir[0] if model.nlight else np.array([0.3, 0.2, -1.0])
         forward = forward / np.linalg.norm(forward)
@@ -144,7 +144,7 @@ class SoftwarePainter:
         depth: FloatArray,
         normal: FloatArray,
     ) -> None:
-        """Put planes, which have no triangles, where they are nearer than what is drawn; the arrays are changed."""
+        """Draw planes, which have no triangles, where they are nearest; changes the arrays."""
         for plane in self._planes:
             axes = data.geom_xmat[plane].reshape(3, 3)
             towards = rays @ axes[:, 2]
@@ -169,7 +169,7 @@ class SoftwarePainter:
         shadows: _Shadows,
         pixel: float,
     ) -> FloatArray:
-        """Colours (N, 3) of what rays meet."""
+        """Colours (N, 3) at the intersections of rays."""
         lengths = np.linalg.norm(rays, axis=1)
         rise = np.clip(rays[:, 2] / lengths * 1.6, 0.0, 1.0) ** 0.7
         colors = _SKY_LOW + rise[:, None] * (_SKY_HIGH - _SKY_LOW)
@@ -179,7 +179,7 @@ class SoftwarePainter:
         normals = np.where(facing[:, None] > 0.0, -normal[hit], normal[hit])
         base = self._base_colors[surface[hit]]
         floor = np.isin(surface[hit], self._planes)
-        # Seen at a slant, a pixel covers more of the floor; by how much depends on the line's direction.
+        # At a grazing angle a pixel covers more of the floor; how much depends on the line's direction.
         covered = depth[hit][floor] * pixel / np.sqrt(np.maximum(np.abs(facing[floor]), 0.02))
         base[floor] *= _floor_lines(points[floor], covered)[:, None]
         light = 0.46 + 0.10 * normals[:, 2] + 0.14 * np.abs(facing) + 0.46 * shadows.lit(points, normals)
@@ -201,7 +201,7 @@ def _samples(seen: npt.NDArray[np.int32], finer: int) -> tuple[npt.NDArray[np.in
 
 
 def _floor_lines(points: FloatArray, pixels: FloatArray) -> FloatArray:
-    """How bright a floor is at points [m], with a line every metre, faded where it is finer than a pixel [m] there."""
+    """Brightness of a floor at points [m], with a line every metre that fades where it is thinner than a pixel [m]."""
     to_line = np.abs(points[:, :2] - np.round(points[:, :2])).min(axis=1)
     blur = np.maximum(_LINE_WIDTH, pixels)
     return 1.0 - _LINE_DARK * np.clip(1.5 - to_line / blur, 0.0, 1.0) * _LINE_WIDTH / blur

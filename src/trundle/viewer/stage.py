@@ -1,4 +1,4 @@
-"""`Stage`: a robot in a world as a MuJoCo model to look at; nothing moves by itself."""
+"""`Stage`: a static MuJoCo model of a robot in a world, for rendering."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ SHOWN_GROUPS = (1, 1, 1, 0, 1, 0)
 AT_REST = WheelSpeeds(0.0, 0.0)
 
 _GROUP_MARKS = 4
-_CLEAR = 1.1  # how much farther than the camera nothing may stand in its line of sight
-_AT_EDGE = 0.35  # how far from the edge of its world a wall still is an outer one [m]
+_CLEAR = 1.1  # the line of sight must be clear up to this multiple of the camera's distance
+_AT_EDGE = 0.35  # walls within this distance of the world's edge are outer walls [m]
 
 
 class Stage:
     """A robot in a world, to be posed and drawn.
 
     Args:
-        world: What stands on the floor.
-        robot: Who is there.
+        world: The world.
+        robot: The robot.
         size: Width and height of the pictures, in pixels.
         path: Waypoints [m] in the map frame, shape (N, 2) or more columns, drawn on the floor.
         goal: Drawn on the floor as a disc.
-        samples: Samples a pixel at edges.
+        samples: Samples per pixel at edges.
         shadow_size: Edge of the shadow map, in pixels.
 
     Raises:
-        InputError: If the path is none.
+        InputError: If the path is invalid.
         WorldError: If a solid cannot be modelled.
     """
 
@@ -68,9 +68,9 @@ class Stage:
         spec = build_spec(world, robot)
         spec.visual.global_.offwidth, spec.visual.global_.offheight = size
         spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, shadow_size
-        # Under the sun and with dull surfaces, boxes need no inner corners to be lit by; drawing takes half as long.
+        # With sunlight and matte surfaces, boxes need no subdivision for lighting; rendering takes half as long.
         spec.visual.quality.numquads = 1
-        spec.visual.map.zfar = 100.0  # shadows are drawn to this depth: nearer or farther, the floor gets speckles
+        spec.visual.map.zfar = 100.0  # depth of shadows: other values give a speckled floor
         if path is not None:
             _add_path(spec, path)
         if goal is not None:
@@ -140,7 +140,7 @@ def _side(solid: Solid, low: FloatArray, high: FloatArray) -> str | None:
 
 
 def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
-    """Tell the floor of a building from the ground around it: the ground is darker."""
+    """Distinguish the floor of a building from the ground around it, which is darker."""
     low, high = world.bounds
     if not any(_side(solid, low, high) for solid in world.solids):
         return
@@ -153,7 +153,7 @@ def _lay_slab(spec: mujoco.MjSpec, world: World) -> None:
 
 
 def _add_path(spec: mujoco.MjSpec, path: npt.ArrayLike) -> None:
-    """Draw a line on the floor; a straight part is one piece, which draws faster."""
+    """Draw a line on the floor; a straight part is a single piece, which renders faster."""
     for start, end in path_pieces(path):
         geom = _add_mark(spec, mujoco.mjtGeom.mjGEOM_CAPSULE, PATH_COLOR)
         geom.size = (PATH_RADIUS_M, 0.0, 0.0)
@@ -167,5 +167,5 @@ def _add_goal(spec: mujoco.MjSpec, goal: Pose2D, robot: Robot) -> None:
 
 
 def _add_mark(spec: mujoco.MjSpec, kind: mujoco.mjtGeom, color: tuple[float, float, float, float]) -> mujoco.MjsGeom:
-    """Add a geom that nothing touches."""
+    """Add a geom that does not collide."""
     return spec.worldbody.add_geom(type=kind, rgba=color, contype=0, conaffinity=0, mass=0.0, group=_GROUP_MARKS)

@@ -17,11 +17,11 @@ _DOWN = 16  # bands of a sphere
 
 @dataclass(frozen=True, slots=True)
 class Triangles:
-    """Triangles, each of a geom.
+    """Triangles, each belonging to a geom.
 
     Attributes:
         corners: In the geom's frame [m], shape (N, 3, 3).
-        geoms: Index of the geom of each, shape (N,).
+        geoms: Index of each triangle's geom, shape (N,).
     """
 
     corners: FloatArray
@@ -34,7 +34,7 @@ class Triangles:
 
 
 def model_triangles(model: mujoco.MjModel, groups: npt.NDArray[np.bool_]) -> Triangles:
-    """Triangles of all geoms of the given groups but planes, which have no end."""
+    """Triangles of all geoms of the given groups except planes, which are infinite."""
     parts: list[FloatArray] = [np.zeros((0, 3, 3))]
     geoms: list[npt.NDArray[np.int32]] = [np.zeros(0, dtype=np.int32)]
     for geom in np.flatnonzero(groups[model.geom_group]):
@@ -74,7 +74,7 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> FloatArray:
 
 
 def _cells(model: mujoco.MjModel, field: int) -> FloatArray:
-    """A height field of blocked cells (see `world_parts.cell_heights`) as what it stands for: walls with flat tops."""
+    """A height field of blocked cells (see `world_parts.cell_heights`) as walls with flat tops, which it represents."""
     rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
     first = model.hfield_adr[field]
     blocked = model.hfield_data[first : first + rows * cols].reshape(rows, cols) > 0.5

@@ -1,4 +1,4 @@
-"""A robot shown in a window while it drives."""
+"""Showing a robot in a window while it drives."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
     from trundle.viewer.native import NativeWindow, has_screen
 
     if not has_screen():
-        raise InputError("--view needs a screen with OpenGL, and none was found; run without it")
+        raise InputError("--view needs a screen with OpenGL, but none was found; run without it")
     return NativeWindow(world, robot, pose, chase=True)
 
 
 class Watcher:
     """Shows a run in a window, with its path and its goal, no faster than real time.
 
-    Closing the window lets the run continue unseen.
+    If the window is closed, the run continues without it.
     """
 
     def __init__(self, window: NativeWindow) -> None:
@@ -57,7 +57,7 @@ class Watcher:
         """Leave the last picture as it is."""
 
     def _mark(self, step: Step) -> None:
-        """Show the path that it follows and the goal that it drives to, where these have changed."""
+        """Show the path that it follows and the goal that it drives to, if they have changed."""
         if self._run is None or (self._shown[0] is step.path and self._shown[1] == step.goal):
             return
         self._shown = (step.path, step.goal)
