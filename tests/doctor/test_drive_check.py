@@ -94,7 +94,7 @@ def test_the_wrong_wheel_base_of_carter_over_rotates_by_31_percent() -> None:
     with simulate(EMPTY, "nova_carter", backend="kinematic") as simulator:
         configured = simulator.robot.drive.model_copy(update={"track_width": 0.54})
         (finding,) = check_drive(simulator, configured=configured).findings
-    assert "it turns 31% too far. Set it to 0.4132" in finding.message
+    assert "the robot turns 31% too far. Set it to 0.4132" in finding.message
     assert finding.configured == 0.54
 
 
