@@ -99,14 +99,14 @@ def test_the_posts_path_leads_through_things_and_trundles_does_not(post, place, 
 def test_with_the_posts_wheel_base_it_collides_with_the_barrels(wrong) -> None:
     assert wrong.outcome is Outcome.COLLIDED
     assert wrong.metrics.contacts == ("barrels_2_1",)
-    assert wrong.metrics.time_s == printed("hits the barrels after {} s")
+    assert wrong.metrics.time_s == printed("collides with the barrels after {} s")
     assert np.abs(wrong.trajectory.w).max() == printed("by up to {} rad/s")
 
 
 def test_with_the_right_track_the_posts_path_still_leads_into_the_forklift(right) -> None:
     assert right.outcome is Outcome.COLLIDED
     assert right.metrics.contacts == ("forklift_2_counterweight",)
-    assert right.metrics.time_s == printed("hits the fork-lift after {} s")
+    assert right.metrics.time_s == printed("collides with the fork-lift after {} s")
     assert right.metrics.max_cross_track_error_m == printed("takes it {} m off that path")
 
 
