@@ -3,6 +3,7 @@ import json
 import pytest
 
 from support.faulty_planner import FaultyPlanner
+from trundle.evaluation.row import MEASURED
 
 
 @pytest.fixture
@@ -88,6 +89,13 @@ def test_failed_episodes_are_listed_with_the_command_that_repeats_them(trundle, 
         (["room.yaml", "--seeds", "0:1000000000"], "1,000,000,000 episodes"),
         (["room.yaml", "--workers", "0"], "workers"),
         (["smoke", "office"], "one suite alone"),
+        (["room.yaml", "--controllers", "lookahed"], "'lookahead'"),
+        (["room.yaml", "--robots", "nova_cater"], "'nova_carter'"),
+        (["room.yaml", "--seeds", "5:5"], "no episodes"),
+        (["room.yaml", "--require", "success=>0.9"], "'success>=0.99'"),
+        (["room.yaml", "--require", "success[planer=auto]>=0.9"], "'planner'"),
+        (["missing.yaml"], "cannot read missing.yaml"),
+        (["report", "room.yaml"], "this is a map"),
         (["show", "nowhere"], "no such folder"),
         (["compare", "nowhere", "nowhere"], "no such folder"),
     ],
@@ -101,6 +109,63 @@ def test_bad_input_is_named(trundle, room_map, tmp_path, arguments, words):
     assert words in done.err, done.err
     assert "Traceback" not in done.err
     assert not (tmp_path / "runs").exists()
+
+
+def unmeasured(row):
+    return {name: value for name, value in row.items() if name not in MEASURED}
+
+
+def test_what_was_damaged_is_named_and_runs_again(trundle, suite, tmp_path):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    rows = trundle("evaluate", "show", "a", "--json").json
+    (part,) = (tmp_path / "a" / "parts").glob("*.parquet")
+    part.write_bytes(part.read_bytes()[:2000])
+    with (tmp_path / "a" / "journal.jsonl").open("a") as journal:
+        journal.write('{"id": \n')
+    again = trundle("evaluate", suite, "-o", "a", "--quiet")
+    assert again.code == 0, again.err
+    damage = again.err.splitlines()
+    assert len(damage) == 2
+    assert "parquet: it is damaged" in damage[0]
+    assert "journal.jsonl:1: this line holds no row" in damage[1]
+    assert all("again" in line for line in damage)
+    shown = trundle("evaluate", "show", "a", "--json").json
+    assert [unmeasured(row) for row in shown] == [unmeasured(row) for row in rows]
+
+
+def test_a_map_that_is_gone_when_an_evaluation_is_continued_is_named_and_no_row_is_lost(trundle, suite, room_map):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    image = room_map.with_suffix(".png")
+    aside = image.rename(image.with_suffix(".aside"))
+    gone = trundle("evaluate", suite, "-o", "a")
+    assert gone.code == 2
+    assert gone.err.count("\n") == 1
+    assert "room.png: No such file" in gone.err
+    assert trundle("evaluate", "report", "a").code == 0
+    aside.rename(image)
+    assert json.loads(trundle("evaluate", suite, "-o", "a", "--json").out.splitlines()[0])["resumed"] == 4
+
+
+def test_the_other_kind_of_folder_is_answered_with_the_right_verb(trundle, suite, room_map):
+    trundle("evaluate", suite, "-o", "a", "--quiet")
+    ends = ["--start", "2.5,0", "--goal", "5,1"]
+    run = trundle("run", room_map, *ends, "--backend", "kinematic", "--no-video", "-o", "r", "--quiet")
+    assert run.code == 0, run.err
+    for arguments, words in [
+        (["evaluate", "report", "r"], "trundle compare"),
+        (["evaluate", "compare", "a", "r"], "trundle compare"),
+        (["evaluate", "show", "r"], "trundle compare"),
+        (["compare", "a", "a"], "trundle evaluate compare"),
+        (["evaluate", "a"], "trundle evaluate a/suite.yaml -o a"),
+        (["run", "a"], "trundle run --from a:ID"),
+        (["run", suite], "trundle evaluate"),
+        (["evaluate", "report", suite], "trundle evaluate"),
+        (["evaluate", suite, "-o", "r"], "another folder with -o"),
+        (["evaluate", "smoke", "-o", "a"], "another suite, 'rooms'"),
+    ]:
+        done = trundle(*arguments)
+        assert done.code == 2, arguments
+        assert words in done.err, done.err
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
@@ -45,6 +45,7 @@ class Progress:
         done: How many are done, with those.
         outcomes: How the episodes of this run ended, by outcome.
         elapsed_s: Wall time since the start [s].
+        damage: What of the folder was damaged: a message for each part and line, whose episodes run again.
     """
 
     folder: str | os.PathLike[str]
@@ -53,6 +54,7 @@ class Progress:
     done: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
     elapsed_s: float = 0.0
+    damage: Sequence[str] = ()
 
     @property
     def rate(self) -> float:
@@ -135,7 +137,8 @@ def run_suite(
         if copy is not None:
             copy.push()
         out = store.folder if copy is None else str(folder)
-        tally = _Tally(Progress(out, total, total - len(pending), total - len(pending)), on_progress)
+        resumed = total - len(pending)
+        tally = _Tally(Progress(out, total, resumed, done=resumed, damage=store.damage), on_progress)
         try:
             if ray is not None and len(pending):
                 from trundle.evaluation.cluster import run_on_cluster

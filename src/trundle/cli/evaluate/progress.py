@@ -21,7 +21,7 @@ class ProgressLine:
 
     Args:
         json: Print JSON lines.
-        quiet: Show nothing; JSON lines are printed all the same.
+        quiet: Show no progress; JSON lines are printed all the same.
     """
 
     def __init__(self, *, json: bool = False, quiet: bool = False) -> None:
@@ -41,7 +41,10 @@ class ProgressLine:
             print(file=sys.stderr)
 
     def show(self, progress: Progress) -> None:
-        """Show it, if the last time is long enough ago."""
+        """Show it, if the last time is long enough ago; the first time also what was damaged, even where quiet."""
+        if self._last is None:
+            for damage in progress.damage:
+                print(f"trundle: {damage}", file=sys.stderr)
         self._last = progress
         now = time.monotonic()
         if now >= self._next:

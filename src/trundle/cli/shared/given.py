@@ -13,6 +13,7 @@ from trundle.files.kinds import (
     ROBOT,
     RUN,
     SCENARIO,
+    SUITE,
     WORLD,
     describe_mismatch,
     find_kind,
@@ -38,6 +39,10 @@ _ADVICE = {
     "trundle run --from {text}:ID",
     (EVALUATION, SCENARIO): "to run one of its episodes again, trundle run --from {text}:ID; to resume it, "
     "trundle evaluate {text}/suite.yaml -o {text}",
+    (EVALUATION, SUITE): "to continue it, trundle evaluate {text}/suite.yaml -o {text}; its report, trundle evaluate "
+    "report {text}",
+    (SUITE, SCENARIO): "run its episodes with trundle evaluate {text}",
+    (SUITE, EVALUATION): "run it with trundle evaluate {text}, and give the folder that it writes",
     (EVALUATION, MAP): "give the YAML file of a map",
     (DRIVE, SCENARIO): "to repeat its commands, trundle drive ROBOT --like {text}",
     (
