@@ -13,6 +13,7 @@ WRITES = {
     "03_drive_by_hand": set(),
     "04_make_map": {"warehouse.yaml", "warehouse.png"},
     "05_drive_to_goal": {"overlay.png"},
+    "06_evaluate_planners": {"evaluation"},
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -20,10 +21,11 @@ SAYS = {
     "03_drive_by_hand": "after 5 s of v=0.4, w=0: x 1.9",
     "04_make_map": "cells of 0.05 m",
     "05_drive_to_goal": "arrived",
+    "06_evaluate_planners": "16 of 16 episodes, 16 arrived",
 }
 
 
-def test_there_is_an_example_for_each_step() -> None:
+def test_there_is_an_example_for_each_step_and_for_evaluations() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 
