@@ -183,10 +183,11 @@ def _overview() -> str:
         "Examples:\n"
         "  trundle demo\n"
         "  trundle run warehouse --robot nova_carter --seed 3\n"
-        "  trundle plan map.yaml --start 0,0 --goal 5,3 -o overlay.png\n\n"
+        "  trundle plan map.yaml --start 0,0 --goal 5,3 -o overlay.png\n"
+        "  trundle evaluate smoke\n\n"
         "trundle VERB --help explains a verb; every verb prints JSON with --json, errors too.\n"
         "trundle --install-completion [bash|zsh|fish|powershell] lets the shell complete verbs and options.\n"
-        "Exit codes: 0 done, 1 the robot did not reach the goal, 2 bad input."
+        "Exit codes: 0 done, 1 the robot did not reach the goal or a requirement was not met, 2 bad input."
     )
 
 
