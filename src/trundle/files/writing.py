@@ -39,7 +39,7 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
         yield temporary
         temporary.chmod(_permissions(path))
         if durable:
-            _sync(temporary)
+            sync_file(temporary)
         temporary.replace(path)
         if durable:
             sync_folder(path.parent)
@@ -96,10 +96,19 @@ def write_text(target: str | os.PathLike[str], content: str, *, durable: bool = 
     write_bytes(target, content.encode(), durable=durable)
 
 
+def sync_file(path: Path) -> None:
+    """Flush a file's content, or a folder's entries, to disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 def sync_folder(folder: str | os.PathLike[str]) -> None:
     """Flush a folder's entries to disk: files created, renamed or deleted in it."""
     with suppress(OSError):  # some network file systems cannot sync folders
-        _sync(Path(folder))
+        sync_file(Path(folder))
 
 
 def make_folder(target: str | os.PathLike[str]) -> Path:
@@ -169,14 +178,6 @@ def _permissions(path: Path) -> int:
         return stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
         return 0o666 & ~_umask()
-
-
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _umask() -> int:

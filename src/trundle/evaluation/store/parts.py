@@ -18,7 +18,7 @@ from trundle.errors import MissingExtraError, OutputError
 from trundle.evaluation.store.columns import SQL_TYPES
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import PARTS
-from trundle.files.writing import sync_folder
+from trundle.files.writing import sync_file, sync_folder
 
 if TYPE_CHECKING:
     import duckdb
@@ -81,7 +81,7 @@ def write_part(database: duckdb.DuckDBPyConnection, rows: Path, folder: Path, ta
     try:
         count = _copy(database, rows, temporary)
         digest = digest_file(temporary)
-        _sync(temporary)
+        sync_file(temporary)
         taken = (int(path.name.split("-")[0]) for path in list_parts(folder) if _NAME.fullmatch(path.name))
         number = max(taken, default=0)
         temporary.replace(parts / f"{number + 1:06d}{tag}-{digest}.parquet")
@@ -183,11 +183,3 @@ def quote(text: str | os.PathLike[str]) -> str:
 def quote_name(name: str) -> str:
     """A name as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'
-
-
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
