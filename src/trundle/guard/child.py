@@ -106,19 +106,31 @@ def _call(call: Any, args: Any, kwargs: Any) -> tuple[str, Any]:
 @contextlib.contextmanager
 def _limited_memory(limit: int) -> Any:
     """Limit the additional address space of this process [bytes], if the system supports it."""
-    taken = _address_space()
-    if taken is None:
-        yield
-        return
-    import resource
-
-    before = resource.getrlimit(resource.RLIMIT_AS)
-    most = taken + limit if before[1] == resource.RLIM_INFINITY else min(taken + limit, before[1])
-    resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+    before = limit_growth(limit)
     try:
         yield
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, before)
+        if before is not None:
+            import resource
+
+            resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def limit_growth(size: int) -> tuple[int, int] | None:
+    """Limit the additional address space of this process [bytes].
+
+    Returns:
+        The limits, soft and hard, that held before; None if the system has no such limit.
+    """
+    taken = _address_space()
+    if taken is None:
+        return None
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    most = taken + size if before[1] == resource.RLIM_INFINITY else min(taken + size, before[1])
+    resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+    return before
 
 
 def _address_space() -> int | None:

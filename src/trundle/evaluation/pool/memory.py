@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -14,18 +13,6 @@ HAS_LIMIT = sys.platform == "linux"
 """Whether the system keeps RLIMIT_AS; elsewhere the pool watches resident memory."""
 
 _SIGNS = ("bad_alloc", "MemoryError", "llocate memory", "Unable to allocate")
-
-
-def limit_growth(size: int) -> None:
-    """Let this process take only so many bytes of address space more, where the system has such a limit."""
-    taken = _address_space()
-    if taken is None:
-        return
-    import resource
-
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    most = taken + size if hard == resource.RLIM_INFINITY else min(taken + size, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
 @contextlib.contextmanager
@@ -76,15 +63,6 @@ def resident_bytes(pids: Iterable[int]) -> dict[int, int]:
         return {}
     rows = [line.split() for line in said.splitlines()]
     return {int(row[0]): int(row[1]) * 1024 for row in rows if len(row) == 2}
-
-
-def _address_space() -> int | None:
-    """Bytes of address space that this process takes; None where the system does not limit that."""
-    try:
-        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 - of the system
-            return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-    except OSError:
-        return None
 
 
 def _chain(error: BaseException) -> Iterator[BaseException]:

@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 from trundle.evaluation.pool import framing, memory
 from trundle.evaluation.pool.places import frames_of
 from trundle.evaluation.pool.words import describe_error
+from trundle.guard.child import limit_growth
 
 DUMP_SIGNAL = signal.SIGUSR1
 """Makes a worker write where its main thread is."""
@@ -55,7 +56,7 @@ def run_worker(sock: socket.socket, output: int, dump: int, start: WorkerStart) 
     _redirect(output)
     _ready_for_the_worst(dump)
     if start.memory_bytes is not None:
-        memory.limit_growth(start.memory_bytes)
+        limit_growth(start.memory_bytes)
     try:
         try:
             task = pickle.loads(start.task)
