@@ -14,6 +14,7 @@ from trundle.geometry import (
     Pose2D,
     Pose3D,
     Twist2D,
+    arc_lengths,
     convex_hull,
     integrate_twist,
     pad_outline,
@@ -145,6 +146,11 @@ def test_a_pose_in_space_refuses_a_zero_quaternion():
 def test_path_length_adds_up_the_legs():
     assert path_length([[0, 0], [3, 4], [3, 5]]) == 6.0
     assert path_length([[1, 1]]) == 0.0
+
+
+def test_arc_lengths_are_the_path_lengths_up_to_each_point():
+    assert arc_lengths([[0, 0, 9], [3, 4, 9], [3, 5, 9]]).tolist() == [0.0, 5.0, 6.0]
+    assert arc_lengths([[1, 1]]).tolist() == [0.0]
 
 
 def test_padding_a_square_moves_every_edge_outwards():

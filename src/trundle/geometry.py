@@ -336,11 +336,20 @@ def rotation_matrices(quaternions: npt.ArrayLike) -> FloatArray:
 
 def path_length(points: npt.ArrayLike) -> float:
     """Length [m] of a polyline, shape (N, 2); further columns are ignored."""
+    return float(_steps(points).sum())
+
+
+def arc_lengths(points: npt.ArrayLike) -> FloatArray:
+    """Length [m] of a polyline, shape (N, 2) with N ≥ 1, up to each of its points, shape (N,); the first is 0."""
+    return np.concatenate([[0.0], np.cumsum(_steps(points))])
+
+
+def _steps(points: npt.ArrayLike) -> FloatArray:
     array = as_array(points, np.float64, "points", copy=False)
     if len(array) < 2:
-        return 0.0
+        return np.zeros(0)
     steps = np.diff(array[:, :2], axis=0)
-    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+    return np.hypot(steps[:, 0], steps[:, 1])
 
 
 def _exactly(values: Sequence[float], count: int, what: str) -> list[float]:

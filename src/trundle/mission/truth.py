@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, path_length
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_extent, map_world
@@ -132,7 +132,7 @@ def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -
         turns = path.waypoints[1:-1]
         inner = np.stack(true_map.cell_to_world(turns[:, 0], turns[:, 1]), axis=1)
         line = np.concatenate([points[leg, None], inner, points[leg + 1, None]])
-        length += float(np.hypot(*np.diff(line, axis=0).T).sum())
+        length += path_length(line)
     return length
 
 

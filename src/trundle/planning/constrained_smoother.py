@@ -14,7 +14,7 @@ from trundle import _core
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.footprint import Footprint
-from trundle.geometry import FloatArray, wrap_angles
+from trundle.geometry import FloatArray, arc_lengths, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M
 from trundle.planning.path_check import PathCheck
@@ -262,7 +262,7 @@ def _check(path: Path, costmap: Costmap) -> None:
     if len(hits) == 0:
         return
     x, y, yaw = check.poses[hits[0]].tolist()
-    driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path.poses[:, :2], axis=0).T))])
+    driven = arc_lengths(path.poses)
     k = int(np.searchsorted(driven, check.along[hits[0]] - 1e-9))
     row, col = (int(index) for index in costmap.world_to_cell(x, y))
     raise BlockedPoseError(

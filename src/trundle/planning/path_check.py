@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError
-from trundle.geometry import FloatArray, wrap_angles
+from trundle.geometry import FloatArray, arc_lengths, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M, CHECK_STEP_RAD, sample_between
 from trundle.values import check_count
@@ -69,8 +69,7 @@ class PathCheck:
         self._first, self._last = first, last
         self.poses, self._leg, counts = sample_between(first, last, CHECK_STEP_M, CHECK_STEP_RAD)
         self._leg_end: npt.NDArray[np.intp] = np.cumsum(counts) - 1
-        steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
-        self.along: FloatArray = np.concatenate([[0.0], np.cumsum(steps)])
+        self.along: FloatArray = arc_lengths(self.poses)
         self.poses.flags.writeable = False
         self.along.flags.writeable = False
         self._frame: tuple[object, ...] = ()

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from trundle.errors import InputError
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, wrap_angle, wrap_angles
 from trundle.pictures.colors import BAD, FAINT, GOAL, INK, PAGE, START
 from trundle.pictures.text import font, plain
 from trundle.record.chart import Chart, Curve, draw_chart
@@ -64,7 +64,7 @@ def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Co
     """
     second = _aligned(first, second) if align else second
     apart = float(np.hypot(second.x[0] - first.x[0], second.y[0] - first.y[0]))
-    turned = float(abs(_wrapped(second.yaw[0] - first.yaw[0])))
+    turned = abs(wrap_angle(float(second.yaw[0] - first.yaw[0])))
     if apart > _SAME_START_M or turned > _SAME_START_RAD:
         raise InputError(
             f"the runs start {apart:.3f} m and {turned:.3f} rad apart: drive both from the same start, or move the "
@@ -77,7 +77,7 @@ def compare_motions(first: Motion, second: Motion, *, align: bool = False) -> Co
     one = Motion(*(getattr(first, name)[rows] for name in Motion.__slots__))
     other = _at(second, one.time)
     position = np.hypot(other.x - one.x, other.y - one.y)
-    yaw = _wrapped(other.yaw - one.yaw)
+    yaw = wrap_angles(other.yaw - one.yaw)
     commands = np.concatenate([other.commanded_v - one.commanded_v, other.commanded_w - one.commanded_w])
     return Comparison(
         time=one.time,
@@ -157,7 +157,3 @@ def _aligned(first: Motion, second: Motion) -> Motion:
         "yaw": second.yaw + turn,
     }
     return Motion(**{name: moved.get(name, getattr(second, name)) for name in Motion.__slots__})
-
-
-def _wrapped(angles: FloatArray | np.float64) -> FloatArray:
-    return np.asarray(np.remainder(np.asarray(angles) + np.pi, 2.0 * np.pi) - np.pi)

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from trundle.costmap import Costmap
-from trundle.geometry import FloatArray, Goal, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D, arc_lengths
 from trundle.maps.masks import SpeedMask
 from trundle.mission import Episode, Outcome, Trajectory
 from trundle.mission.metrics import CLEARANCE_CAP
@@ -77,7 +77,7 @@ def draw_plan(
     if before is not None:
         view.line(before.poses[:, :2], BAD, 2.5)
         marks[0:1] = [Mark("line", PLANNED, "smoothed"), Mark("line", BAD, "planned")]
-    _draw_outlines(view, robot, path.poses, _along(path.poses))
+    _draw_outlines(view, robot, path.poses, arc_lengths(path.poses))
     for pose, color in ((path.start, START), (path.goal, GOAL)):
         _draw_robot(view, robot, pose, color)
     picture = view.finish()
@@ -144,7 +144,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
     for path in episode.paths:
         view.line(path.poses[:, :2], PLANNED, 11)
     poses = trajectory.poses
-    _draw_outlines(view, robot, poses, _along(poses))
+    _draw_outlines(view, robot, poses, arc_lengths(poses))
     top_speed = robot.limits.linear_speed
     draw_driven(view, trajectory, top_speed)
     _draw_robot(view, robot, episode.start, START)
@@ -210,14 +210,9 @@ def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, widt
 
 def thin(pixels: FloatArray, gap: float) -> list[int]:
     """Indices of points, shape (N, 2), that are `gap` apart along the line, including the first and the last."""
-    driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pixels, axis=0).T))])
+    driven = arc_lengths(pixels)
     marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
     return sorted({*marks.tolist(), len(pixels) - 1})
-
-
-def _along(poses: FloatArray) -> FloatArray:
-    """Distance driven up to each pose [m]."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))])
 
 
 def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatArray) -> None:

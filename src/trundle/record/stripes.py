@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, arc_lengths
 from trundle.pictures.colors import Rgb
 from trundle.record.map_view import MapView
 
@@ -51,7 +51,7 @@ def _choose(here: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
 
 def _resample(pixels: FloatArray) -> FloatArray:
     """Points about a pixel apart along a line, shape (N, 2) with N ≥ 2."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pixels, axis=0).T))])
+    along = arc_lengths(pixels)
     marks = np.linspace(0.0, along[-1], max(2, int(along[-1]) + 1))
     return np.column_stack([np.interp(marks, along, pixels[:, axis]) for axis in (0, 1)])
 
@@ -60,7 +60,7 @@ def _stripe_numbers(samples: FloatArray, size: tuple[int, int], width: float) ->
     """The number of the stripe, from 1, at every pixel that a line of this width covers, else 0; (height, width)."""
     image = Image.new("I", size, 0)
     draw = ImageDraw.Draw(image)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(samples, axis=0).T))])
+    along = arc_lengths(samples)
     numbers = (along / _DASH).astype(int) + 1
     changes = np.flatnonzero(np.diff(numbers)) + 1
     for first, last in itertools.pairwise([0, *changes.tolist(), len(samples) - 1]):

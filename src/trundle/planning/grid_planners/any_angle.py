@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import Costmap
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, path_length
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid_planners.binary_planner import BinaryPlanner
 from trundle.planning.grid_planners.footprint_planner import FootprintOptions, to_grid, to_map
@@ -52,7 +52,7 @@ class AnyAnglePlanner(BinaryPlanner):
             inner = points[int(skip_first) : len(points) - int(skip_last)]
         vertices: FloatArray = to_map(costmap, np.concatenate([[first], inner, [last]]))
         vertices[0], vertices[-1] = (start.pose.x, start.pose.y), (goal.pose.x, goal.pose.y)
-        return vertices, float(np.hypot(*np.diff(vertices, axis=0).T).sum())
+        return vertices, path_length(vertices)
 
     def _is_free(self, costs: npt.NDArray[np.uint8], a: FloatArray, b: FloatArray) -> bool:
         """Whether the line between two points in grid units is clear of blocked cells, but for its ends."""

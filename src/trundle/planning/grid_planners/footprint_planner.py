@@ -29,7 +29,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import InputError, PlanningError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Pose2D, path_length
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
@@ -239,7 +239,7 @@ class FootprintPlanner(PosePlanner):
             if len(hits) == 0 or places is None or reroutes == places.tries:
                 return _Fit(motions, hits, owners, cost, reroutes)
             vertices = places.reroute(query.costmap, detours.costs, vertices, hits, reroutes, patience)
-            cost = float(np.hypot(*np.diff(vertices, axis=0).T).sum())
+            cost = path_length(vertices)
             reroutes += 1
 
     def _plan_near(self, costmap: Costmap, start: End, goal: Pose2D, patience: Patience, replans: int = 0) -> Path:

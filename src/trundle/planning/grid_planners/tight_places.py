@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from trundle import _core
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, arc_lengths
 from trundle.planning.cancellation import Patience
 
 _TRIES = ((2.0, 0.001), (3.0, 0.0025), (4.0, 0.006), (6.0, 0.016))
@@ -65,7 +65,7 @@ class TightPlaces:
         if len(vertices) < 2:
             return vertices
         reach_m = _TRIES[number][0] * costmap.circumscribed_radius
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(vertices, axis=0).T))])
+        along = arc_lengths(vertices)
         parts: list[FloatArray] = []
         done = 0.0
         for begin, end in _stretches(vertices, along, hits, reach_m):
