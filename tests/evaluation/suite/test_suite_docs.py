@@ -14,7 +14,8 @@ from trundle.evaluation.suite.suite import shipped_folder
 from trundle.planning import planner_names
 
 DOCS = Path(__file__).parents[3] / "docs"
-EXAMPLE = re.search(r"```yaml\n(.*?)```", (DOCS / "evaluation.md").read_text(), re.DOTALL)[1]
+SECTION = (DOCS / "evaluation.md").read_text().partition("\n## Suites\n")[2]
+EXAMPLE = re.search(r"```yaml\n(.*?)```", SECTION, re.DOTALL)[1]
 SCHEMA = json.loads((DOCS / "schemas" / "suite.schema.json").read_text())
 
 
