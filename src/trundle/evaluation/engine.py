@@ -16,6 +16,7 @@ import numpy as np
 
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.episode import EpisodeTask, facts_of, parts_of
+from trundle.evaluation.interim import InterimReports
 from trundle.evaluation.pool import Done, Failed, Pool
 from trundle.evaluation.pool.pool import MOST_WORKERS
 from trundle.evaluation.row import Row
@@ -94,6 +95,8 @@ def run_suite(
 ) -> Path | str:
     """Run the episodes of a suite that have no row in a folder yet.
 
+    The reports are written from time to time meanwhile, but not at the end.
+
     Args:
         suite: What to run.
         folder: Where the rows go; none means a new `runs/<time>-<name>`. An unfinished evaluation in it is continued.
@@ -139,6 +142,8 @@ def run_suite(
         out = store.folder if copy is None else str(folder)
         resumed = total - len(pending)
         tally = _Tally(Progress(out, total, resumed, done=resumed, damage=store.damage), on_progress)
+        interim = InterimReports(out)
+        opened.callback(interim.close)
         try:
             if ray is not None and len(pending):
                 from trundle.evaluation.cluster import run_on_cluster
@@ -146,11 +151,13 @@ def run_suite(
                 cluster = {"out": out, "address": ray, "versions": versions, "mixed": mixed, "workers": workers}
                 for shard in run_on_cluster(partial(SuiteRunner, suite), pending.tolist(), **cluster):
                     tally.add(shard.outcomes)
+                    interim.look()
             elif len(pending):
                 with SuiteRunner(suite, workers or default_workers()) as runner:
                     for row in runner.rows(pending.tolist()):
                         store.append(row)
                         tally.add({row.outcome: 1})
+                        interim.look()
         except KeyboardInterrupt as interrupt:
             raise InterruptedEvaluationError(
                 f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-import time
+import threading
 from typing import Self
 
 from trundle.evaluation.engine import Progress
@@ -17,39 +17,60 @@ class ProgressLine:
     """Shows the progress of an evaluation; use it in a `with` block.
 
     On a terminal it is a line that is written over; elsewhere a line every ten seconds, both on the error stream. As
-    JSON it is a line a second on stdout.
+    JSON it is a line a second on stdout, also while no episode ends.
 
     Args:
         json: Print JSON lines.
         quiet: Show no progress; JSON lines are printed all the same.
+        every_s: Time between two lines [s]; none means as above.
     """
 
-    def __init__(self, *, json: bool = False, quiet: bool = False) -> None:
+    def __init__(self, *, json: bool = False, quiet: bool = False, every_s: float | None = None) -> None:
         self._kind = "json" if json else "terminal" if sys.stderr.isatty() else "plain"
+        self._every_s = every_s or _EVERY_S[self._kind]
         self._hidden = quiet and not json
-        self._next = 0.0
         self._last: Progress | None = None
         self._shown = False
+        self._fault: OSError | None = None
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._repeat, daemon=True)
 
     def __enter__(self) -> Self:
+        if not self._hidden:
+            self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._last is not None:
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        if self._last is not None and self._fault is None:
             self._print(self._last)
         if self._kind == "terminal" and self._shown:
             print(file=sys.stderr)
 
     def show(self, progress: Progress) -> None:
-        """Show it, if the last time is long enough ago; the first time also what was damaged, even where quiet."""
-        if self._last is None:
+        """Show it at once if it is the first, with what was damaged, even where quiet; else with the next line.
+
+        Raises:
+            OSError: If the stream has been closed.
+        """
+        if self._fault is not None:
+            raise self._fault
+        first, self._last = self._last is None, progress
+        if first:
             for damage in progress.damage:
                 print(f"trundle: {damage}", file=sys.stderr)
-        self._last = progress
-        now = time.monotonic()
-        if now >= self._next:
-            self._next = now + _EVERY_S[self._kind]
             self._print(progress)
+
+    def _repeat(self) -> None:
+        while not self._ended.wait(self._every_s):
+            try:
+                if self._last is not None:
+                    self._print(self._last)
+            except OSError as error:
+                self._fault = error
+                return
 
     def _print(self, progress: Progress) -> None:
         if self._hidden:

@@ -10,6 +10,7 @@ from trundle.cli.evaluate import verdict
 from trundle.cli.evaluate.progress import ProgressLine
 from trundle.cli.shared import options, output, sources
 from trundle.cli.shared.given import check_given
+from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Evaluation, Suite, suite_names
 from trundle.evaluation.engine import InterruptedEvaluationError, run_suite
@@ -35,7 +36,7 @@ def _names(help_text: str) -> Any:
 
 
 _INTERRUPTED = 130
-"""128 + SIGINT, as shells count."""
+"""128 + SIGINT, as shells count; SIGTERM ends it in the same way."""
 
 
 @app.default
@@ -59,7 +60,8 @@ def run(
     """Run thousands of missions, and judge them.
 
     Writes a folder with suite.yaml, the rows (journal.jsonl, parts/*.parquet), report.html, junit.xml and summary.json.
-    The same command continues an evaluation that was stopped. Exit code 1 says that a requirement was not met.
+    Ctrl-C and SIGTERM stop it (exit code 130); the same command continues it. Exit code 1 says that a requirement was
+    not met.
 
     Args:
         given: A suite (a file, or smoke, tight or warehouses, which trundle ships), or maps and worlds, whose missions
@@ -85,7 +87,7 @@ def run(
         changes["require"] = require
     suite = _make_suite(given, changes)
     try:
-        with ProgressLine(json=json, quiet=quiet) as line:
+        with ends_as_by_ctrl_c(), ProgressLine(json=json, quiet=quiet) as line:
             folder = run_suite(
                 suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=line.show
             )
