@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 FIRST_S = 30.0
 """When the first report is started, after the evaluation [s]."""
@@ -26,19 +25,19 @@ Evaluation(sys.argv[1]).write_report()
 """
 
 
-class Writer(Protocol):
-    """What writes a report beside this process: a `subprocess.Popen`, or what tests put in its place."""
-
-    def poll(self) -> int | None: ...
-    def wait(self, timeout: float) -> int: ...
-    def terminate(self) -> None: ...
-    def kill(self) -> None: ...
+Writer = subprocess.Popen[bytes]
+"""What writes a report beside this process."""
 
 
 def start_writer(folder: str) -> Writer:
     """Start a process that writes the reports of a folder once; what it has to say is dropped."""
-    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    return subprocess.Popen([sys.executable, "-c", _PROGRAM, folder], start_new_session=True, **quiet)
+    return subprocess.Popen(
+        [sys.executable, "-c", _PROGRAM, folder],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
 
 
 class InterimReports:

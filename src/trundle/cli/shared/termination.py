@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def ends_as_by_ctrl_c() -> Iterator[None]:
-    """Let SIGTERM end what runs in the block as Ctrl-C does; where signals cannot be set, as in a thread, it does not."""
+    """Let SIGTERM end what runs in the block as Ctrl-C does, if this is the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
