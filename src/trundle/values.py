@@ -1,4 +1,4 @@
-"""Checks for numbers, arrays and seeds that come from outside."""
+"""Checks for numbers, arrays and seeds that come from outside, and lists of names in messages."""
 
 from __future__ import annotations
 
@@ -126,3 +126,8 @@ def check_seed(seed: object) -> int:
     if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)
     raise InputError(f"a seed must be an integer of 0 or more, got {seed!r}")
+
+
+def first_names(names: Sequence[str], most: int = 5) -> str:
+    """The first names, and how many more there are, for a message."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -14,6 +14,7 @@ from trundle.cli.shared import isaac, options, output, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
+from trundle.values import first_names
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
@@ -199,7 +200,7 @@ def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:
             "driven": f"{summary.distance:.2f} m in {summary.seconds:.1f} s",
             "top speed": f"{summary.top_speed:.2f} m/s",
             "turned": f"{left:.0f} deg left, {right:.0f} deg right",
-            "contacts": f"{summary.contacts}: {output.shorten(summary.touched)}" if summary.contacts else "none",
+            "contacts": f"{summary.contacts}: {first_names(summary.touched)}" if summary.contacts else "none",
             "final pose": f"x {x:.2f} m, y {y:.2f} m, yaw {math.degrees(yaw):.0f} deg",
             "record": folder / "drive.csv",
         }
@@ -224,7 +225,7 @@ def _report_commands(log: DriveLog, folder: Path, *, json: bool) -> None:
                 leg["twist"]["w"],
                 leg["wheel_speeds"]["left"],
                 leg["wheel_speeds"]["right"],
-                output.shorten(leg["contacts"]) or None,
+                first_names(leg["contacts"]) or None,
             )
             for leg in log.legs()
         ],

@@ -19,7 +19,7 @@ from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
 from trundle.solids import Solid, solids_bounds
-from trundle.values import as_array, is_finite_number
+from trundle.values import as_array, first_names, is_finite_number
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
@@ -33,8 +33,6 @@ FAR = 2_000.0
 
 MAX_SLOPE = math.radians(10.0)
 """Default of the steepest drivable floor [rad]: a little more than a loading ramp."""
-
-_NAMES_SHOWN = 5
 
 
 class SolidWorld(Protocol):
@@ -272,10 +270,9 @@ def _mark_over_floor(
 
 
 def _tell_open(names: Sequence[str]) -> str:
-    more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
     return (
         "not watertight, so only the surface is marked and not the inside: "
-        f"{', '.join(map(repr, names[:_NAMES_SHOWN]))}{more}. Close the mesh's holes, or ignore this for sheets"
+        f"{first_names([repr(name) for name in names])}. Close the mesh's holes, or ignore this for sheets"
     )
 
 

@@ -29,6 +29,7 @@ from trundle.errors import WorldWarning
 from trundle.geometry import FloatArray, Pose3D
 from trundle.maps.rasterise import HeightBand, SolidRaster
 from trundle.solids import Mesh, Solid
+from trundle.values import first_names
 from trundle.worlds.walls import merge_cells
 
 logger = logging.getLogger(__name__)
@@ -147,11 +148,10 @@ def take_apart(solids: Iterable[Solid], *, ceiling: float) -> dict[str, Pieces]:
 def _log_plates(plates: dict[str, int]) -> None:
     concave = sorted(name for name, count in plates.items() if count)
     if concave:
-        names = ", ".join(map(repr, concave[:3])) + (f" and {len(concave) - 3} more" if len(concave) > 3 else "")
         logger.info(
             "meshes that are not convex collide as they are, each triangle a plate of %g mm: %s, %d plates in all",
             1e3 * THICKNESS,
-            names,
+            first_names([repr(name) for name in concave], 3),
             sum(plates.values()),
         )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trundle.cli.shared import isaac, output
+from trundle.values import first_names
 
 if TYPE_CHECKING:
     from trundle.mission import Episode, Mission, Observer, RunInfo, Scenario
@@ -161,7 +162,7 @@ def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
             "smallest clearance": f"{metrics.min_clearance_m:.3f} m",
             "planning time": f"{metrics.planning_ms:.1f} ms",
             "real-time factor": f"{metrics.real_time_factor:.0f}",
-            "contacts": output.shorten(metrics.contacts) or "none",
+            "contacts": first_names(metrics.contacts) or "none",
             "folder": folder.path,
         }
     )

@@ -51,11 +51,6 @@ def report_written(facts: Mapping[str, object], advice: str, *, json: bool, quie
         remark(advice, quiet=quiet)
 
 
-def shorten(names: Sequence[str], most: int = 5) -> str:
-    """The first names, and the number of others."""
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
-
-
 def remark(text: str, *, quiet: bool) -> None:
     """Print a remark on stderr."""
     if not quiet:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
+from trundle.values import first_names
 
 Rows = npt.NDArray[np.intp]
 _ALL_PAIRS = 3
@@ -93,8 +94,7 @@ def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str
 
 
 def _list(groups: Sequence[Group]) -> str:
-    names = [group.name for group in groups]
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    return first_names([group.name for group in groups], 4)
 
 
 def _values(groups: Sequence[Group], name: str) -> set[str]:

@@ -13,6 +13,7 @@ from trundle.files.uris import Folders, split_folders
 from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
+from trundle.values import first_names
 from trundle.worlds.gazebo.frames import WORLD_FRAME, Scope
 from trundle.worlds.gazebo.models import find_model_file, is_plain_floor, is_sun, read_plain_floor
 from trundle.worlds.gazebo.shapes import Files, MissingFileError, read_color, read_geometry
@@ -159,11 +160,11 @@ class _Reader:
         texts: list[str] = []
         if self.moving:
             texts.append(
-                f"{len(self.moving)} non-static models were left out ({_shorten(self.moving)}); with "
+                f"{len(self.moving)} non-static models were left out ({first_names(self.moving)}); with "
                 "movable=true they become fixed obstacles"
             )
         if self.skipped:
-            texts.append(f"left out: {_shorten(self.skipped)}")
+            texts.append(f"left out: {first_names(self.skipped)}")
         return texts
 
     def _read_models(
@@ -331,7 +332,3 @@ def _add_frame(place: Place, element: XmlElement, scope: Scope) -> None:
 def _child_of(joint: XmlElement) -> str:
     element = child(joint, "child")
     return "" if element is None else (element.text or "").strip()
-
-
-def _shorten(names: list[str], most: int = 5) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
