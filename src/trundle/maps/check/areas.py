@@ -161,6 +161,19 @@ class Chart:
         return shorten(findings, len(indices), words[1])
 
 
+def grow(mask: Mask, radius: int) -> Mask:
+    """The cells of a mask and all within a distance [cells] of them."""
+    rows, cols = mask.shape
+    wide = np.pad(mask, radius)
+    grown = np.zeros_like(mask)
+    for down in range(-radius, radius + 1):
+        for right in range(-radius, radius + 1):
+            if down * down + right * right <= radius * radius:
+                top, left = radius + down, radius + right
+                grown |= wide[top : top + rows, left : left + cols]
+    return grown
+
+
 def shorten(findings: list[Finding], total: int, what: str) -> list[Finding]:
     """Keep the largest findings of one kind, up to the limit, and sum up the rest in one."""
     if total <= MOST_A_KIND:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle._core import inflate, mark_gaps
-from trundle.maps.check.areas import Area, Areas, Chart, Mask, shorten
+from trundle.maps.check.areas import Area, Areas, Chart, Mask, grow, shorten
 from trundle.maps.check.finding import Finding
 from trundle.robots import Robot
 
@@ -106,7 +106,7 @@ class _Search:
         gap = self._gaps.area(index)
         ring = self._window(gap, 1)
         own = self._gaps.labels[ring] == gap.label
-        sides = Areas((self._rooms[ring] > 0) & _grow(own), diagonal=True)
+        sides = Areas((self._rooms[ring] > 0) & grow(own, 1), diagonal=True)
         if len(sides) < 2:
             return None
         window = self._window(gap, math.ceil(_DETOUR_M / self._chart.grid.resolution))
@@ -202,13 +202,3 @@ def _nodes(cells: Mask, *, closed: bool) -> Mask:
         nodes[:, :-1:2] |= nodes[:, 1::2]
         nodes[:, 2::2] |= nodes[:, 1::2]
     return nodes
-
-
-def _grow(mask: Mask) -> Mask:
-    """The cells of a mask and those above, below, left and right of them."""
-    grown = mask.copy()
-    grown[1:] |= mask[:-1]
-    grown[:-1] |= mask[1:]
-    grown[:, 1:] |= mask[:, :-1]
-    grown[:, :-1] |= mask[:, 1:]
-    return grown

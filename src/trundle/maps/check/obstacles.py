@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trundle.maps.cells import FREE, OCCUPIED
-from trundle.maps.check.areas import Areas, Cells, Chart, Mask, shorten
+from trundle.maps.check.areas import Areas, Cells, Chart, Mask, grow, shorten
 from trundle.maps.check.finding import MOST_A_KIND, Finding, Kind
 
 LEAST_AREA = 0.09
@@ -72,25 +72,12 @@ def list_obstacles(chart: Chart, found: Contradictions) -> list[Finding]:
 
 def _find_areas(differs: Mask, obstacles: Mask) -> Areas:
     """Connected areas of cells that differ, each with a part beyond the tolerance from an obstacle of the other."""
-    core = differs & ~_grow(obstacles, TOLERANCE)
+    core = differs & ~grow(obstacles, TOLERANCE)
     # With what is within the tolerance, but not all of a wall that is a cell off.
-    near = differs & _grow(core, TOLERANCE + 1)
+    near = differs & grow(core, TOLERANCE + 1)
     whole = Areas(differs, diagonal=True)
     shares = np.bincount(whole.labels[near], minlength=len(whole) + 1)[1:] / np.maximum(whole.sizes, 1)
     return Areas(near | whole.select(shares >= _MOSTLY), diagonal=True)
-
-
-def _grow(mask: Mask, radius: int) -> Mask:
-    """The cells within a distance [cells] of a mask."""
-    rows, cols = mask.shape
-    wide = np.pad(mask, radius)
-    grown = np.zeros_like(mask)
-    for down in range(-radius, radius + 1):
-        for right in range(-radius, radius + 1):
-            if down * down + right * right <= radius * radius:
-                top, left = radius + down, radius + right
-                grown |= wide[top : top + rows, left : left + cols]
-    return grown
 
 
 def _is_large(chart: Chart, areas: Areas) -> Mask:
