@@ -121,7 +121,7 @@ class Evaluation:
 
     def rows(self) -> Iterator[Row]:
         """Its rows, by index."""
-        return self.results.rows()
+        yield from self.results.rows()  # holds this, and so the copy that is read, until the last row
 
     def to_pandas(self) -> pandas.DataFrame:
         """Its rows as a data frame (extra `evaluate`)."""
