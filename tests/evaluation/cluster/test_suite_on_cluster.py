@@ -1,5 +1,6 @@
 """A suite's real episodes on a cluster have the rows of a local run."""
 
+import logging
 import time
 from functools import partial
 from pathlib import Path
@@ -74,7 +75,7 @@ def test_ctrl_c_ends_what_runs_on_the_cluster(
         run_suite(suite, tmp_path / "out", ray=single.address, workers=1, on_progress=stop)
     assert not ray.is_initialized()
     assert 0 < len(Evaluation(tmp_path / "out")) < len(suite)
-    ray.init(address=single.address, log_to_driver=False, logging_level="ERROR")
+    ray.init(address=single.address, log_to_driver=False, logging_level=logging.ERROR)
     try:
         until = time.monotonic() + 10.0
         while ray.available_resources().get("CPU") != 1.0 and time.monotonic() < until:
