@@ -119,6 +119,10 @@ def run_suite(
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)
     suite.check()
+    if ray is not None:
+        from trundle.evaluation.cluster.connection import check_cluster
+
+        check_cluster(ray)
     if is_remote(folder) and ray is None:
         raise InputError(f"{folder} is in an object store, which the nodes of a Ray cluster write to: give --ray, too")
     total, versions = len(suite), code_versions()

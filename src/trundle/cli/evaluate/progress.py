@@ -30,7 +30,7 @@ class ProgressLine:
         self._every_s = every_s or _EVERY_S[self._kind]
         self._hidden = quiet and not json
         self._last: Progress | None = None
-        self._shown = False
+        self._shown, self._printed = False, -1
         self._fault: OSError | None = None
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._repeat, daemon=True)
@@ -44,7 +44,7 @@ class ProgressLine:
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join()
-        if self._last is not None and self._fault is None:
+        if self._last is not None and self._fault is None and self._printed != self._last.done:
             self._print(self._last)
         if self._kind == "terminal" and self._shown:
             print(file=sys.stderr)
@@ -75,7 +75,7 @@ class ProgressLine:
     def _print(self, progress: Progress) -> None:
         if self._hidden:
             return
-        self._shown = True
+        self._shown, self._printed = True, progress.done
         if self._kind == "json":
             print(json.dumps(as_dict(progress)), flush=True)
         elif self._kind == "plain":

@@ -53,7 +53,7 @@ def run(
     ray: str | None = None,
     require: verdict.Require = (),
     mixed: Annotated[bool, Parameter(negative="")] = False,
-    overwrite: options.Overwrite = False,
+    overwrite: Annotated[bool, Parameter(negative="")] = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
@@ -71,6 +71,7 @@ def run(
         workers: Number of processes; left out: one for each CPU.
         ray: Address of a Ray cluster to run on, or auto, which starts one on this machine.
         mixed: Continue although the code has changed since the earlier rows.
+        overwrite: Delete the evaluation that the folder holds, and start again.
     """
     if len(given) == 0:
         raise InputError(

@@ -35,10 +35,7 @@ def connect(address: str) -> Iterator[ModuleType]:
         ClusterError: If the cluster cannot be reached.
         MissingExtraError: If Ray is not installed.
     """
-    try:
-        import ray  # pyright: ignore[reportMissingImports] - an extra
-    except ImportError as error:
-        raise MissingExtraError("an evaluation on a cluster", "Ray", 'pip install "trundle[ray]"') from error
+    ray = _import_ray()
     if ray.is_initialized():
         yield ray
         return
@@ -57,6 +54,27 @@ def connect(address: str) -> Iterator[ModuleType]:
         yield ray
     finally:
         ray.shutdown()
+
+
+def check_cluster(address: str) -> None:
+    """Refuse what `connect` would, as far as a moment tells.
+
+    Raises:
+        InputError: If the address is none.
+        ClusterError: If nobody listens there.
+        MissingExtraError: If Ray is not installed.
+    """
+    _import_ray()
+    if address != AUTO:
+        check_reachable(address)
+
+
+def _import_ray() -> ModuleType:
+    try:
+        import ray  # pyright: ignore[reportMissingImports] - an extra
+    except ImportError as error:
+        raise MissingExtraError("an evaluation on a cluster", "Ray", 'pip install "trundle[ray]"') from error
+    return ray
 
 
 def check_reachable(address: str) -> None:
