@@ -17,7 +17,6 @@ from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 from trundle.values import first_names
 
 if TYPE_CHECKING:
-    from trundle.geometry import Pose2D
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
@@ -26,7 +25,6 @@ PERIOD_S = 0.05
 STEP_S = 0.005
 MAX_SECONDS = 3600.0
 
-_RECORDED_S = 2e-6  # the resolution of a record's times
 
 app = App(
     name="drive",
@@ -80,6 +78,7 @@ def drive(
     """
     from trundle.record.drive_log import DriveLog
     from trundle.record.folder_claim import FolderClaim, check_free
+    from trundle.record.motion import Motion
     from trundle.sim import simulate
     from trundle.sim.mujoco.engine import import_engine
     from trundle.teleop.terminal import check_terminal, drive_by_keys
@@ -105,7 +104,11 @@ def drive(
         pose = sources.start_pose(place, start)
         if like is not None:
             check_given(like, RUN, DRIVE, TABLE, ARRAYS)
-            commands, begin = commands_of(like)
+            motion = Motion.load(like)
+            try:
+                commands, begin = motion.commands(STEP_S), motion.start
+            except InputError as error:
+                raise InputError(f"--like {like}: {error}") from error
             pose = begin if start is None else pose
         if backend != isaac.BACKEND or floor_z is not None:
             place = sources.stand_on_floor(place, world, machine, pose, floor_z)
@@ -138,34 +141,6 @@ def parse_command(text: str) -> tuple[float, float, float]:
     if abs(seconds / STEP_S - round(seconds / STEP_S)) > 1e-6:
         raise InputError(f"--command {text!r}: SECONDS must be a multiple of {STEP_S:g}, the physics step")
     return v, w, seconds
-
-
-def commands_of(run: Path) -> tuple[list[tuple[float, float, float]], Pose2D]:
-    """The commands (v, w, seconds) of a run or a drive, consecutive equal ones merged, and its start pose.
-
-    Raises:
-        InputError: If it is not a record, or its control period is not a multiple of the physics step.
-    """
-    from trundle.geometry import Pose2D
-    from trundle.record.motion import Motion
-
-    motion = Motion.load(run)
-    # Rounded to the physics step: a record has six decimals.
-    periods = (motion.time[1:] - motion.time[:-1]).tolist()
-    steps = [round(seconds / STEP_S) for seconds in periods]
-    for seconds, count in zip(periods, steps, strict=True):
-        if abs(seconds - count * STEP_S) > _RECORDED_S:
-            raise InputError(
-                f"--like {run}: it has a control period of {seconds:g} s, which is not a multiple of {STEP_S:g} s, the "
-                "step of the physics: its commands cannot be replayed exactly"
-            )
-    commands: list[tuple[float, float, float]] = []
-    for v, w, count in zip(motion.commanded_v[1:].tolist(), motion.commanded_w[1:].tolist(), steps, strict=True):
-        if commands and commands[-1][:2] == (v, w):
-            commands[-1] = (v, w, round(commands[-1][2] + count * STEP_S, 9))
-        else:
-            commands.append((v, w, round(count * STEP_S, 9)))
-    return commands, Pose2D(float(motion.x[0]), float(motion.y[0]), float(motion.yaw[0]))
 
 
 def _drive_for(

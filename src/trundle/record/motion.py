@@ -11,11 +11,13 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.files.opening import exists, is_file
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Trajectory
 from trundle.values import as_path
 
 _CSV_NAMES = {"time": "time_s", "commanded_v": "command_v", "commanded_w": "command_w"}
+_RESOLUTION_S = 2e-6
+"""Of a record's times."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +58,36 @@ class Motion:
         if len(columns["time"]) < 2 or (np.diff(columns["time"]) <= 0.0).any():
             raise InputError(f"{file}: the times must increase, with at least two rows")
         return cls(**columns)
+
+    @property
+    def start(self) -> Pose2D:
+        """The pose at the start."""
+        return Pose2D(float(self.x[0]), float(self.y[0]), float(self.yaw[0]))
+
+    def commands(self, step_s: float) -> list[tuple[float, float, float]]:
+        """The commands (v [m/s], w [rad/s], seconds) that repeat it, consecutive equal ones merged.
+
+        Args:
+            step_s: Length of a physics step [s]. Times are rounded to it: a record has six decimals.
+
+        Raises:
+            InputError: If a control period is not a multiple of the physics step.
+        """
+        periods = np.diff(self.time).tolist()
+        steps = [round(seconds / step_s) for seconds in periods]
+        for seconds, count in zip(periods, steps, strict=True):
+            if abs(seconds - count * step_s) > _RESOLUTION_S:
+                raise InputError(
+                    f"the record has a control period of {seconds:g} s, which is not a multiple of {step_s:g} s, the "
+                    "step of the physics: its commands cannot be replayed exactly"
+                )
+        commands: list[tuple[float, float, float]] = []
+        for v, w, count in zip(self.commanded_v[1:].tolist(), self.commanded_w[1:].tolist(), steps, strict=True):
+            if commands and commands[-1][:2] == (v, w):
+                commands[-1] = (v, w, round(commands[-1][2] + count * step_s, 9))
+            else:
+                commands.append((v, w, round(count * step_s, 9)))
+        return commands
 
 
 def _names() -> list[str]:
