@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from trundle.errors import OutputError
 from trundle.evaluation import Evaluation, Suite
 from trundle.evaluation.engine import run_suite
 from trundle.evaluation.interim import FIRST_S, InterimReports, start_writer
@@ -114,3 +115,25 @@ def test_an_evaluation_goes_on_where_no_interim_report_can_be_written(room, tmp_
     monkeypatch.setattr("trundle.evaluation.interim.FIRST_S", 0.0)
     run_suite(suite, out, workers=1, on_progress=lambda _: (out / "report.html").mkdir(exist_ok=True))
     assert len(Evaluation(out)) == 3
+
+
+def test_reports_written_apart_are_the_same(room, tmp_path):
+    room.save(tmp_path / "room.yaml")
+    suite = Suite.make(worlds=[str(tmp_path / "room.yaml")], backends="kinematic", seeds=2)
+    folder = run_suite(suite, tmp_path / "out", workers=1)
+    evaluation = Evaluation(folder)
+    contents = []
+    for apart in (False, True):
+        report = Path(evaluation.write_report(["success>=0.1"], apart=apart))
+        contents.append((report.read_text(), evaluation.read_summary()))
+        report.unlink()
+    assert contents[0] == contents[1]
+    assert contents[1][1]["gates"][0]["passed"]
+
+
+def test_reports_that_cannot_be_written_apart_say_why(room, tmp_path):
+    room.save(tmp_path / "room.yaml")
+    suite = Suite.make(worlds=[str(tmp_path / "room.yaml")], backends="kinematic", seeds=1)
+    evaluation = Evaluation(run_suite(suite, tmp_path / "out", workers=1))
+    with pytest.raises(OutputError, match="Did you mean 'success'"):
+        evaluation.write_report(["sucess>=0.1"], apart=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -9,22 +10,26 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from trundle.errors import TrundleError
+from trundle.errors import InputError, TrundleError
 from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
 from trundle.evaluation.report.summary import count_outcomes, summarise
-from trundle.evaluation.report.write import HTML, write_reports
+from trundle.evaluation.report.write import HTML, SUMMARY, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
 from trundle.evaluation.store import Results
 from trundle.evaluation.store.layout import WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
+from trundle.evaluation.writer import write_apart
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
 
 if TYPE_CHECKING:
     import pandas  # pyright: ignore[reportMissingImports] - an extra
+
+_MANY = 100_000
+"""Episodes whose report takes a few hundred megabytes."""
 
 
 def evaluate(
@@ -184,11 +189,12 @@ class Evaluation:
         self.results.close()
         self._opened.close()
 
-    def write_report(self, require: Sequence[str] | None = None) -> str:
+    def write_report(self, require: Sequence[str] | None = None, *, apart: bool | None = None) -> str:
         """Write report.html, junit.xml and summary.json into the folder.
 
         Args:
             require: What to judge by; none means the suite's requirements.
+            apart: In a process of its own, whose memory is free afterwards; none means for more than 100,000 episodes.
 
         Returns:
             The path of report.html.
@@ -196,19 +202,37 @@ class Evaluation:
         Raises:
             OutputError: If they cannot be written.
         """
-        results = self.results
-        write_reports(
-            self._copy.folder,
-            self.table,
-            shown=self.folder,
-            name=results.name,
-            total=results.total,
-            require=self._parse(require),
-            maps=self.map_of,
-            facts={"started": results.started, **results.versions},
-        )
-        self._copy.push(WRITTEN_AFTERWARDS)
+        if len(self) > _MANY if apart is None else apart:
+            write_apart(self.folder, require)
+            self._copy.pull(WRITTEN_AFTERWARDS)
+        else:
+            results = self.results
+            write_reports(
+                self._copy.folder,
+                self.table,
+                shown=self.folder,
+                name=results.name,
+                total=results.total,
+                require=self._parse(require),
+                maps=self.map_of,
+                facts={"started": results.started, **results.versions},
+            )
+            self._copy.push(WRITTEN_AFTERWARDS)
         return f"{self.folder.rstrip('/')}/{HTML}"
+
+    def read_summary(self) -> dict[str, Any]:
+        """The figures of summary.json as `write_report` wrote them.
+
+        Raises:
+            InputError: If it was not written, or is damaged.
+        """
+        file = self._copy.folder / SUMMARY
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"cannot read {file}: {error}; write it with trundle evaluate report {self.folder}"
+            ) from error
 
     def _parse(self, require: Sequence[str] | None) -> list[Gate]:
         return [Gate.parse(text) for text in (self.suite.require if require is None else require)]

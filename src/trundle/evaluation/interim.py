@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import time
 from collections.abc import Callable
+
+from trundle.evaluation.writer import Writer, start_writer
 
 FIRST_S = 30.0
 """When the first report is started, after the evaluation [s]."""
@@ -15,29 +16,6 @@ _REST = 20.0
 """The pause after a report in times that it took, which bounds what reports cost to 5 % of one CPU."""
 
 _END_S = 0.5
-
-_PROGRAM = """
-import os, signal, sys
-signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-os.nice(10)
-from trundle.evaluation import Evaluation
-Evaluation(sys.argv[1]).write_report()
-"""
-
-
-Writer = subprocess.Popen[bytes]
-"""What writes a report beside this process."""
-
-
-def start_writer(folder: str) -> Writer:
-    """Start a process that writes the reports of a folder once; what it has to say is dropped."""
-    return subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM, folder],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
 
 
 class InterimReports:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -29,25 +29,24 @@ def give(evaluation: Evaluation, require: Sequence[str] | None = None, *, json: 
         The exit code: 1 where a requirement is not met, else 0.
     """
     report = evaluation.write_report(require)
-    gates = evaluation.gates(require)
+    summary = evaluation.read_summary()
     if json:
-        output.print_json_line({**evaluation.summary(require), "folder": evaluation.folder})
+        output.print_json_line({**summary, "folder": evaluation.folder})
     else:
-        output.print_facts(_facts(evaluation) | {"report": report})
-        for gate in gates:
-            print(gate.text)
+        output.print_facts(_facts(summary) | {"report": report})
+        for gate in summary["gates"]:
+            print(gate["text"])
     for damage in evaluation.results.damage:
         output.remark(f"trundle: {damage}", quiet=False)
-    return 0 if all(gate.passed for gate in gates) else 1
+    return 1 if summary["passed"] is False else 0
 
 
-def _facts(evaluation: Evaluation) -> dict[str, object]:
-    done, total = len(evaluation), evaluation.results.total
-    low, high = evaluation.success
-    arrived = int(evaluation.table.arrived.sum())
-    share = f"{100.0 * arrived / done:.1f} % (95 %: {100.0 * low:.1f} to {100.0 * high:.1f} %)" if done else None
+def _facts(summary: Mapping[str, Any]) -> dict[str, object]:
+    done, total = summary["episodes"], summary["total"]
+    success, low, high = (summary[name] for name in ("success", "success_low", "success_high"))
+    share = f"{100.0 * success:.1f} % (95 %: {100.0 * low:.1f} to {100.0 * high:.1f} %)" if done else None
     return {
         "episodes": f"{done:,}" if done == total else f"{done:,} of {total:,}: not finished",
         "arrived": share,
-        "outcomes": ", ".join(f"{count:,} {name}" for name, count in evaluation.outcomes.items()),
+        "outcomes": ", ".join(f"{count:,} {name}" for name, count in summary["outcomes"].items()),
     }

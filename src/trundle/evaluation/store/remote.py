@@ -98,12 +98,12 @@ class Staged:
         self.folder = folder
         self.remote = remote
 
-    def pull(self) -> None:
-        """Fetch what the store has and the copy has not; parts never change."""
+    def pull(self, names: Sequence[str] = _KEPT) -> None:
+        """Fetch what the store has and the copy has not, and these files again; parts never change."""
         if self.remote is None:
             return
         (self.folder / PARTS).mkdir(exist_ok=True)
-        held = {name for name in self.remote.list() if name in _KEPT}
+        held = {name for name in self.remote.list() if name in names}
         for name in sorted(held):
             self.remote.get(name, self.folder / name)
         for name in self.remote.list(PARTS):
