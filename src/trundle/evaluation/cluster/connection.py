@@ -15,6 +15,7 @@ from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.cluster.errors import ClusterError
 
 AUTO = "auto"
+"""The address that starts a cluster on this machine."""
 _LOOPBACK = "127.0.0.1"
 _ADDRESS = re.compile(r"(?P<host>\[[0-9a-fA-F:]+\]|[^:/\s]+):(?P<port>\d{1,5})")
 _REACH_S = 5.0
