@@ -194,7 +194,7 @@ class Evaluation:
 
         Args:
             require: What to judge by; none means the suite's requirements.
-            apart: In a process of its own, whose memory is free afterwards; none means for more than 100,000 episodes.
+            apart: In a separate process, whose memory is free afterwards; none means for more than 100,000 episodes.
 
         Returns:
             The path of report.html.

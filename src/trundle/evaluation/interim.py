@@ -19,7 +19,7 @@ _END_S = 0.5
 
 
 class InterimReports:
-    """Writes the reports of an evaluation from time to time, in a process of its own: results do not wait for it.
+    """Writes the reports of an evaluation from time to time, in a separate process: results do not wait for it.
 
     A report that cannot be written is left out; the one at the end says why.
 

@@ -1,4 +1,4 @@
-"""Writing the reports of an evaluation in a process of its own, whose memory is free afterwards."""
+"""Writing the reports of an evaluation in a separate process, whose memory is free afterwards."""
 
 from __future__ import annotations
 

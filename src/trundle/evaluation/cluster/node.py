@@ -1,4 +1,4 @@
-"""What runs on each node of a cluster: the local pool on shards, whose rows it writes as parts of its own."""
+"""What runs on each node of a cluster: the local pool on shards, whose rows it writes as its own parts."""
 
 from __future__ import annotations
 

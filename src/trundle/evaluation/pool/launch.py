@@ -214,7 +214,7 @@ class ForkServer:
 
 
 class Spawner:
-    """Starts each worker as a process of its own, which imports what it needs."""
+    """Starts each worker as a new process, which imports what it needs."""
 
     def __init__(self, start: Mapping[str, Any], environment: Mapping[str, str]) -> None:
         self._start = start

@@ -19,7 +19,7 @@ class PoolSetupError(TrundleError):
 
 
 class Task(Protocol):
-    """What workers do. It is pickled once; each worker has a copy of its own."""
+    """What workers do. It is pickled once; each worker has its own copy."""
 
     def setup(self) -> None:
         """Called once in each worker, before its first job."""

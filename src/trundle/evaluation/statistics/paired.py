@@ -94,7 +94,7 @@ def bootstrap_means(
 
     A resample draws as many worlds as there are, with replacement, and in each of them as many of its missions (the
     two-stage bootstrap of Davison and Hinkley, "Bootstrap Methods and their Application", 1997, section 3.8). So
-    missions of one world are not taken for independent, and a single world can be used as well. Where there are few
+    missions of one world are not treated as independent, and a single world can be used as well. Where there are few
     worlds, the intervals are rather wide than narrow.
 
     Args:

@@ -116,7 +116,7 @@ class JournalTable:
 class SqlTable:
     """The rows of parts and journal, in DuckDB as the view `episodes`.
 
-    In the view, what was varied has a column of its own for each name (`vary_friction`).
+    In the view, what was varied has one column for each name (`vary_friction`).
     """
 
     def __init__(self, folder: Path, selection: Keys | None, damage: list[str]) -> None:

@@ -168,7 +168,7 @@ class SuiteWorld(Config):
 
     @property
     def is_seeded(self) -> bool:
-        """Whether each seed has a world of its own."""
+        """Whether each seed has its own world."""
         return not self.is_file and (
             self.seed is None or any(isinstance(value, Distribution) for value in self.options.values())
         )

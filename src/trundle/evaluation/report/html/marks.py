@@ -1,4 +1,4 @@
-"""Marks of outcomes: each has a shape of its own besides its colour, on maps, in bars and in text."""
+"""Marks of outcomes: each has its own shape besides its colour, on maps, in bars and in text."""
 
 from __future__ import annotations
 
