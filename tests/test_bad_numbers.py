@@ -15,10 +15,11 @@ from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.mission import Scenario, Trajectory, run, sample_mission
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter
+from trundle.observation import Scan
 from trundle.path import Path
 from trundle.planning import PathCheck, create_planner
 from trundle.robots import Robot
-from trundle.sim import Scan, simulate
+from trundle.sim import simulate
 from trundle.solids import Mesh, OccupancyCells
 from trundle.worlds import World
 
@@ -189,7 +190,7 @@ def test_a_step_is_a_twist_for_a_time(backend, command, dt):
         lambda: OccupancyGrid.from_world(World.from_map(GRID), seeds=[(1, 2, 3)]),
         lambda: Mesh(RAGGED, RAGGED),
         lambda: OccupancyCells(RAGGED, 0.05, 1.0),
-        lambda: Scan("front", Pose2D(0, 0), RAGGED, [1.0]),
+        lambda: Scan("front", 0.0, Pose2D(0, 0), 0.4, RAGGED, [1.0], 0.1, 10.0),
         lambda: Trajectory(*[RAGGED] * len(Trajectory.columns())),
         lambda: Pose2D("1", "2"),
         lambda: Twist2D(None, 0.0),

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from trundle.maps import HeightField, OccupancyGrid
     from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
     from trundle.navigation import Choice, Navigator, NavigatorSettings
+    from trundle.observation import Estimate, Observation, Scan
     from trundle.path import Path
     from trundle.robots import Robot
     from trundle.sim import RobotState, simulate
@@ -30,12 +31,14 @@ __getattr__ = lazy_names(
         "Costmap": "trundle.costmap",
         "CostmapSettings": "trundle.costmap",
         "Episode": "trundle.mission",
+        "Estimate": "trundle.observation",
         "Evaluation": "trundle.evaluation",
         "Goal": "trundle.geometry",
         "HeightField": "trundle.maps",
         "InputError": "trundle.errors",
         "Navigator": "trundle.navigation",
         "NavigatorSettings": "trundle.navigation",
+        "Observation": "trundle.observation",
         "OccupancyGrid": "trundle.maps",
         "Outcome": "trundle.mission",
         "Path": "trundle.path",
@@ -43,6 +46,7 @@ __getattr__ = lazy_names(
         "Pose2D": "trundle.geometry",
         "Robot": "trundle.robots",
         "RobotState": "trundle.sim",
+        "Scan": "trundle.observation",
         "Scenario": "trundle.mission",
         "Suite": "trundle.evaluation",
         "TrundleError": "trundle.errors",
@@ -60,12 +64,14 @@ __all__ = [
     "Costmap",
     "CostmapSettings",
     "Episode",
+    "Estimate",
     "Evaluation",
     "Goal",
     "HeightField",
     "InputError",
     "Navigator",
     "NavigatorSettings",
+    "Observation",
     "OccupancyGrid",
     "Outcome",
     "Path",
@@ -73,6 +79,7 @@ __all__ = [
     "Pose2D",
     "Robot",
     "RobotState",
+    "Scan",
     "Scenario",
     "Suite",
     "TrundleError",

@@ -41,6 +41,10 @@ class RobotWarning(UserWarning):
     """A robot that can be used, with some values assumed."""
 
 
+class SensorWarning(UserWarning):
+    """A scan or an estimate that is left out, or after which what was sensed is forgotten."""
+
+
 class AngleWarning(UserWarning):
     """An angle that can be used but was probably meant in degrees."""
 

@@ -12,6 +12,7 @@ from trundle.costmap import LETHAL, Costmap
 from trundle.geometry import Pose2D, Pose3D
 from trundle.maps import HeightField, KeepoutMask, OccupancyGrid
 from trundle.mission import Scenario, run
+from trundle.observation import Scan
 from trundle.path import Path
 from trundle.pictures.cells import lay_cells
 from trundle.pictures.colors import (
@@ -30,7 +31,7 @@ from trundle.pictures.colors import (
 from trundle.pictures.plan import Plan
 from trundle.planning import GridSearch
 from trundle.robots import Robot
-from trundle.sim import Scan, simulate
+from trundle.sim import simulate
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
 
@@ -263,8 +264,8 @@ def test_values_have_a_repr_of_one_line(episode):
     assert repr(search.shortest_path((0, 0), (0, 9))) == "GridPath(found, 9 cells, 2 corners)"
     assert repr(search.plan_many([(0, 0)] * 3, [(0, 9)] * 3)) == "GridPaths(3 paths, 3 found)"
     assert repr(search.any_angle_paths([(0, 0)], [(3, 4)])) == "PointPaths(1 paths, 1 found)"
-    scan = Scan("front", Pose2D(0.0, 0.0), np.zeros(3), np.array([1.0, np.inf, 2.0]))
-    assert repr(scan) == "Scan('front', 3 beams, 2 hits)"
+    scan = Scan("front", 0.5, Pose2D(0.0, 0.0), 0.4, np.zeros(3), np.array([1.0, np.inf, 2.0]), 0.1, 10.0)
+    assert repr(scan) == "Scan('front', 0.5 s, 3 beams, 2 hits)"
     navigator = trundle.Navigator(OccupancyGrid(np.zeros((40, 40), dtype=np.int8), 0.1), "jackal")
     assert repr(navigator) == "Navigator(jackal, auto, regulated_pure_pursuit, no goal, idle)"
     navigator.set_goal(1.0, 2.0)

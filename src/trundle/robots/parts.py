@@ -103,6 +103,7 @@ class Lidar(Config):
         range_min, range_max: Shortest and longest range [m]; a beam without a return reads infinity.
         rate: Scans per second of simulated time [Hz].
         noise: Standard deviation of a range [m].
+        inf_is_valid: Whether a beam without a return says that all of its range is free (Nav2's name).
     """
 
     x: Coordinate
@@ -115,3 +116,4 @@ class Lidar(Config):
     range_max: LargestRange = 12.0
     rate: ScanRate = 20.0
     noise: RangeNoise = 0.0
+    inf_is_valid: bool = True

@@ -10,8 +10,8 @@ import numpy as np
 
 from trundle.errors import UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
+from trundle.observation import Scan
 from trundle.robots import Lidar, Robot
-from trundle.sim.simulator import Scan
 from trundle.values import check_seed
 
 BeamCaster: TypeAlias = Callable[[float, float, float, FloatArray, float], FloatArray]
@@ -76,16 +76,17 @@ class LidarSet:
         if not self._lidars:
             return ()
         return tuple(
-            self._take(name, lidar, angles, pose)
+            self._take(name, lidar, angles, pose, now)
             for name, lidar, angles in self._lidars
             if math.floor(now * lidar.rate + 1e-6) > math.floor(since * lidar.rate + 1e-6)
         )
 
-    def _take(self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D) -> Scan:
-        mount = pose @ Pose2D(lidar.x, lidar.y, lidar.yaw)
-        ranges = self._cast(mount.x, mount.y, lidar.z, angles + mount.yaw, lidar.range_max)
+    def _take(self, name: str, lidar: Lidar, angles: FloatArray, pose: Pose2D, now: float) -> Scan:
+        mount = Pose2D(lidar.x, lidar.y, lidar.yaw)
+        sensor = pose @ mount
+        ranges = self._cast(sensor.x, sensor.y, lidar.z, angles + sensor.yaw, lidar.range_max)
         hit = ranges <= lidar.range_max
         if lidar.noise > 0.0:
             ranges = ranges + self._rng.normal(0.0, lidar.noise, len(angles))
         ranges = np.where(hit, np.clip(ranges, lidar.range_min, lidar.range_max), np.inf)
-        return Scan(name, mount, angles, ranges)
+        return Scan(name, now, mount, lidar.z, angles, ranges, lidar.range_min, lidar.range_max)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol, Self, runtime_checkable
 
-import numpy as np
-
-from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.geometry import Pose2D, Twist2D
+from trundle.observation import Observation, Scan
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
-from trundle.values import as_array, check_kind
+from trundle.values import check_kind
 from trundle.worlds import World
 
 SIMULATORS: Registry[Simulator] = Registry(
@@ -41,30 +40,21 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
-class Scan:
-    """One turn of a planar lidar.
+class MoverState:
+    """Where a moving obstacle is.
 
     Attributes:
-        lidar: Name of the lidar.
-        pose: Pose of the sensor in the map frame.
-        angles: Directions of the beams in the sensor's frame [rad], shape (N,), read-only.
-        ranges: [m], shape (N,), read-only; infinity for a beam without a return.
+        name: Of the mover.
+        pose: Pose of its frame, map frame.
+        vx, vy: Velocity, map frame [m/s].
+        w: Speed of rotation [rad/s], positive to the left.
     """
 
-    lidar: str
+    name: str
     pose: Pose2D
-    angles: FloatArray
-    ranges: FloatArray
-
-    def __repr__(self) -> str:
-        hits = int(np.isfinite(self.ranges).sum())
-        return f"Scan({self.lidar!r}, {len(self.ranges)} beams, {hits} hits)"
-
-    def __post_init__(self) -> None:
-        for name in ("angles", "ranges"):
-            values = as_array(getattr(self, name), np.float64, f"{name} of a scan")
-            values.flags.writeable = False
-            object.__setattr__(self, name, values)
+    vx: float = 0.0
+    vy: float = 0.0
+    w: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +70,8 @@ class RobotState:
         odometry: Pose from wheel odometry, in the odom frame (REP-105), which starts at the reset's pose.
         contacts: Contacts during the last control period, except with the floor.
         scans: Lidar scans taken during the last control period, at most one per lidar.
+        odometry_twist: Twist from wheel odometry, base_link; None where it is the true one.
+        movers: The world's moving obstacles now.
     """
 
     time: float
@@ -90,6 +82,14 @@ class RobotState:
     odometry: Pose2D
     contacts: tuple[Contact, ...] = ()
     scans: tuple[Scan, ...] = ()
+    odometry_twist: Twist2D | None = None
+    movers: tuple[MoverState, ...] = ()
+
+    @property
+    def observation(self) -> Observation:
+        """All of it that the robot could know."""
+        twist = self.twist if self.odometry_twist is None else self.odometry_twist
+        return Observation(self.time, twist, self.odometry, self.scans)
 
 
 @runtime_checkable

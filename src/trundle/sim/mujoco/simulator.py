@@ -12,6 +12,7 @@ import numpy as np
 from trundle.errors import InputError, RobotError, SimulationError, WorldError
 from trundle.files.model_spec import log_warnings
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
 from trundle.sim.beams import WorldOutline
@@ -20,7 +21,7 @@ from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Contact, RobotState, Scan
+from trundle.sim.simulator import Contact, RobotState
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 

@@ -1,0 +1,197 @@
+"""What a robot observes, and where it believes to be: `Scan`, `Observation` and `Estimate`.
+
+None of them holds the truth of a simulation. Frames are those of REP-105: `map`, `odom` (continuous, but it drifts) and
+`base_link`.
+"""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
+from trundle.values import as_array, as_number, check_kind
+
+_KEPT_S = 10.0
+_FORWARD_S = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """One turn of a planar lidar, as the sensor reports it: no pose of the robot is in it.
+
+    Where its beams began is known from the estimated pose at the scan's own time. Ranges follow REP-117: infinity for a
+    beam without a return, minus infinity for one that met something closer than `range_min`, NaN for no measurement.
+
+    Attributes:
+        lidar: Name of the lidar.
+        time: When its first beam was measured [s], on the clock of the run.
+        mount: Pose of the sensor in base_link.
+        height: Of its beams above the floor [m].
+        angles: Directions of the beams in the sensor's frame [rad], shape (N,), read-only.
+        ranges: [m], shape (N,), read-only.
+        range_min, range_max: Shortest and longest range that it measures [m].
+        time_increment: From one beam to the next [s]; 0 where all are measured at once.
+
+    Raises:
+        InputError: If angles and ranges are not of one length, a direction is not finite, a range is negative but
+            finite, or one of the other numbers is out of range.
+    """
+
+    lidar: str
+    time: float
+    mount: Pose2D
+    height: float
+    angles: FloatArray
+    ranges: FloatArray
+    range_min: float
+    range_max: float
+    time_increment: float = 0.0
+
+    def __post_init__(self) -> None:
+        what = f"scan of lidar {self.lidar!r}"
+        for name in ("angles", "ranges"):
+            values = as_array(getattr(self, name), np.float64, f"{name} of the {what}")
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+        if self.angles.ndim != 1 or self.angles.shape != self.ranges.shape:
+            raise InputError(
+                f"{what}: it needs as many ranges as angles, in one dimension; got shapes {self.ranges.shape} and "
+                f"{self.angles.shape}"
+            )
+        if not np.isfinite(self.angles).all():
+            raise InputError(f"{what}: the angle of a beam is not finite")
+        if (self.ranges[np.isfinite(self.ranges)] < 0.0).any():
+            raise InputError(
+                f"{what}: a range is negative; use minus infinity for a beam that met something too close, NaN for "
+                "one without a measurement (REP-117)"
+            )
+        for name in ("time", "height", "range_min", "range_max", "time_increment"):
+            number = as_number(getattr(self, name), f"{name} of the {what}")
+            if not math.isfinite(number) or (number < 0.0 and name != "time"):
+                raise InputError(f"{what}: {name} must be a finite number of 0 or more, got {number}")
+            object.__setattr__(self, name, number)
+        if not self.range_min < self.range_max:
+            raise InputError(f"{what}: range_min {self.range_min:g} m is not below range_max {self.range_max:g} m")
+        check_kind(self.mount, Pose2D, f"mount of the {what}", "Pose2D(x, y, yaw) in base_link")
+
+    def __repr__(self) -> str:
+        hits = int(np.isfinite(self.ranges).sum())
+        return f"Scan({self.lidar!r}, {self.time:g} s, {len(self.ranges)} beams, {hits} hits)"
+
+    def points(self) -> FloatArray:
+        """Where its beams with a return ended, base_link at the scan's time [m], shape (hits, 2).
+
+        Ranges outside of `range_min` to `range_max` are left out.
+        """
+        hit = (self.ranges >= self.range_min) & (self.ranges <= self.range_max)
+        angles, ranges = self.angles[hit] + self.mount.yaw, self.ranges[hit]
+        return np.c_[self.mount.x + ranges * np.cos(angles), self.mount.y + ranges * np.sin(angles)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """All that a robot knows of its surroundings and its motion at one moment.
+
+    Attributes:
+        time: Now [s], on the clock of the run.
+        twist: How the robot moves, by its odometry; base_link.
+        odometry: Pose of base_link in the odom frame.
+        scans: Scans that arrived since the last observation, oldest first; each with its own time.
+    """
+
+    time: float
+    twist: Twist2D
+    odometry: Pose2D
+    scans: tuple[Scan, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """Where a robot believes to be.
+
+    Attributes:
+        time: Of the estimate [s].
+        pose: Pose of base_link in the map frame.
+        covariance: Of (x, y, yaw) [m², rad²], shape (3, 3); None if it is not known.
+        T_map_odom: Pose of the odom frame in the map frame: what a localizer corrects.
+    """
+
+    time: float
+    pose: Pose2D
+    covariance: FloatArray | None = None
+    T_map_odom: Pose2D = field(default_factory=lambda: Pose2D(0.0, 0.0))
+
+    @property
+    def odom_pose(self) -> Pose2D:
+        """Pose of base_link in the odom frame."""
+        return self.T_map_odom.inverse() @ self.pose
+
+
+class PoseBuffer:
+    """Poses of the last ten seconds by their times, to place what was measured in the past.
+
+    Poses between two times are interpolated; up to 0.1 s after the last one the motion is continued.
+    """
+
+    def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all poses."""
+        self._times: list[float] = []
+        self._poses: list[Pose2D] = []
+
+    def add(self, time: float, pose: Pose2D) -> None:
+        """Add the newest pose.
+
+        Raises:
+            InputError: If the time [s] is not after the last one.
+        """
+        if self._times and not time > self._times[-1]:
+            raise InputError(f"times must increase: a pose at {time:g} s came after one at {self._times[-1]:g} s")
+        self._times.append(time)
+        self._poses.append(pose)
+        if self._times[0] < time - 2.0 * _KEPT_S:
+            first = bisect.bisect_left(self._times, time - _KEPT_S)
+            del self._times[:first], self._poses[:first]
+
+    @property
+    def last_time(self) -> float | None:
+        """Time of the newest pose [s]; None without one."""
+        return self._times[-1] if self._times else None
+
+    def at(self, time: float) -> Pose2D | None:
+        """Pose at a time [s]; None before the first pose and more than 0.1 s after the last one."""
+        times = self._times
+        if not times or time < times[0] - 1e-9 or time > times[-1] + _FORWARD_S:
+            return None
+        if len(times) == 1:
+            return self._poses[0]
+        after = min(max(1, bisect.bisect_left(times, time)), len(times) - 1)
+        first, last = self._poses[after - 1], self._poses[after]
+        share = (time - times[after - 1]) / (times[after] - times[after - 1])
+        return Pose2D(
+            first.x + share * (last.x - first.x),
+            first.y + share * (last.y - first.y),
+            wrap_angle(first.yaw + share * wrap_angle(last.yaw - first.yaw)),
+        )
+
+
+def check_scans(scans: Sequence[Scan]) -> tuple[Scan, ...]:
+    """Take scans that come from outside.
+
+    Raises:
+        InputError: If they are no sequence of scans.
+    """
+    advice = "give a list of them, scans=[scan]"
+    check_kind(scans, Sequence, "scans", advice)
+    for scan in scans:
+        check_kind(cast("object", scan), Scan, "a scan", advice)
+    return tuple(scans)
