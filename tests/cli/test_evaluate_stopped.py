@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from support.processes import are_gone, started_by
 from trundle.cli.evaluate.progress import ProgressLine
 from trundle.evaluation import Evaluation
 from trundle.evaluation.engine import Progress
@@ -41,34 +42,6 @@ def count_rows(out: Path) -> int:
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
 
 
-def running() -> dict[int, int]:
-    """The parent of each process that runs."""
-    found = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if fields[0] != "Z":
-            found[int(stat.parent.name)] = int(fields[1])
-    return found
-
-
-def started_by(pid: int) -> set[int]:
-    """The processes that one has started, and theirs."""
-    parents, found = running(), {pid}
-    while more := {child for child, parent in parents.items() if parent in found} - found:
-        found |= more
-    return found - {pid}
-
-
-def are_gone(pids: set[int]) -> bool:
-    until = time.monotonic() + END_S
-    while (left := pids & set(running())) and time.monotonic() < until:
-        time.sleep(0.02)
-    return not left
-
-
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks for processes in /proc")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_evaluation_that_is_stopped_says_how_to_continue_it(room_map, tmp_path, number):
@@ -90,7 +63,7 @@ def test_an_evaluation_that_is_stopped_says_how_to_continue_it(room_map, tmp_pat
     assert driver.returncode == 130
     assert f"of 40 episodes; to continue, give the same command with -o {out}" in errors
     assert "Traceback" not in errors
-    assert are_gone(started)
+    assert are_gone(started, END_S)
     kept = {row.id for row in Evaluation(out).rows()}
     assert 3 <= len(kept) < 40
     done = subprocess.run(command(room_map, out, "--json", seeds=40), capture_output=True, text=True, check=True)

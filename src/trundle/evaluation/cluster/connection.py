@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
@@ -41,16 +43,14 @@ def connect(address: str) -> Iterator[ModuleType]:
         yield ray
         return
     quiet = {"log_to_driver": False, "logging_level": "ERROR"}
-    if address == AUTO:
-        _start_here(ray, quiet)
-    else:
+    if address != AUTO:
         check_reachable(address)
         check_health(address)
-        try:
-            ray.init(address=address, **quiet)
-        except Exception as error:
-            reason = str(error).strip().splitlines() or [type(error).__name__]
-            raise ClusterError(f"cannot use the Ray cluster at {address}: {reason[0]}") from error
+    with _keeping_sigterm():
+        if address == AUTO:
+            _start_here(ray, quiet)
+        else:
+            _join(ray, address, quiet)
     try:
         yield ray
     finally:
@@ -116,6 +116,27 @@ def check_health(address: str, timeout_s: float = 20.0) -> None:
             f"what listens at {address} is no Ray cluster of this version, or it is not well; `ray status --address "
             f"{address}` says more"
         )
+
+
+@contextmanager
+def _keeping_sigterm() -> Iterator[None]:
+    """Leave SIGTERM to whom it was left: where Ray starts a cluster, it makes the signal end the program at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _join(ray: ModuleType, address: str, quiet: dict[str, object]) -> None:
+    try:
+        ray.init(address=address, **quiet)
+    except Exception as error:
+        reason = str(error).strip().splitlines() or [type(error).__name__]
+        raise ClusterError(f"cannot use the Ray cluster at {address}: {reason[0]}") from error
 
 
 def _start_here(ray: ModuleType, quiet: dict[str, object]) -> None:
