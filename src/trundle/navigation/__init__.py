@@ -1,8 +1,17 @@
 """Navigation: plan, follow, replan and recover behind one call, for any simulator or robot."""
 
 from trundle.files.choice import Choice
+from trundle.navigation.agent import Agent, CommandScript, Latency
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
 
-__all__ = ["Choice", "NavigationStatus", "Navigator", "NavigatorSettings"]
+__all__ = [
+    "Agent",
+    "Choice",
+    "CommandScript",
+    "Latency",
+    "NavigationStatus",
+    "Navigator",
+    "NavigatorSettings",
+]

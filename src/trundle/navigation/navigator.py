@@ -7,7 +7,7 @@ import os
 import time as clock
 from collections.abc import Sequence
 from types import NoneType
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, overload
 
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
@@ -24,6 +24,7 @@ from trundle.navigation.recovery import Recovery
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
@@ -124,7 +125,7 @@ class Navigator:
 
     # Goals ----------------------------------------------------------------------------------------------------------
 
-    def reset(self) -> None:
+    def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and everything about it."""
         self._goal: Goal | None = None
         self._forget_progress()
@@ -220,10 +221,22 @@ class Navigator:
         if self._limiter is not None:
             self._limiter.set_path(followed.check)
 
+    @overload
+    def update(self, pose: Observation, twist: Estimate, /) -> Twist2D: ...
+
+    @overload
     def update(
         self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None
+    ) -> Twist2D: ...
+
+    def update(
+        self,
+        pose: Pose2D | Sequence[float] | Observation,
+        twist: Twist2D | Estimate | None = None,
+        *,
+        time: float | None = None,
     ) -> Twist2D:
-        """Return the command for the next control period.
+        """Return the command for the next control period: `update(pose, twist)`, or `update(observation, estimate)`.
 
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
@@ -235,8 +248,14 @@ class Navigator:
             The twist to send. It is (0, 0) when there is nothing to do; `status` says why.
 
         Raises:
-            InputError: If the pose, the twist or the time is none, or not finite.
+            InputError: If the pose, the twist or the time is none, or not finite, or an observation comes without an
+                estimate.
         """
+        if isinstance(pose, Observation) or isinstance(twist, Estimate):
+            check_kind(pose, Observation, "an update's observation", "give update(observation, estimate)")
+            check_kind(twist, Estimate, "an update's estimate", "give update(observation, estimate)")
+            observation, estimate = cast("Observation", pose), cast("Estimate", twist)
+            pose, twist, time = estimate.pose, observation.twist, observation.time
         here = read_pose(pose)
         moving = self._command if twist is None else credible_twist(twist, self.robot)
         now = self._time + self.dt if time is None else as_number(time, "time")

@@ -16,6 +16,8 @@ class NavigationStatus(StrEnum):
     """Every command would cause a contact, or planning takes long; it replans, backs up, or waits to replan."""
     ARRIVED = "arrived"
     """The robot stands at the goal."""
+    FINISHED = "finished"
+    """All that an agent without a goal had to do, such as a script of commands, is done."""
     STUCK = "stuck"
     """The robot made no progress within the time allowance, though there is a path; it has given up this goal."""
     NO_PATH = "no_path"
@@ -27,6 +29,7 @@ class NavigationStatus(StrEnum):
 FINAL = frozenset(
     {
         NavigationStatus.ARRIVED,
+        NavigationStatus.FINISHED,
         NavigationStatus.STUCK,
         NavigationStatus.NO_PATH,
         NavigationStatus.PLANNING_TIMED_OUT,

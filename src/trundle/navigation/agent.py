@@ -1,0 +1,133 @@
+"""`Agent`: what decides how a robot drives; and `CommandScript`, an agent that drives by a list of commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Protocol, runtime_checkable
+
+from pydantic import Field
+
+from trundle.errors import InputError
+from trundle.files.yaml_config import Config
+from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.navigation.status import NavigationStatus
+from trundle.observation import Estimate, Observation
+from trundle.values import as_number, as_sequence
+
+CONTROL_PERIOD_S = 0.05
+"""Length of the control periods of an agent that does not say it [s]."""
+
+_Delay = Annotated[float, Field(ge=0.0, le=2.0)]
+
+
+class Latency(Config):
+    """How late data and commands arrive: `{scan_age_s: 0.1, command_delay_s: 0.05}`.
+
+    Attributes:
+        scan_age_s: Time [s] from the measurement of a scan until the robot's software gets it, at most 2. The scan
+            keeps the time of its measurement.
+        command_delay_s: Time [s] from a command until the wheels receive it, rounded to 5 ms; at most 2.
+    """
+
+    scan_age_s: _Delay = 0.0
+    command_delay_s: _Delay = 0.0
+
+
+@runtime_checkable
+class Agent(Protocol):
+    """Decides how a robot drives: a `Navigator`, a script, a keyboard, or another package's autonomy.
+
+    A `Session` calls `update` once per control period. It also uses, where the agent has them: `dt`, the length of the
+    next control period [s] (0.05 otherwise); `path`, the path that it follows; `costmap`, what it drives on; `robot`;
+    `grid`, its map, for a localizer; `error` or `message`, why it gave up; `replans` and `planning_time_s`;
+    `planner_name` and `controller_name`, for reports; `goal_checker`, which says whether a pose is at the goal; and
+    `set_latency(latency)`, to which it reports the `Latency` of scans and commands.
+    """
+
+    @property
+    def status(self) -> NavigationStatus:
+        """What it is doing. ARRIVED, FINISHED, STUCK, NO_PATH and PLANNING_TIMED_OUT end the drive to a goal."""
+        ...
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the goal, and all that was observed. The same seed and observations give the same commands."""
+        ...
+
+    def set_goal(self, goal: Goal, /) -> None:
+        """Set where to drive, map frame."""
+        ...
+
+    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+        """Return the command for the next control period.
+
+        A session that sets the next goal calls it again at the same time, without scans.
+
+        Args:
+            observation: What the robot knows of its surroundings and its motion.
+            estimate: Where it believes to be.
+        """
+        ...
+
+
+class CommandScript:
+    """An agent that drives a list of commands one after the other, without a goal; then it is FINISHED.
+
+    Every `update` is one control period.
+
+    Args:
+        commands: (v [m/s], w [rad/s], seconds) of each.
+        period_s: Length of a control period [s]; the last one of a command is as long as is left of it.
+
+    Raises:
+        InputError: If a number is not finite, or a duration or the period is not positive.
+    """
+
+    def __init__(self, commands: Iterable[Sequence[float]], *, period_s: float = CONTROL_PERIOD_S) -> None:
+        self._commands = [_read_command(command) for command in commands]
+        if not 0.0 < as_number(period_s, "the control period") < math.inf:
+            raise InputError(f"the control period must be a positive number of seconds, got {period_s}")
+        self._period_s = period_s
+        self.reset()
+
+    def __repr__(self) -> str:
+        return f"CommandScript({len(self._commands)} commands, {self.status.value})"
+
+    @property
+    def index(self) -> int:
+        """Index of the command that it drives, −1 before the first `update`."""
+        return self._index
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Start over; nothing here is random."""
+        self._index = -1
+        self._left_s = 0.0
+        self.dt = self._period_s
+        self.status = NavigationStatus.IDLE
+
+    def set_goal(self, goal: Goal | Pose2D | Sequence[float], /) -> None:
+        """Do nothing: the commands say where to drive."""
+
+    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+        """Return the command for the next control period, whose length is `dt` from now on."""
+        while self._left_s <= 1e-9:
+            if self._index + 1 == len(self._commands):
+                self.status = NavigationStatus.FINISHED
+                return Twist2D()
+            self._index += 1
+            self._left_s = self._commands[self._index][2]
+        self.status = NavigationStatus.DRIVING
+        self.dt = min(self._period_s, self._left_s)
+        self._left_s -= self.dt
+        v, w, _ = self._commands[self._index]
+        return Twist2D(v, w)
+
+
+def _read_command(command: Sequence[float]) -> tuple[float, float, float]:
+    numbers = as_sequence(command, "a command (v, w, seconds)")
+    if len(numbers) != 3:
+        raise InputError(f"a command is (v, w, seconds), got {command!r}")
+    v, w, seconds = (as_number(number, "a number of a command") for number in numbers)
+    if not (math.isfinite(v) and math.isfinite(w) and 0.0 < seconds < math.inf):
+        raise InputError(f"a command needs finite speeds and a positive number of seconds, got {command!r}")
+    return v, w, seconds
