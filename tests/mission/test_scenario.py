@@ -6,7 +6,7 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import AngleWarning, BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Trajectory, run
 
@@ -347,3 +347,30 @@ def test_a_run_has_no_planning_deadline_unless_the_scenario_asks_for_one(tmp_pat
     assert Scenario.load(tmp_path / "hasty.yaml").planning_deadline_s == 1e-9
     with hasty.build() as mission:
         assert mission.run().outcome is Outcome.PLANNING_TIMED_OUT
+
+
+def test_a_scenario_has_errors_of_odometry_and_lidars(tmp_path):
+    (tmp_path / "run.yaml").write_text(
+        "world: maze\nbackend: kinematic\nodometry: {scale: 0.01, heading: 1deg}\nlidar: [front]\n"
+    )
+    scenario = Scenario.load(tmp_path / "run.yaml")
+    assert scenario.odometry.heading == pytest.approx(math.radians(1.0))
+    with scenario.build() as mission:
+        mission.sim.reset(mission.start, seed=1)
+        state = mission.sim.step(Twist2D(0.3, 0.0), 0.05)
+    assert state.odometry_twist.v != state.twist.v
+    assert [scan.lidar for scan in state.scans] == ["front"]
+    scenario.save(tmp_path / "again.yaml")
+    assert Scenario.load(tmp_path / "again.yaml") == scenario
+    scenario.save_commented(tmp_path / "commented.yaml")
+    assert Scenario.load(tmp_path / "commented.yaml") == scenario
+
+
+def test_lidars_are_given_once():
+    with pytest.raises(ScenarioError, match="lidar is given twice"):
+        Scenario.make(world="maze", lidar=True, backend={"name": "mujoco", "options": {"lidar": True}})
+
+
+def test_an_unknown_lidar_of_a_scenario_is_reported():
+    with pytest.raises(UnknownNameError, match="unknown lidar of nova_carter 'frnt'"):
+        Scenario.make(world="maze", lidar="frnt", backend="kinematic").build()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings
@@ -14,6 +14,15 @@ from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_name
 from trundle.navigation import NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.sim.actuation import Actuation
+from trundle.sim.odometry_errors import OdometryErrors
+
+LidarNames: TypeAlias = Annotated[
+    bool | tuple[str, ...],
+    BeforeValidator(
+        lambda given: (given,) if isinstance(given, str) else given, json_schema_input_type=bool | str | list[str]
+    ),
+]
+"""All of a robot's lidars, none, or some by name; one name alone is a list of one."""
 
 
 class RunSettings(NavigatorSettings):
@@ -51,6 +60,9 @@ class ScenarioFields(CostmapSettings, RunSettings):
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
         backend: Simulator, likewise.
         actuation: How the robot's motion differs from what its software believes; none means not at all.
+        odometry: How far its odometry is from its motion; none means not at all.
+        lidar: Which of the robot's lidars are simulated: all (true), none (false), or a list of names. With them it
+            senses obstacles that are not on its map.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -75,6 +87,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
     smoother: Annotated[Choice | None, takes_name(Choice)] = None
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
     actuation: Actuation | None = None
+    odometry: OdometryErrors | None = None
+    lidar: LidarNames = False
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
@@ -91,4 +105,6 @@ class ScenarioFields(CostmapSettings, RunSettings):
             raise ValueError("floor_z is the height of the floor in a world: it needs world")
         if self.compat is not None and self.map is None:
             raise ValueError("compat says how a map is read: it needs map")
+        if self.lidar and "lidar" in self.backend.options:
+            raise ValueError("lidar is given twice: take it out of the backend's options")
         return self

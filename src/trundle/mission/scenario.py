@@ -26,10 +26,11 @@ from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
+from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.planning.planner import Planner
 from trundle.robots import Robot, is_robot_file
-from trundle.sim import Simulator, simulate
+from trundle.sim import Simulator
 from trundle.values import as_path
 from trundle.worlds import World
 
@@ -154,9 +155,7 @@ class Scenario(ScenarioFields):
     def build(self) -> Mission:
         """Prepare it, and start its simulator; see `prepare` for the errors."""
         setting = self.prepare()
-        sim = simulate(setting.world, setting.robot, backend=self.backend.name, **self.backend.options)
-        if self.actuation is not None:
-            sim = self.actuation.simulate(sim)
+        sim = wrap_backend(self, start_backend(self, setting.world, setting.robot))
         return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
 
     @property

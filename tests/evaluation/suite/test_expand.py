@@ -164,3 +164,22 @@ def test_what_cannot_run_is_refused_before_it_starts(settings, message):
 def test_every_backend_of_a_suite_must_simulate_what_is_varied():
     with pytest.raises(InputError, match="not kinematic"):
         make(backends=["mujoco", "kinematic"], vary={"mass": 1.1}, seeds=1).check()
+
+
+def test_lidars_and_errors_of_odometry_are_crossed():
+    suite = make(seeds=1, lidar=[False, True, ["front", "back"]], odometry=[None, {"scale": 0.01, "heading": 0.5}])
+    specs = [suite.spec(index) for index in range(len(suite))]
+    assert {spec.settings for spec in specs} == {
+        f"lidar={lidar} odometry={odometry}"
+        for lidar in ("False", "True", "front+back")
+        for odometry in ("none", "{scale:0.01,heading:0.5}")
+    }
+    assert [spec.scenario.lidar for spec in specs[::2]] == [False, True, ("front", "back")]
+    assert specs[1].scenario.odometry.heading == 0.5
+    assert len({spec.id for spec in specs}) == 6
+    assert make(seeds=1, lidar=False, odometry=None).id_of(0) == make(seeds=1).id_of(0)
+
+
+def test_a_lidar_that_a_robot_of_the_suite_lacks_is_refused():
+    with pytest.raises(InputError, match="unknown lidar of jackal 'back'"):
+        make(seeds=1, robots=["nova_carter", "jackal"], lidar=[["front", "back"]]).check()

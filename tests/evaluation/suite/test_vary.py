@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from trundle.errors import InputError
 from trundle.evaluation.suite.vary import Distribution, Vary, apply, move_start
 from trundle.geometry import Pose2D
 from trundle.mission import Scenario
@@ -56,6 +57,20 @@ def test_drawn_values_become_part_of_the_scenario():
     assert (varied.actuation.track_width, varied.actuation.latency_s) == (1.1, 0.1)
     assert varied.start is None
     assert apply(scenario, {}) == scenario
+
+
+def test_drawn_errors_of_odometry_replace_those_that_are_given():
+    scenario = Scenario.make(world="warehouse", odometry={"scale": 0.02, "slip": 0.01})
+    varied = apply(scenario, {"odometry_scale": 0.03, "odometry_heading": 0.001})
+    assert varied.odometry.model_dump() == {"scale": 0.03, "heading": 0.001, "slip": 0.01}
+    assert apply(scenario, {}).odometry == scenario.odometry
+    only = apply(Scenario.make(world="warehouse"), {"odometry_slip": 0.005})
+    assert only.odometry.slip == 0.005
+
+
+def test_errors_of_odometry_are_within_what_can_be_simulated():
+    with pytest.raises(InputError, match=r"odometry_scale: .* must stay within 0 and 0.5"):
+        Vary(odometry_scale={"normal": [0.0, 0.01]})
 
 
 def test_the_start_is_moved_in_the_map_frame():

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.mission import Scenario
 from trundle.mission.place import Place, make_place, place_key
+from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
 from trundle.mission.truth import TrueMaps
-from trundle.sim import Simulator, simulate
-from trundle.sim.actuation import ActuatedSimulator
+from trundle.sim import Simulator
 
 MOST_PLACES = 4
 MOST_CELLS = 20_000_000
@@ -53,20 +53,20 @@ class KeptPlace:
     def simulator(self, scenario: Scenario) -> Simulator:
         """A simulator for a scenario here: one that ran before where that makes no difference."""
         backend = scenario.backend
-        key = json.dumps([backend.name, backend.options], sort_keys=True)
+        key = json.dumps([backend.name, backend_options(scenario)], sort_keys=True)
         made = self._simulators.pop(key, None)
         if made is None:
-            made = simulate(self.place.world, self.place.robot, backend=backend.name, **backend.options)
+            made = start_backend(scenario, self.place.world, self.place.robot)
         if backend.name in _REPEATABLE:
             self._simulators[key] = made
             if len(self._simulators) > _MOST_SIMULATORS:
                 self._simulators.pop(next(iter(self._simulators))).close()
-        return made if scenario.actuation is None else scenario.actuation.simulate(made)
+        return wrap_backend(scenario, made)
 
     def release(self, simulator: Simulator) -> None:
         """Close a simulator that does not serve another episode."""
-        inner = simulator.inner if isinstance(simulator, ActuatedSimulator) else simulator
-        if not any(inner is kept for kept in self._simulators.values()):
+        backend = backend_of(simulator)
+        if not any(backend is kept for kept in self._simulators.values()):
             simulator.close()
 
     def close(self) -> None:

@@ -51,10 +51,19 @@ def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
             create_smoother(smoother.name, **smoother.options)
     for backend in suite.backends:
         _check_backend_options(backend)
+    for lidars in suite.crossed().get("lidar", ()):
+        _check_lidars(lidars, robots)
     for text in suite.require:
         _check_requirement(Gate.parse(text), expansion)
     expansion.check_identities()
     expansion.check_settings()
+
+
+def _check_lidars(names: bool | tuple[str, ...], robots: list[Robot]) -> None:
+    for robot in robots:
+        for name in () if isinstance(names, bool) else names:
+            if name not in robot.lidars:
+                raise UnknownNameError(f"lidar of {robot.name}", name, robot.lidars)
 
 
 def _check_requirement(gate: Gate, expansion: Expansion) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from trundle.costmap.settings import check_unknown_cost
 from trundle.errors import InputError
@@ -19,6 +19,8 @@ from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.evaluation.suite.spec import EpisodeSpec
 from trundle.evaluation.suite.vary import apply
+from trundle.files.choice import Choice
+from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 
 _MOST_CHECKED = 1000
@@ -261,7 +263,18 @@ def _named(choice: PluginChoice) -> dict[str, Any]:
 
 
 def _text(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else "none" if value is None else str(value)
+    """A value as it stands in tables, without spaces."""
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, Choice):
+        inner = ",".join(f"{name}={_text(one)}" for name, one in value.options.items())
+        return f"{value.name}({inner})" if inner else value.name
+    if isinstance(value, Config):
+        given = value.model_dump(exclude_defaults=True)
+        return "{" + ",".join(f"{name}:{_text(getattr(value, name))}" for name in given) + "}"
+    if isinstance(value, list | tuple):
+        return "+".join(_text(one) for one in cast("Sequence[object]", value)) or "none"
+    return "none" if value is None else str(value)
 
 
 def _label_of(choice: PluginChoice | None) -> str:

@@ -13,9 +13,11 @@ from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 from trundle.navigation import NavigatorSettings
 
+_SENSING = ("lidar", "odometry")
+
 CROSSED = tuple(
     name
-    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution")
+    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution", *_SENSING)
     if name != "planning_deadline_s"
 )
 """Settings of a scenario that a suite may cross."""

@@ -14,6 +14,7 @@ from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.mission import Scenario
 from trundle.sim.actuation import Actuation
+from trundle.sim.odometry_errors import OdometryErrors
 
 
 class Distribution(Config):
@@ -78,8 +79,11 @@ _RANGES = {
     "wheel_radius": (0.5, 2.0),
     "track": (0.5, 2.0),
     "latency_s": (0.0, 2.0),
+    "odometry_scale": (0.0, 0.5),
+    "odometry_heading": (0.0, 1.0),
+    "odometry_slip": (0.0, 0.2),
 }
-"""What can be simulated; see `Actuation` and `MujocoSimulator`."""
+"""What can be simulated; see `Actuation`, `OdometryErrors` and `MujocoSimulator`."""
 
 
 class Vary(Config):
@@ -94,6 +98,9 @@ class Vary(Config):
         wheel_radius: True wheel radius over the believed one, 0.5 to 2.
         track: True distance between the wheels over the believed one, 0.5 to 2.
         latency_s: Time [s] from a command until the wheels receive it, 0 to 2.
+        odometry_scale: Bias of the odometry's distance, as a share of it, 0 to 0.5; its direction is drawn too.
+        odometry_heading: Bias of the odometry's heading per metre driven [rad/m], 0 to 1; its direction is drawn too.
+        odometry_slip: Random error of each wheel's counted travel [m/√m], 0 to 0.2.
         start_pose: How far the robot stands from the start of its mission.
     """
 
@@ -102,6 +109,9 @@ class Vary(Config):
     wheel_radius: Varied | None = None
     track: Varied | None = None
     latency_s: Varied | None = None
+    odometry_scale: Varied | None = None
+    odometry_heading: Varied | None = None
+    odometry_slip: Varied | None = None
     start_pose: StartPose | None = None
 
     @field_validator(*_RANGES)
@@ -147,6 +157,8 @@ _OPTIONS = ("friction", "mass")
 
 _ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width", "latency_s": "latency_s"}
 
+_ODOMETRY = {f"odometry_{field}": field for field in OdometryErrors.model_fields}
+
 
 def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     """Put drawn values into a scenario; those of the start pose are for `move_start`.
@@ -156,6 +168,7 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     """
     options = {name: drawn[name] for name in _OPTIONS if name in drawn}
     actuation = {field: drawn[name] for name, field in _ACTUATION.items() if name in drawn}
+    odometry = {field: drawn[name] for name, field in _ODOMETRY.items() if name in drawn}
     backend = scenario.backend
     if options:
         if backend.name != "mujoco":
@@ -163,8 +176,19 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
                 f"vary: {', '.join(options)} can only be varied with the backend mujoco, not {backend.name}"
             )
         backend = backend.model_copy(update={"options": {**backend.options, **options}})
-    update = {"backend": backend, "actuation": Actuation(**actuation) if actuation else scenario.actuation}
+    update = {
+        "backend": backend,
+        "actuation": Actuation(**actuation) if actuation else scenario.actuation,
+        "odometry": _put(scenario.odometry, odometry),
+    }
     return scenario.model_copy(update=update)
+
+
+def _put(errors: OdometryErrors | None, drawn: Mapping[str, float]) -> OdometryErrors | None:
+    """Errors of odometry with drawn values in place of those that were given."""
+    if not drawn:
+        return errors
+    return OdometryErrors(**{**({} if errors is None else errors.model_dump()), **drawn})
 
 
 def move_start(start: Pose2D, drawn: Mapping[str, float]) -> Pose2D:
