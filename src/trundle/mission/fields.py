@@ -11,6 +11,7 @@ from trundle.costmap import CostmapSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
+from trundle.mission.unmapped import Unmapped
 from trundle.navigation import NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.sim.actuation import Actuation
@@ -58,6 +59,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         planner: Planner by name, or `{name: …, options: {…}}`.
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
+        unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
         backend: Simulator, likewise.
         actuation: How the robot's motion differs from what its software believes; none means not at all.
         odometry: How far its odometry is from its motion; none means not at all.
@@ -85,6 +87,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         name="regulated_pure_pursuit"
     )
     smoother: Annotated[Choice | None, takes_name(Choice)] = None
+    unmapped: Unmapped | None = None
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
     actuation: Actuation | None = None
     odometry: OdometryErrors | None = None

@@ -142,6 +142,10 @@ class Scenario(ScenarioFields):
             speed_mask=place.speed_mask,
         )
         start, goals = self._pick_ends(navigator)
+        world = place.world
+        if self.unmapped is not None:
+            ends = (start.as_tuple(), *goals)
+            world = self.unmapped.add_to(world, navigator.costmap, ends, self.seed)
         exact = self.model_copy(
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
@@ -150,7 +154,7 @@ class Scenario(ScenarioFields):
                 "goals": goals if len(goals) > 1 else None,
             }
         )
-        return Setting(exact, place.world, place.robot, place.grid, navigator, start, goals)
+        return Setting(exact, world, place.robot, place.grid, navigator, start, goals)
 
     def build(self) -> Mission:
         """Prepare it, and start its simulator; see `prepare` for the errors."""

@@ -12,6 +12,7 @@ from trundle.mission.place import Place, make_place, place_key
 from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
 from trundle.mission.truth import TrueMaps
 from trundle.sim import Simulator
+from trundle.worlds import World
 
 MOST_PLACES = 4
 MOST_CELLS = 20_000_000
@@ -50,14 +51,18 @@ class KeptPlace:
             self._costmaps[key] = settings.make_costmap(place.grid, place.robot, keepout=place.keepout)
         return self._costmaps[key]
 
-    def simulator(self, scenario: Scenario) -> Simulator:
-        """A simulator for a scenario here: one that ran before where that makes no difference."""
+    def simulator(self, scenario: Scenario, world: World) -> Simulator:
+        """A simulator for a scenario in the world of this place, or in one with more in it.
+
+        It is one that ran before where that makes no difference.
+        """
         backend = scenario.backend
         key = json.dumps([backend.name, backend_options(scenario)], sort_keys=True)
-        made = self._simulators.pop(key, None)
+        shared = world is self.place.world
+        made = self._simulators.pop(key, None) if shared else None
         if made is None:
-            made = start_backend(scenario, self.place.world, self.place.robot)
-        if backend.name in _REPEATABLE:
+            made = start_backend(scenario, world, self.place.robot)
+        if shared and backend.name in _REPEATABLE:
             self._simulators[key] = made
             if len(self._simulators) > _MOST_SIMULATORS:
                 self._simulators.pop(next(iter(self._simulators))).close()

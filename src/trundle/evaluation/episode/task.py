@@ -182,7 +182,7 @@ class EpisodeTask:
         costmap = kept.costmap(scenario.part(CostmapSettings))
         setting = scenario.prepare(kept.place, costmap=costmap, planner=spec.plugin.planner())
         note({"stage": "setup", "part": simulation, "row": known})
-        sim = kept.simulator(scenario)
+        sim = kept.simulator(scenario, setting.world)
         note({"stage": "drive", "row": known})
         measure = _Measured(kept)
         try:

@@ -13,7 +13,7 @@ from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 from trundle.navigation import NavigatorSettings
 
-_SENSING = ("lidar", "odometry")
+_SENSING = ("lidar", "odometry", "unmapped")
 
 CROSSED = tuple(
     name

@@ -1,0 +1,152 @@
+"""`Unmapped`: boxes in a world that are not on the robot's map."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic_core import PydanticCustomError
+
+from trundle.costmap import INSCRIBED, Costmap
+from trundle.errors import ScenarioError
+from trundle.files.config_fields import NotNegative, Positive
+from trundle.files.yaml_config import Config
+from trundle.geometry import FloatArray, Pose3D, path_length
+from trundle.planning.grid.grid_search import GridSearch
+from trundle.solids import Box, Solid
+from trundle.worlds import World
+
+KIND = "unmapped box"
+"""`Solid.kind` of the boxes."""
+
+_BESIDE_PATH_M = 1.0
+_TRIES = 200
+_STREAM = 0x0B0C5
+_COLOR = (0.72, 0.45, 0.20, 1.0)
+
+
+def _as_range(value: object) -> object:
+    """Take one number as a range that has no other."""
+    return (value, value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+def _check_ascending(values: tuple[Any, Any]) -> tuple[Any, Any]:
+    if values[0] > values[1]:
+        raise PydanticCustomError(
+            "range", "the least comes first: {first} is above {last}", {"first": values[0], "last": values[1]}
+        )
+    return values
+
+
+_Count = Annotated[int, Field(ge=0, le=1000)]
+_Counts = Annotated[
+    tuple[_Count, _Count],
+    BeforeValidator(_as_range, json_schema_input_type=int | list[int]),
+    AfterValidator(_check_ascending),
+]
+_Lengths = Annotated[
+    tuple[Positive, Positive],
+    BeforeValidator(_as_range, json_schema_input_type=float | list[float]),
+    AfterValidator(_check_ascending),
+]
+
+
+class Unmapped(Config):
+    """Boxes in the world that are not on the robot's map: `{boxes: [5, 30]}`.
+
+    They stand where the map has room for the robot, away from its start and its goals, drawn by the scenario's seed.
+    Nothing promises that a path is left.
+
+    Attributes:
+        boxes: How many: a number, or the least and the most.
+        size: Edges on the floor [m]: a number, or the least and the most.
+        height: Height of the boxes [m]: a number, or the least and the most.
+        near_path: Share of them, 0 to 1, whose middle is within 1 m of the shortest path on the map.
+        room: Distance that they keep from where the robot turns at its start and its goals [m].
+    """
+
+    boxes: _Counts = (5, 30)
+    size: _Lengths = (0.3, 0.8)
+    height: _Lengths = (0.6, 1.2)
+    near_path: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
+    room: NotNegative = 0.3
+
+    def add_to(self, world: World, costmap: Costmap, ends: Sequence[Sequence[float]], seed: int) -> World:
+        """Make the world with the boxes.
+
+        Args:
+            world: The world.
+            costmap: The robot's map of it.
+            ends: Its start and goals, in order: (x, y, …) [m], map frame.
+            seed: The same seed gives the same boxes.
+
+        Raises:
+            ScenarioError: If the map has no room for them.
+        """
+        rng = np.random.default_rng([_STREAM, seed])
+        count = int(rng.integers(self.boxes[0], self.boxes[1] + 1))
+        points = np.array([end[:2] for end in ends], dtype=np.float64)
+        places = _Places(costmap, points, rng)
+        solids: list[Solid] = []
+        for number in range(count):
+            size = rng.uniform(*self.size, 2)
+            height = float(rng.uniform(*self.height))
+            clear = costmap.circumscribed_radius + 0.5 * math.hypot(*size) + self.room
+            x, y = places.draw(beside_path=rng.random() < self.near_path, clear=clear)
+            pose = Pose3D.planar(x, y, 0.5 * height, float(rng.uniform(-math.pi, math.pi)))
+            box = Box((float(size[0]), float(size[1]), height))
+            solids.append(Solid(f"unmapped_{number}", box, pose, _COLOR, KIND))
+        return replace(world, solids=(*world.solids, *solids))
+
+
+class _Places:
+    """Draws places for boxes: cells where the middle of the robot can be."""
+
+    def __init__(self, costmap: Costmap, points: FloatArray, rng: np.random.Generator) -> None:
+        self._costmap, self._points, self._rng = costmap, points, rng
+        self._free = np.argwhere(costmap.data < INSCRIBED)
+        self._path = _shortest_path(costmap, points)
+        self._length = path_length(self._path)
+
+    def draw(self, *, beside_path: bool, clear: float) -> tuple[float, float]:
+        """Draw a place that is farther than `clear` [m] from the start and the goals."""
+        for _ in range(_TRIES if len(self._free) else 0):
+            x, y = self._beside_path() if beside_path and self._length > 0.0 else self._anywhere()
+            far = np.hypot(*(self._points - (x, y)).T).min() > clear
+            if far and self._costmap.cost_at(x, y) < INSCRIBED:
+                return x, y
+        raise ScenarioError(
+            f"unmapped: the map has no room for a box that is {clear:.2f} m away from the start and the goals; give "
+            "fewer or smaller boxes, or less room"
+        )
+
+    def _anywhere(self) -> tuple[float, float]:
+        row, col = self._free[self._rng.integers(len(self._free))]
+        x, y = self._costmap.cell_to_world(row, col)
+        return float(x), float(y)
+
+    def _beside_path(self) -> tuple[float, float]:
+        lengths = np.hypot(*np.diff(self._path, axis=0).T)
+        at = self._rng.choice(len(lengths), p=lengths / lengths.sum())
+        first, last = self._path[at], self._path[at + 1]
+        off, direction = self._rng.uniform(0.0, _BESIDE_PATH_M), self._rng.uniform(-math.pi, math.pi)
+        x, y = first + self._rng.random() * (last - first)
+        return float(x + off * math.cos(direction)), float(y + off * math.sin(direction))
+
+
+def _shortest_path(costmap: Costmap, points: FloatArray) -> FloatArray:
+    """Points of the shortest path of the robot's inscribed disc [m], shape (N, 2); of as many legs as have one."""
+    search = GridSearch(costmap.data >= INSCRIBED)
+    rows, cols = costmap.world_to_cell(points[:, 0], points[:, 1])
+    tolerance = _BESIDE_PATH_M / costmap.resolution
+    line: list[FloatArray] = []
+    for start, goal in itertools.pairwise(np.stack([rows, cols], axis=1).tolist()):
+        path = search.any_angle_path(start, goal, start_tolerance=tolerance, goal_tolerance=tolerance)
+        if path.status == "found":
+            line.append(np.stack(costmap.cell_to_world(path.waypoints[:, 0], path.waypoints[:, 1]), axis=1))
+    return np.concatenate(line) if line else np.zeros((0, 2))
