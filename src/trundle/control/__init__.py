@@ -1,6 +1,17 @@
-"""Controllers: the next twist from a path and the robot's pose; and checks of goal and progress."""
+"""Controllers: the next twist from a path and the robot's pose; checks of goal and progress; a collision monitor."""
 
 from trundle.control.checkers import GoalChecker, ProgressChecker
+from trundle.control.collision_monitor import CollisionMonitor, MonitorAction, MonitorReport, MonitorSettings
 from trundle.control.controller import Controller, controller_names, create_controller
 
-__all__ = ["Controller", "GoalChecker", "ProgressChecker", "controller_names", "create_controller"]
+__all__ = [
+    "CollisionMonitor",
+    "Controller",
+    "GoalChecker",
+    "MonitorAction",
+    "MonitorReport",
+    "MonitorSettings",
+    "ProgressChecker",
+    "controller_names",
+    "create_controller",
+]

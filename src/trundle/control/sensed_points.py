@@ -1,0 +1,259 @@
+"""`SensedPoints`: what the latest scans of a robot hit, where that is now, and how fast it moves."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.footprint import Footprint
+from trundle.geometry import FloatArray, Pose2D
+from trundle.observation import PoseBuffer, Scan
+
+_COMPARE_S = 0.25  # movement is found between scans this far apart [s]
+_KEPT_S = 1.0
+_SAME_M = 0.1  # ranges this close are those of one surface: ten times the noise of a lidar
+_BINS_ASIDE = 3
+_GAP_M = 0.3  # between two things
+_LARGEST_M = 3.0  # larger things are walls
+_LEAST_POINTS = 3
+_FASTEST_MPS = 4.0
+_BODY_M = 1e-6
+_AT_ORIGIN = np.zeros((1, 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """Points that scans hit.
+
+    Attributes:
+        places: [m], shape (N, 2).
+        velocities: [m/s], shape (N, 2); 0 for what does not move.
+        lidars: Index in `names` of the lidar that saw each, shape (N,).
+        names: Of the lidars.
+    """
+
+    places: FloatArray
+    velocities: FloatArray
+    lidars: npt.NDArray[np.intp]
+    names: tuple[str, ...]
+
+    def within(self, low: FloatArray, high: FloatArray) -> Points:
+        """Those in a box, and those that move."""
+        x, y = self.places[:, 0], self.places[:, 1]
+        kept = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+        kept |= (self.velocities != 0.0).any(axis=1)
+        return Points(self.places[kept], self.velocities[kept], self.lidars[kept], self.names)
+
+
+@dataclass(slots=True, eq=False)
+class _Seen:
+    """The hits of one scan, in the odom frame, in the order of its beams."""
+
+    scan: Scan
+    sensor: Pose2D
+    points: FloatArray
+    velocities: FloatArray
+    moves: bool = False
+
+
+class SensedPoints:
+    """Keeps the scans of the last second and places them by the odometry at their own times.
+
+    What moves is told from what stands by comparing two scans of a lidar that are a quarter of a second apart: where
+    the first one saw through, and the second one hits something, something has moved in. Its velocity is that of the
+    middle of its points.
+
+    Args:
+        footprint: Of the robot. Points inside are its own body.
+
+    Attributes:
+        times: Of the latest scan of each lidar [s].
+    """
+
+    def __init__(self, footprint: Footprint) -> None:
+        self._edges, self._radius = Edges(footprint), footprint.circumscribed_radius
+        self._poses = PoseBuffer()
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all scans."""
+        self._poses.clear()
+        self._seen: dict[str, list[_Seen]] = {}
+        self.times: dict[str, float] = {}
+
+    def add(self, scans: Sequence[Scan], time: float, odometry: Pose2D) -> None:
+        """Take the scans that arrived by now [s], with the pose of base_link in the odom frame.
+
+        A scan that is older than the last one of its lidar, from the future or from before the first pose is left out.
+        """
+        last = self._poses.last_time
+        if last is not None and time <= last:
+            if time < last:
+                self.clear()
+                self._poses.add(time, odometry)
+        else:
+            self._poses.add(time, odometry)
+        for scan in scans:
+            base = self._poses.at(scan.time)
+            if base is None or scan.time > time + 1e-6 or scan.time <= self.times.get(scan.lidar, -math.inf):
+                continue
+            self.times[scan.lidar] = scan.time
+            seen = self._place(scan, base)
+            kept = self._seen.setdefault(scan.lidar, [])
+            kept.append(seen)
+            while kept[0].scan.time < scan.time - _KEPT_S:
+                del kept[0]
+            before = next((old for old in reversed(kept) if old.scan.time <= scan.time - _COMPARE_S + 1e-6), None)
+            if before is not None:
+                _find_velocities(seen, before)
+
+    def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
+        """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
+
+        What moves is continued at its velocity up to now, and counts farther away: by what it drives in `horizon` [s].
+        Scans from before `oldest` [s] do not count.
+        """
+        places, velocities, lidars = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0, dtype=np.intp)]
+        cos, sin = math.cos(odometry.yaw), math.sin(odometry.yaw)
+        rotation = np.array([[cos, -sin], [sin, cos]])
+        for index, kept in enumerate(self._seen.values()):
+            seen = kept[-1]
+            if seen.scan.time < oldest:
+                continue
+            offset = seen.points - (odometry.x, odometry.y)
+            limit: float | FloatArray = reach
+            if seen.moves:
+                offset += seen.velocities * (time - seen.scan.time)
+                limit = reach + horizon * np.hypot(seen.velocities[:, 0], seen.velocities[:, 1])
+            near = np.hypot(offset[:, 0], offset[:, 1]) <= limit
+            places.append(offset[near] @ rotation)
+            velocities.append(seen.velocities[near] @ rotation)
+            lidars.append(np.full(int(near.sum()), index))
+        return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
+
+    def _place(self, scan: Scan, base: Pose2D) -> _Seen:
+        points = scan.points()
+        near = np.flatnonzero(np.hypot(points[:, 0], points[:, 1]) <= self._radius)
+        if len(near):
+            points = np.delete(points, near[self._edges.distances(points[near], _AT_ORIGIN)[0] <= _BODY_M], axis=0)
+        cos, sin = math.cos(base.yaw), math.sin(base.yaw)
+        placed = points @ np.array([[cos, sin], [-sin, cos]]) + (base.x, base.y)
+        return _Seen(scan, base @ scan.mount, placed, np.zeros_like(placed))
+
+
+class Edges:
+    """The edges of a convex outline as half-planes, to measure how far many points are from it at many poses.
+
+    Args:
+        footprint: The outline.
+    """
+
+    def __init__(self, footprint: Footprint) -> None:
+        outline = footprint.outline
+        along = np.roll(outline, -1, axis=0) - outline
+        self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
+        self._offsets: FloatArray = (self._normals * outline).sum(axis=1)
+
+    def distances(
+        self, points: FloatArray, poses: FloatArray, moved: FloatArray | None = None, times: FloatArray | None = None
+    ) -> FloatArray:
+        """Distance [m] of each point from the outline at each pose: negative inside, and at a corner a little short.
+
+        Args:
+            points: [m], shape (N, 2).
+            poses: (x, y, yaw) of base_link in the frame of the points, shape (K, 3).
+            moved: Velocities of the points [m/s], shape (N, 2), with
+            times: at which the robot is at the poses [s], shape (K,).
+
+        Returns:
+            Shape (K, N).
+        """
+        cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        farthest: FloatArray | None = None
+        for (x, y), offset in zip(self._normals.tolist(), self._offsets.tolist(), strict=True):
+            across, up = cos * x - sin * y, sin * x + cos * y
+            apart = np.multiply.outer(across, points[:, 0])
+            apart += np.multiply.outer(up, points[:, 1])
+            apart -= (across * poses[:, 0] + up * poses[:, 1] + offset)[:, None]
+            if moved is not None and times is not None:
+                apart += np.multiply.outer(across * times, moved[:, 0]) + np.multiply.outer(up * times, moved[:, 1])
+            farthest = apart if farthest is None else np.maximum(farthest, apart, out=farthest)
+        return np.zeros((len(poses), len(points))) if farthest is None else farthest
+
+
+def box_around(footprint: Footprint, poses: FloatArray, padding: float) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest x and y [m] of a footprint at poses of shape (K, 3), wider by a padding [m]."""
+    corners = footprint.at_poses(poses)
+    return corners.min(axis=(0, 1)) - padding, corners.max(axis=(0, 1)) + padding
+
+
+def _find_velocities(seen: _Seen, before: _Seen) -> None:
+    """Set the velocities of what has moved since an older scan."""
+    if len(seen.points) < _LEAST_POINTS:
+        return
+    appeared = _appeared(seen, before)
+    if int(appeared.sum()) < _LEAST_POINTS:
+        return
+    dt = seen.scan.time - before.scan.time
+    old = [before.points[part] for part in _things(before.points)]
+    middles = np.array([0.5 * (part.min(axis=0) + part.max(axis=0)) for part in old]).reshape(-1, 2)
+    for part in _things(seen.points):
+        thing = seen.points[part]
+        low, high = thing.min(axis=0), thing.max(axis=0)
+        if int(appeared[part].sum()) < _LEAST_POINTS or math.dist(low, high) > _LARGEST_M or len(old) == 0:
+            continue
+        middle = 0.5 * (low + high)
+        nearest = int(np.hypot(*(middles - middle).T).argmin())
+        if math.dist(old[nearest].min(axis=0), old[nearest].max(axis=0)) > _LARGEST_M:
+            continue
+        velocity = (middle - middles[nearest]) / dt
+        if math.hypot(*velocity) <= _FASTEST_MPS:
+            seen.velocities[part] = velocity
+            seen.moves = True
+
+
+def _appeared(seen: _Seen, before: _Seen) -> npt.NDArray[np.bool_]:
+    """Which points are where an older scan saw through, shape (N,)."""
+    bins = max(16, round(math.tau / _beam_step(before.scan)))
+    x, y = seen.sensor.x, seen.sensor.y
+    image = _saw_through(before, bins)
+    offset = before.points - (x, y)
+    index = (np.arctan2(offset[:, 1], offset[:, 0]) * (bins / math.tau)).round().astype(np.intp) % bins
+    np.minimum.at(image, index, np.hypot(offset[:, 0], offset[:, 1]))
+    offset = seen.points - (x, y)
+    index = (np.arctan2(offset[:, 1], offset[:, 0]) * (bins / math.tau)).round().astype(np.intp)
+    ranges = np.hypot(offset[:, 0], offset[:, 1])
+    appeared = np.ones(len(ranges), dtype=np.bool_)
+    for aside in range(-_BINS_ASIDE, _BINS_ASIDE + 1):
+        appeared &= image[(index + aside) % bins] > ranges + _SAME_M
+    return appeared
+
+
+def _saw_through(seen: _Seen, bins: int) -> FloatArray:
+    """Infinity for the directions in the odom frame in which a scan measured, minus infinity for others."""
+    scan = seen.scan
+    measured = scan.angles[scan.ranges >= scan.range_min] + seen.sensor.yaw
+    index = (measured * (bins / math.tau)).round().astype(np.intp)
+    image = np.full(bins, -np.inf)
+    for aside in (-1, 0, 1):
+        image[(index + aside) % bins] = np.inf
+    return image
+
+
+def _beam_step(scan: Scan) -> float:
+    angles = scan.angles
+    return max(abs(float(angles[-1] - angles[0])) / max(len(angles) - 1, 1), 1e-3)
+
+
+def _things(points: FloatArray) -> list[slice]:
+    """Runs of neighbouring points without a gap."""
+    if len(points) == 0:
+        return []
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    ends = [0, *(np.flatnonzero(steps > _GAP_M) + 1).tolist(), len(points)]
+    return [slice(begin, end) for begin, end in itertools.pairwise(ends)]
