@@ -9,7 +9,7 @@ import pytest
 from trundle.control import create_controller
 from trundle.control.collision import stopping_poses
 from trundle.costmap import Costmap
-from trundle.errors import InputError, RobotWarning
+from trundle.errors import InputError, NoValidControlError, RobotWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D, path_length, wrap_angles
 from trundle.maps import OccupancyGrid, SpeedMask
 from trundle.mission import Scenario, Trajectory, run, sample_mission
@@ -72,10 +72,12 @@ def test_a_controller_survives_a_twist_and_a_period_that_nothing_has():
         (Twist2D(6.0, 0.0), 0.05),
         (Twist2D(), 1e6),
     ):
-        assert controller.compute_velocity(Pose2D(*HERE), twist, COSTMAP, dt) == Twist2D()
+        with pytest.raises(NoValidControlError):
+            controller.compute_velocity(Pose2D(*HERE), twist, COSTMAP, dt)
     assert controller.compute_velocity(Pose2D(*HERE), Twist2D(), COSTMAP, 0.05).v > 0.0
     assert 0.0 < 10.0 * controller.compute_velocity(Pose2D(*HERE), Twist2D(), COSTMAP, 10.0).v < 4.0
-    assert controller.compute_velocity(Pose2D(1e308, 2.0), Twist2D(), COSTMAP, 0.05).v == 0.0
+    with pytest.raises(NoValidControlError):
+        controller.compute_velocity(Pose2D(1e308, 2.0), Twist2D(), COSTMAP, 0.05)
 
 
 def test_a_speed_limit_is_looked_for_on_a_bounded_stretch():

@@ -179,6 +179,10 @@ class PlanningStoppedError(PlanningError):
         self.status = status
 
 
+class NoValidControlError(TrundleError):
+    """A controller has a path to follow, and every command that it considered would cause a contact."""
+
+
 def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
     """An error with these `args`, created without `__init__`, whose parameters may differ; attributes are set next."""
     return kind.__new__(kind, *arguments)

@@ -7,9 +7,10 @@ import pytest
 
 from trundle.control import Controller, controller_names, create_controller
 from trundle.control.controller import OlderController
+from trundle.errors import NoValidControlError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
-from trundle.navigation import Navigator
+from trundle.navigation import NavigationStatus, Navigator
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -23,6 +24,22 @@ class Older:
 
     def compute_velocity(self, pose, twist, costmap, dt):
         return Twist2D(0.6, 0.3)
+
+
+class WithReset(Older):
+    """Without set_speed_limit, but with reset."""
+
+    seeds = ()
+
+    def reset(self, *, seed=0):
+        self.seeds = (*self.seeds, seed)
+
+
+class Raising(Older):
+    """Never finds a command."""
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        raise NoValidControlError("no valid control")
 
 
 class Wrapper:
@@ -77,3 +94,38 @@ def test_a_class_that_derives_from_the_seam_has_the_default():
     derived = Derived()
     assert create_controller(derived, CARTER) is derived
     assert limited(derived).v == pytest.approx(0.2)
+
+
+def test_an_older_controller_keeps_the_reset_that_it_has():
+    older = WithReset()
+    create_controller(older, CARTER).reset(seed=3)
+    assert older.seeds == (3,)
+    create_controller(Older(), CARTER).reset(seed=3)
+
+
+def test_a_navigator_resets_its_controller_with_the_seed():
+    older = WithReset()
+    navigator = Navigator(OccupancyGrid(np.zeros((80, 120), np.int8), 0.05), CARTER, controller=older)
+    navigator.reset(seed=7)
+    assert older.seeds[-1] == 7
+
+
+def statuses(controller, seconds=1.0):
+    grid = OccupancyGrid(np.zeros((80, 120), np.int8), 0.05)
+    navigator = Navigator(grid, CARTER, controller=controller)
+    navigator.set_goal(5.0, 2.0)
+    seen = []
+    for _ in range(round(seconds / navigator.dt)):
+        navigator.update((2.0, 2.0, 0.0), Twist2D())
+        seen.append(navigator.status)
+    return seen
+
+
+def test_no_valid_control_counts_as_blocked_as_zero_does():
+    class Standing(Older):
+        def compute_velocity(self, pose, twist, costmap, dt):
+            return Twist2D()
+
+    raised = statuses(Raising())
+    assert NavigationStatus.BLOCKED in raised
+    assert raised == statuses(Standing())

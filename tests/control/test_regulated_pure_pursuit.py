@@ -5,7 +5,7 @@ import pytest
 
 from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.costmap import Costmap
-from trundle.errors import InputError
+from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import Pose2D, Twist2D, pad_outline, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
@@ -33,7 +33,10 @@ def follow(controller, path, costmap, *, start=None, seconds=60.0):
     pose, twist = start or path.start, Twist2D()
     poses, twists = [pose], [twist]
     for _ in range(round(seconds / DT)):
-        command = controller.compute_velocity(pose, twist, costmap, DT)
+        try:
+            command = controller.compute_velocity(pose, twist, costmap, DT)
+        except NoValidControlError:
+            command = Twist2D()
         for _ in range(10):
             twist = CARTER.limits.approach(twist, command, DT / 10)
             pose = twist.integrate(pose, DT / 10)
@@ -196,3 +199,13 @@ def test_a_turn_that_would_touch_something_is_not_begun_closer_than_the_padding(
     path = Path(np.array([(x, y, yaw), (x, y, end), (x + 2.0 * math.cos(end), y + 2.0 * math.sin(end), end)]))
     poses, _ = follow(RegulatedPurePursuit(CARTER), path, costmap)
     assert costmap.clearance(as_array(poses)).min() >= 0.01 - 1e-6
+
+
+def test_it_says_that_it_has_no_valid_control_in_front_of_a_wall():
+    controller = RegulatedPurePursuit(CARTER)
+    controller.set_path(Path(np.array([[0, 0, 0], [3, 0, 0]])))
+    walled = costmap_with((0.16, -3.0, 0.3, 3.0))
+    with pytest.raises(NoValidControlError, match="no valid control at"):
+        controller.compute_velocity(Pose2D(0, 0), Twist2D(), walled, DT)
+    controller.reset()
+    assert controller.compute_velocity(Pose2D(0, 0), Twist2D(), walled, DT) == Twist2D()

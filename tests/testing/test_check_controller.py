@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from trundle.control import create_controller
+from trundle.errors import TrundleError
 from trundle.geometry import Twist2D
 from trundle.robots import Robot
 from trundle.testing import ConformanceError, check_controller
@@ -79,6 +80,35 @@ class Stopped(WithoutLimit):
         self.inner.set_speed_limit(math.inf if limit == math.inf else 0.0)
 
 
+class WithoutReset(WithoutLimit):
+    """A good controller, of before there was a reset."""
+
+    def set_speed_limit(self, limit):
+        self.inner.set_speed_limit(limit)
+
+
+class KeepsLimit(WithoutReset):
+    """Drives slower after a reset."""
+
+    def reset(self, *, seed=0):
+        self.inner.set_speed_limit(0.1)
+
+
+class Crashing(WithoutReset):
+    """Raises an error of its own where it is blocked."""
+
+    def __init__(self, robot):
+        super().__init__(robot)
+        self.reset = self.inner.reset
+        self.compute_velocity = self.compute
+
+    def compute(self, *arguments):
+        try:
+            return self.inner.compute_velocity(*arguments)
+        except TrundleError:
+            raise RuntimeError("nothing to do") from None
+
+
 @pytest.mark.parametrize(
     ("broken", "promise"),
     [
@@ -90,6 +120,9 @@ class Stopped(WithoutLimit):
         (HalfLimited, "must obey or ignore a speed limit"),
         (NeverFree, "speed limit is removed"),
         (Stopped, "it stopped"),
+        (WithoutReset, "needs reset"),
+        (KeepsLimit, "same after a reset"),
+        (Crashing, "must raise NoValidControlError"),
     ],
 )
 def test_a_controller_that_breaks_a_promise_learns_which(broken, promise):

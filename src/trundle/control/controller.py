@@ -22,12 +22,22 @@ CONTROLLERS: Registry[Controller] = Registry(
 )
 
 
+_ADDED = ("reset", "set_speed_limit")
+
+
 @runtime_checkable
 class Controller(Protocol):
     """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`.
 
-    One of another package without `set_speed_limit` works as well: `create_controller` wraps it.
+    One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it.
     """
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the path and everything else, at the start of a run.
+
+        The same seed and arguments give the same commands. The default does nothing, for controllers that keep nothing
+        but the path and draw no random numbers.
+        """
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
@@ -50,7 +60,11 @@ class Controller(Protocol):
             dt: Length of the control period [s].
 
         Returns:
-            A twist within the robot's speed limits; (0, 0) if every command is blocked.
+            A twist within the robot's speed limits; (0, 0) without a path and at its end.
+
+        Raises:
+            NoValidControlError: If every command would cause a contact. A navigator takes (0, 0) before the goal for
+                the same.
         """
         ...
 
@@ -63,7 +77,7 @@ def controller_names() -> list[str]:
 def create_controller(controller: str | Controller, robot: Robot, **options: Any) -> Controller:
     """Make a controller for a robot from its name and options, or take one as it is.
 
-    One that has no `set_speed_limit` is wrapped, so that it can be used like any other.
+    One that has no `reset` or no `set_speed_limit` is wrapped, so that it can be used like any other.
 
     Raises:
         UnknownNameError: If there is no controller of that name.
@@ -71,11 +85,12 @@ def create_controller(controller: str | Controller, robot: Robot, **options: Any
     """
     check_kind(robot, Robot, "a controller's robot", "Robot.load(name) makes one")
     made = CONTROLLERS.take(controller, "compute_velocity", robot, **options)
-    return made if callable(getattr(made, "set_speed_limit", None)) else OlderController(made)
+    whole = all(callable(getattr(made, name, None)) for name in _ADDED)
+    return made if whole else OlderController(made)
 
 
 class OlderController(Controller):
-    """Gives a controller without `set_speed_limit` the whole protocol, with the default for that method.
+    """Gives a controller without `reset` or `set_speed_limit` the whole protocol, with the defaults for those methods.
 
     Args:
         controller: The controller to wrap.
@@ -86,6 +101,10 @@ class OlderController(Controller):
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
+        # Either may be there without the other.
+        for name in _ADDED:
+            if callable(own := getattr(controller, name, None)):
+                setattr(self, name, own)
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on; see `Controller`."""

@@ -46,6 +46,10 @@ class LookaheadFollower(Controller):
         self._robot = robot
         self._lookahead, self._speed, self._gain = lookahead_dist, linear_speed, angular_gain
         self._rotate_min_angle, self._goal_tolerance = rotate_min_angle, goal_tolerance
+        self.reset()
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the path; nothing here is random."""
         self._points: list[tuple[float, float]] = []
         self._next = 0
 

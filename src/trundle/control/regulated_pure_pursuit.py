@@ -18,7 +18,7 @@ import numpy as np
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, cost_under
 from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.errors import InputError
+from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.path import Path
 from trundle.robots import Robot
@@ -101,6 +101,10 @@ class RegulatedPurePursuit:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
         self._outline = robot.planar.padded(self.settings.footprint_padding).outline
+        self.reset()
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the path and the speed limit; nothing here is random."""
         self._outlines: list[FloatArray] = []
         self._vertices: list[Vertex] = []
         self._sections: list[Section] | None = None
@@ -122,7 +126,11 @@ class RegulatedPurePursuit:
         self._done = False
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
-        """Return the command for the next control period; see `Controller`."""
+        """Return the command for the next control period; see `Controller`.
+
+        Raises:
+            NoValidControlError: If every command would cause a contact.
+        """
         if self._done:
             return _STAND
         if self._sections is None:
@@ -139,7 +147,11 @@ class RegulatedPurePursuit:
                 slower = Twist2D(factor * command.v, factor * command.w)
                 if self._is_clear(costmap, pose, twist, slower, dt):
                     return slower
-        return _STAND
+        what = "turning in place" if self._turn is not None else "following the path"
+        raise NoValidControlError(
+            f"no valid control at ({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f}): {what} would cause a contact at every "
+            "speed; plan again from here, or back up"
+        )
 
     # Laying out -----------------------------------------------------------------------------------------------------
 

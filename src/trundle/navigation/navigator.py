@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast, overload
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.costmap import Costmap, CostmapSettings
-from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.errors import InputError, NoValidControlError, PlanningError, PlanningStoppedError
 from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -129,6 +129,7 @@ class Navigator:
         """Forget the goal and everything about it."""
         self._goal: Goal | None = None
         self._forget_progress()
+        self.controller.reset(seed=seed)
         self.status = NavigationStatus.IDLE
 
     def set_goal(
@@ -284,7 +285,10 @@ class Navigator:
         self._limit_speed(pose, twist)
         if self._recovery.is_backing_up:
             return slow_down(self._back_up(pose, twist), self.speed_limit)
-        command = self.controller.compute_velocity(pose, twist, self.costmap, self.dt)
+        try:
+            command = self.controller.compute_velocity(pose, twist, self.costmap, self.dt)
+        except NoValidControlError:
+            command = _STAND
         return self._watch_for_block(slow_down(command, self.speed_limit), pose, twist)
 
     # Speed limits ---------------------------------------------------------------------------------------------------

@@ -10,11 +10,12 @@ import numpy as np
 
 from trundle.control import Controller
 from trundle.costmap import Costmap
+from trundle.errors import NoValidControlError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.testing.conformance import expect
+from trundle.testing.conformance import ConformanceError, expect
 
 _DT = 0.05
 _SECONDS = 90.0
@@ -25,8 +26,9 @@ _LIMIT_SHARE = 0.3
 def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None = None) -> None:
     """Check that a controller meets the contract of `trundle.control.Controller`.
 
-    Without a path it commands zero. It follows a straight and a bent path to their ends in an open room, each time
-    after a reset. It returns finite twists within the robot's speed limits, does not modify its arguments, is
+    Without a path it commands zero, after a reset too. It follows a straight and a bent path to their ends in an open
+    room. In front of a wall it commands zero or raises `NoValidControlError`, and no other error. It returns finite
+    twists within the robot's speed limits, does not modify its arguments, is
     deterministic, and shares no state with other controllers. It accepts a speed limit, which it obeys or leaves to the
     navigator, and drops the limit when that is removed.
 
@@ -54,6 +56,43 @@ def check_controller(make: Callable[[Robot], Controller], *, robot: Robot | None
     command = other.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
     expect(command == Twist2D(), f"two controllers must not share a path; found: {command}")
     _check_speed_limit(make, driven, costmap)
+    _check_reset(make, driven, costmap)
+    _check_wall(make, driven)
+
+
+def _check_reset(make: Callable[[Robot], Controller], robot: Robot, costmap: Costmap) -> None:
+    path = _path((0, 0), (2, 0), (3, 2))
+    controller = make(robot)
+    expect(
+        callable(getattr(controller, "reset", None)),
+        "a controller needs reset(*, seed); Controller has one that does nothing",
+    )
+    first = _first_commands(controller, path, robot, costmap)
+    controller.reset(seed=0)
+    again = _first_commands(controller, path, robot, costmap)
+    expect(first == again, "a controller must act the same after a reset with the same seed; found: other commands")
+
+
+def _check_wall(make: Callable[[Robot], Controller], robot: Robot) -> None:
+    """Face a wall right in front, with a path through it."""
+    cells = np.zeros((240, 240), dtype=np.int8)
+    grid = OccupancyGrid(cells, 0.05, Pose2D(-6.0, -6.0))
+    front = float(robot.outline[:, 0].max())
+    cells[:, int(grid.world_to_cell(front, 0.0)[1]) + 1 :] = 100
+    costmap = Costmap.from_grid(OccupancyGrid(cells, 0.05, grid.origin), robot)
+    controller = make(robot)
+    controller.set_path(_path((0, 0), (3, 0)))
+    for _ in range(round(_FIRST_SECONDS / _DT)):
+        try:
+            command = controller.compute_velocity(Pose2D(0, 0), Twist2D(), costmap, _DT)
+        except NoValidControlError:
+            continue
+        except Exception as error:
+            raise ConformanceError(
+                f"a controller without a valid control must raise NoValidControlError or command zero; found: {error!r}"
+            ) from error
+        finite = math.isfinite(command.v) and math.isfinite(command.w)
+        expect(finite, f"a command must be finite in front of a wall; found: {command}")
 
 
 def _check_speed_limit(make: Callable[[Robot], Controller], robot: Robot, costmap: Costmap) -> None:
