@@ -25,6 +25,17 @@ def check_number(world: str, name: str, value: float, low: float, high: float) -
     return number
 
 
+def check_flag(world: str, name: str, value: bool) -> bool:
+    """Return true or false.
+
+    Raises:
+        WorldError: If it is neither.
+    """
+    if not isinstance(value, bool):
+        raise WorldError(f"{world}: {name} must be true or false, got {value!r}")
+    return value
+
+
 def check_whole(world: str, name: str, value: int, low: int, high: int) -> int:
     """Return an integer from `low` to `high`.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Cylinder, Sphere
-from trundle.worlds.generators.props import CHARCOAL, RUBBER, STEEL, WOOD, Part, box
+from trundle.worlds.generators.props import CHARCOAL, RUBBER, SEEN_TO, STEEL, WOOD, Part, box
 
 DESK_SIZE = (1.6, 0.8)
 """Of a desk, along the wall and into the room [m]."""
@@ -52,9 +52,14 @@ def desk() -> list[Part]:
     return parts
 
 
-def chair(rng: np.random.Generator) -> list[Part]:
-    """Return a swivel chair that faces +y: its back is at −y."""
+def chair(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return a swivel chair that faces +y: its back is at −y; without low objects an armchair down to the floor."""
     fabric = FABRICS[rng.integers(len(FABRICS))]
+    if not low_objects:
+        return [
+            box("seat", (0.50, 0.54, SEEN_TO), (0.0, 0.0, SEEN_TO / 2.0), fabric, "chair"),
+            box("back", (0.42, 0.07, 0.46), (0.0, -0.23, 0.73), fabric, "chair"),
+        ]
     return [
         Part("base", Cylinder(0.26, 0.09), Pose3D((0.0, 0.0, 0.065)), CHARCOAL, "chair"),
         Part("stem", Cylinder(0.04, 0.32), Pose3D((0.0, 0.0, 0.27)), STEEL, "chair"),
@@ -63,11 +68,11 @@ def chair(rng: np.random.Generator) -> list[Part]:
     ]
 
 
-def cabinet(rng: np.random.Generator) -> list[Part]:
-    """Return a cabinet with two doors, or an open shelf with books."""
+def cabinet(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return a cabinet with two doors, or an open shelf with books; without low objects always with doors."""
     length, depth = CABINET_SIZE
     height = float(rng.choice((1.0, 1.3)))
-    if rng.random() < 0.5:
+    if rng.random() < 0.5 or not low_objects:
         parts = [box("body", (length, depth - 0.02, height), (0.0, -0.01, height / 2.0), _CABINET, "cabinet")]
         for side, x in (("left", -0.25), ("right", 0.25)):
             door = (length / 2.0 - 0.06, 0.02, height - 0.14)
@@ -119,11 +124,12 @@ def sofa(rng: np.random.Generator) -> list[Part]:
     return parts
 
 
-def plant(rng: np.random.Generator) -> list[Part]:
-    """Return a potted plant."""
+def plant(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return a potted plant; without low objects in a wider and taller pot."""
+    radius, inner, height = (0.20, 0.17, 0.40) if low_objects else (0.28, 0.25, SEEN_TO)
     parts = [
-        Part("pot", Cylinder(0.20, 0.40), Pose3D((0.0, 0.0, 0.20)), _POT, "plant"),
-        Part("soil", Cylinder(0.17, 0.02), Pose3D((0.0, 0.0, 0.41)), _SOIL, "plant"),
+        Part("pot", Cylinder(radius, height), Pose3D((0.0, 0.0, height / 2.0)), _POT, "plant"),
+        Part("soil", Cylinder(inner, 0.02), Pose3D((0.0, 0.0, 0.41 if low_objects else height + 0.01)), _SOIL, "plant"),
     ]
     turn = float(rng.uniform(0.0, 2.0 * np.pi))
     for index, (reach, z, radius) in enumerate(((0.0, 1.05, 0.24), (0.13, 0.76, 0.20), (0.12, 0.82, 0.19))):

@@ -12,11 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from trundle.errors import WorldError
 from trundle.solids import Color, Solid
 from trundle.worlds.generators import yard
-from trundle.worlds.generators.checks import check_number, check_seed, check_size, check_whole
-from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
+from trundle.worlds.generators.props import SEEN_TO, Part, box, place
 from trundle.worlds.world import World
 
 DRIVE = 5.0
@@ -48,6 +47,7 @@ def generate_lot(
     containers: float = 0.6,
     cones: int = 14,
     hedges: bool = True,
+    low_objects: bool = True,
 ) -> World:
     """Generate an open lot that Nova Carter can drive across.
 
@@ -58,6 +58,8 @@ def generate_lot(
         containers: Share of container places that are occupied, 0 to 1.
         cones: Maximum number of traffic cones, 0 to 500; fewer are placed if they do not fit.
         hedges: Whether there are hedges behind the kerbs.
+        low_objects: Whether there are objects that a planar lidar does not see, such as kerbs. Without them kerbs are
+            walls, cones are bollards, and a lidar's beams meet every object at any height from 0.2 to 0.42 m.
 
     Raises:
         WorldError: If a value is out of range.
@@ -67,20 +69,21 @@ def generate_lot(
     fill = check_number("lot", "fill", fill, 0.0, 1.0)
     containers = check_number("lot", "containers", containers, 0.0, 1.0)
     cones = check_whole("lot", "cones", cones, 0, 500)
-    if not isinstance(hedges, bool):
-        raise WorldError(f"lot: hedges must be true or false, got {hedges!r}")
-    solids = _edge(rng, length, width, hedges=hedges)
+    hedges = check_flag("lot", "hedges", hedges)
+    low_objects = check_flag("lot", "low_objects", low_objects)
+    kerb = _KERB_HEIGHT if low_objects else SEEN_TO
+    solids = _edge(rng, length, width, kerb, hedges=hedges)
     boxes, taken = _containers(rng, length, width, containers)
     solids += boxes
     for number, y in enumerate(_island_rows(width), start=1):
-        row, spots = _row(rng, f"row_{number}", y, length, fill)
+        row, spots = _row(rng, f"row_{number}", y, length, fill, low_objects=low_objects)
         solids += row
         taken += spots
-    solids += _cones(rng, length, width, cones, taken)
+    solids += _cones(rng, length, width, cones, taken, low_objects=low_objects)
     return World("lot", tuple(solids), ((0.0, -width / 2.0 + DRIVE / 2.0),))
 
 
-def _edge(rng: np.random.Generator, length: float, width: float, *, hedges: bool) -> list[Solid]:
+def _edge(rng: np.random.Generator, length: float, width: float, kerb: float, *, hedges: bool) -> list[Solid]:
     """Kerbs round the ground, grass behind them, and hedges and a few trees on the grass."""
     parts: list[Part] = []
     across, green = 2.0 * _KERB, 2.0 * (_KERB + _VERGE)
@@ -91,7 +94,7 @@ def _edge(rng: np.random.Generator, length: float, width: float, *, hedges: bool
         ("west", False, -1.0),
     ):
         for what, begin, thick, height, color in (
-            ("kerb", 0.0, _KERB, _KERB_HEIGHT, yard.KERB),
+            ("kerb", 0.0, _KERB, kerb, yard.KERB),
             ("grass", _KERB, _VERGE, _KERB_HEIGHT - 0.02, yard.GRASS),
         ):
             reach = across if what == "kerb" else green
@@ -166,19 +169,22 @@ def _island_rows(width: float) -> list[float]:
     return [middle + (index - (count - 1) / 2.0) * pitch for index in range(count)]
 
 
-def _row(rng: np.random.Generator, name: str, y: float, length: float, fill: float) -> tuple[list[Solid], list[Rect]]:
+def _row(
+    rng: np.random.Generator, name: str, y: float, length: float, fill: float, *, low_objects: bool
+) -> tuple[list[Solid], list[Rect]]:
     """An island with lamp posts and trees on it, and vehicles in the bays on both sides."""
     bays = int((length - 2.0 * DRIVE) / BAY_WIDTH)
     if bays < 1:
         return [], []
     long = bays * BAY_WIDTH
+    kerb = _KERB_HEIGHT if low_objects else SEEN_TO
     parts = [box("grass", (long - 2.0 * _KERB, _ISLAND - 2.0 * _KERB, 0.13), (0.0, 0.0, 0.065), yard.GRASS, "grass")]
     for side, sign in (("north", 1.0), ("south", -1.0)):
-        centre = (0.0, sign * (_ISLAND - _KERB) / 2.0, _KERB_HEIGHT / 2.0)
-        parts.append(box(f"kerb_{side}", (long, _KERB, _KERB_HEIGHT), centre, yard.KERB, "kerb"))
+        centre = (0.0, sign * (_ISLAND - _KERB) / 2.0, kerb / 2.0)
+        parts.append(box(f"kerb_{side}", (long, _KERB, kerb), centre, yard.KERB, "kerb"))
     for side, sign in (("east", 1.0), ("west", -1.0)):
-        centre = (sign * (long - _KERB) / 2.0, 0.0, _KERB_HEIGHT / 2.0)
-        parts.append(box(f"kerb_{side}", (_KERB, _ISLAND - 2.0 * _KERB, _KERB_HEIGHT), centre, yard.KERB, "kerb"))
+        centre = (sign * (long - _KERB) / 2.0, 0.0, kerb / 2.0)
+        parts.append(box(f"kerb_{side}", (_KERB, _ISLAND - 2.0 * _KERB, kerb), centre, yard.KERB, "kerb"))
     solids = place(parts, name, 0.0, y, 0.0)
     taken: list[Rect] = [(-long / 2.0, y - _ISLAND / 2.0, long / 2.0, y + _ISLAND / 2.0)]
     posts = max(2, round(long / 4.5))
@@ -195,13 +201,15 @@ def _row(rng: np.random.Generator, name: str, y: float, length: float, fill: flo
         x = (column - (bays - 1) / 2.0) * BAY_WIDTH + float(rng.uniform(-0.15, 0.15))
         at = y + side * (_ISLAND / 2.0 + 0.25 + yard.VAN_SIZE[0] / 2.0)
         turn = side * math.pi / 2.0 * (1.0 if rng.random() < 0.6 else -1.0) + float(rng.uniform(-0.03, 0.03))
-        solids += place(yard.van(rng), f"{name}_vehicle_{bay + 1}", x, at, turn)
+        solids += place(yard.van(rng, low_objects=low_objects), f"{name}_vehicle_{bay + 1}", x, at, turn)
         reach = (yard.VAN_SIZE[1] / 2.0 + 0.1, yard.VAN_SIZE[0] / 2.0 + 0.1)
         taken.append((x - reach[0], at - reach[1], x + reach[0], at + reach[1]))
     return solids, taken
 
 
-def _cones(rng: np.random.Generator, length: float, width: float, count: int, taken: Sequence[Rect]) -> list[Solid]:
+def _cones(
+    rng: np.random.Generator, length: float, width: float, count: int, taken: Sequence[Rect], *, low_objects: bool
+) -> list[Solid]:
     """Cones in short lines, each with room on every side; the seed point stays free."""
     solids: list[Solid] = []
     spots: list[tuple[float, float]] = []
@@ -220,7 +228,8 @@ def _cones(rng: np.random.Generator, length: float, width: float, count: int, ta
         apart = all(math.hypot(x - a, y - b) >= FREE_BESIDE + 2.0 * yard.CONE_RADIUS for a, b in spots)
         if inside and apart and math.hypot(x - start[0], y - start[1]) >= 3.0 and _clear(x, y, taken, room):
             spots.append((x, y))
-            solids += place(yard.cone(), f"cone_{len(spots)}", x, y, float(rng.uniform(-0.4, 0.4)))
+            cone = yard.cone(low_objects=low_objects)
+            solids += place(cone, f"cone_{len(spots)}", x, y, float(rng.uniform(-0.4, 0.4)))
     return solids
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.solids import Color, Solid
 from trundle.worlds.generators import furniture
-from trundle.worlds.generators.checks import check_number, check_seed, check_size
-from trundle.worlds.generators.props import Part, box, place
+from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size
+from trundle.worlds.generators.props import SEEN_TO, Part, box, place
 from trundle.worlds.world import World
 
 ROOM_DEPTH = (3.4, 4.6)
@@ -73,6 +73,7 @@ def generate_office(
     furnishing: float = 0.85,
     open_doors: bool = True,
     wall_height: float = 1.4,
+    low_objects: bool = True,
 ) -> World:
     """Generate an office floor where Nova Carter can drive into every room.
 
@@ -84,6 +85,8 @@ def generate_office(
         furnishing: Share of furniture places that are filled, 0 (bare rooms) to 1.
         open_doors: Whether doors have leaves that stand open into the room, or are plain openings.
         wall_height: [m], 1.3 to 10; low by default, so that pictures from above show the rooms.
+        low_objects: Whether there is furniture that a planar lidar does not see as wide as it is, such as swivel
+            chairs and low tables. Without it its beams meet every object at any height from 0.2 to 0.42 m.
 
     Raises:
         WorldError: If a value is out of range, or the floor has no room for a corridor with rooms on both sides.
@@ -93,8 +96,8 @@ def generate_office(
     corridor = check_number("office", "corridor_width", corridor_width, 1.0, 6.0)
     door = check_number("office", "door_width", door_width, 0.6, 2.0)
     furnishing = check_number("office", "furnishing", furnishing, 0.0, 1.0)
-    if not isinstance(open_doors, bool):
-        raise WorldError(f"office: open_doors must be true or false, got {open_doors!r}")
+    open_doors = check_flag("office", "open_doors", open_doors)
+    low_objects = check_flag("office", "low_objects", low_objects)
     height = check_number("office", "wall_height", wall_height, 1.3, 10.0)
     corridors, depth = _stack_corridors(length, width, corridor)
     half = length / 2.0 - corridor
@@ -109,7 +112,7 @@ def generate_office(
             number += len(rooms)
             solids += _row_walls(rooms, half, door, height, behind=side > 0 and shared, leaves=open_doors)
             for room in rooms:
-                solids += _furnish(rng, room, door, furnishing)
+                solids += _furnish(rng, room, door, furnishing, low_objects=low_objects)
     return World("office", tuple(solids), ((0.0, corridors[0]),))
 
 
@@ -217,9 +220,11 @@ def _door(room: _Room, width: float, front: float, height: float, *, leaf: bool)
     return parts
 
 
-def _furnish(rng: np.random.Generator, room: _Room, door: float, furnishing: float) -> list[Solid]:
+def _furnish(
+    rng: np.random.Generator, room: _Room, door: float, furnishing: float, *, low_objects: bool
+) -> list[Solid]:
     """Furniture for one room: desks, a meeting table or a lounge, and cabinets and plants in the remaining space."""
-    fit = _Furnisher(room, door, rng, furnishing)
+    fit = _Furnisher(room, door, rng, furnishing, low_objects=low_objects)
     use = float(rng.random())
     if use < 0.22 and room.width >= 4.2 and room.depth >= 4.0:
         fit.meeting()
@@ -234,8 +239,11 @@ def _furnish(rng: np.random.Generator, room: _Room, door: float, furnishing: flo
 class _Furnisher:
     """Furnishes one room, in a frame with its origin in the middle of the back wall and +y towards the door."""
 
-    def __init__(self, room: _Room, door: float, rng: np.random.Generator, furnishing: float) -> None:
+    def __init__(
+        self, room: _Room, door: float, rng: np.random.Generator, furnishing: float, *, low_objects: bool
+    ) -> None:
         self._room = room
+        self._low_objects = low_objects
         self._rng = rng
         self._furnishing = furnishing
         self._door_x = (room.door_x - (room.x0 + room.x1) / 2.0) * room.side
@@ -258,7 +266,8 @@ class _Furnisher:
             y = 0.04 + depth / 2.0
             self._put("desk", furniture.desk(), x, y, 0.0, length, depth)
             aside, turn = float(self._rng.uniform(-0.1, 0.1)), float(self._rng.uniform(-0.5, 0.5))
-            self._put("chair", furniture.chair(self._rng), x - 0.1 + aside, y + 0.72, math.pi + turn, 0.6, 0.6)
+            chair = furniture.chair(self._rng, low_objects=self._low_objects)
+            self._put("chair", chair, x - 0.1 + aside, y + 0.72, math.pi + turn, 0.6, 0.6)
 
     def meeting(self) -> None:
         """A table with six chairs, nearer to the back wall than to the door, and a board on the back wall."""
@@ -271,7 +280,8 @@ class _Furnisher:
                 if self._rng.random() < max(self._furnishing, 0.3):
                     at = (x + column, y + side * (depth / 2.0 + 0.18))
                     sway = float(self._rng.uniform(-0.25, 0.25))
-                    self._put("chair", furniture.chair(self._rng), *at, turn + sway, 0.5, 0.3, overlap=True)
+                    chair = furniture.chair(self._rng, low_objects=self._low_objects)
+                    self._put("chair", chair, *at, turn + sway, 0.5, 0.3, overlap=True)
 
     def lounge(self) -> None:
         """A sofa at the back wall, and a low table in front of it if there is room."""
@@ -279,8 +289,9 @@ class _Furnisher:
             return
         length, depth = furniture.SOFA_SIZE
         self._put("sofa", furniture.sofa(self._rng), 0.0, 0.05 + depth / 2.0, 0.0, length, depth)
-        low = [box("top", (0.8, 0.45, 0.34), (0.0, 0.0, 0.20), (0.86, 0.85, 0.82, 1.0), "table")]
-        self._put("table", low, 0.0, depth + 0.55, 0.0, 0.8, 0.45)
+        height, middle = (0.34, 0.20) if self._low_objects else (SEEN_TO, SEEN_TO / 2.0)
+        table = [box("top", (0.8, 0.45, height), (0.0, 0.0, middle), (0.86, 0.85, 0.82, 1.0), "table")]
+        self._put("table", table, 0.0, depth + 0.55, 0.0, 0.8, 0.45)
 
     def storage(self) -> None:
         """Cabinets along the side walls and plants in the corners, if they leave the lane free."""
@@ -292,12 +303,20 @@ class _Furnisher:
             for slot in range(int((room.depth - 2.2) / (long + 0.05))):
                 if rng.random() < 0.7 * self._furnishing:
                     y = 1.55 + (slot + 0.5) * (long + 0.05)
-                    self._put("cabinet", furniture.cabinet(rng), x, y, turn, deep, long)
+                    self._put("cabinet", furniture.cabinet(rng, low_objects=self._low_objects), x, y, turn, deep, long)
             reach = furniture.PLANT_RADIUS + 0.02
             for y in (reach, room.depth - reach):
                 if rng.random() < 0.6 * self._furnishing:
                     size = 2.0 * furniture.PLANT_RADIUS
-                    self._put("plant", furniture.plant(rng), sign * (half - reach), y, 0.0, size, size)
+                    self._put(
+                        "plant",
+                        furniture.plant(rng, low_objects=self._low_objects),
+                        sign * (half - reach),
+                        y,
+                        0.0,
+                        size,
+                        size,
+                    )
 
     def _put(
         self,

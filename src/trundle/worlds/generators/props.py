@@ -92,14 +92,21 @@ def box(
     return Part(name, Box((length, width, height)), Pose3D.planar(x, y, z, yaw), color, kind)
 
 
-def pallet(rng: np.random.Generator) -> list[Part]:
-    """Return a wooden pallet, usually with a stack of cartons on it."""
+SEEN_TO = 0.5
+"""Height [m] up to which objects of a world without low ones keep their outline; a lidar's beams are below it."""
+
+
+def pallet(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return a wooden pallet, usually with a stack of cartons on it; without low objects with a collar round them."""
     length, width, height = PALLET_SIZE
     deck = 0.022
     parts = [box("deck", (length, width, deck), (0.0, 0.0, height - deck / 2.0), WOOD, "pallet")]
     block = height - deck
     for index, y in enumerate((-0.35, 0.0, 0.35)):
         parts.append(box(f"block_{index + 1}", (length, 0.1, block), (0.0, y, block / 2.0), DARK_WOOD, "pallet"))
+    if not low_objects:
+        collar = SEEN_TO - height
+        parts.append(box("collar", (length, width, collar), (0.0, 0.0, height + collar / 2.0), WOOD, "pallet"))
     if rng.random() < 0.85:
         parts += _carton_stack(rng, height)
     return parts
@@ -127,20 +134,22 @@ def _carton_stack(rng: np.random.Generator, base: float) -> list[Part]:
     return parts
 
 
-def boxes(rng: np.random.Generator) -> list[Part]:
-    """Return one to three loose cartons on the floor, the third on top."""
+def boxes(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return one to three loose cartons on the floor, the third on top; without low objects they are taller."""
     parts = []
     first = float(rng.uniform(0.45, 0.6))
     second = float(rng.uniform(0.35, 0.5))
     count = int(rng.integers(1, 4))
+    least = 0.0 if low_objects else SEEN_TO
     specs = [
-        (first, (0.0, 0.0, first * 0.4)),
-        (second, ((first + second) / 2.0 + 0.06, float(rng.uniform(-0.08, 0.08)), second * 0.4)),
-        (0.36, (0.0, 0.0, first * 0.8 + 0.36 * 0.4)),
+        (first, (0.0, 0.0), 0.0),
+        (second, ((first + second) / 2.0 + 0.06, float(rng.uniform(-0.08, 0.08))), 0.0),
+        (0.36, (0.0, 0.0), max(first * 0.8, least)),
     ]
-    for index, (edge, centre) in enumerate(specs[:count]):
+    for index, (edge, at, bottom) in enumerate(specs[:count]):
         color = CARTONS[rng.integers(len(CARTONS))]
-        size = (edge, edge * 0.85, edge * 0.8)
+        height = edge * 0.8 if bottom else max(edge * 0.8, least)
+        size, centre = (edge, edge * 0.85, height), (*at, bottom + height / 2.0)
         parts.append(box(str(index + 1), size, centre, color, "box", yaw=float(rng.uniform(-0.12, 0.12))))
     return parts
 
@@ -159,11 +168,13 @@ def barrels(rng: np.random.Generator) -> list[Part]:
     return parts
 
 
-def forklift(*, fork_height: float = 0.14) -> list[Part]:
+def forklift(*, fork_height: float = 0.14, low_objects: bool = True) -> list[Part]:
     """Return a counterbalance forklift, 2.9 m long with its forks; every part is at least 0.1 m high somewhere.
 
     Args:
         fork_height: Underside of the forks above the floor [m]; above 0.10, so that a map for low robots shows them.
+        low_objects: Whether its forks and wheels are open; else a skirt is round the wheels, and the forks carry a
+            crate.
     """
     fork, kind = fork_height + 0.03, "forklift"
     parts = [
@@ -189,6 +200,9 @@ def forklift(*, fork_height: float = 0.14) -> list[Part]:
             hub = Pose3D((x, y * 0.605, radius), _ALONG_Y)
             parts.append(Part(f"wheel_{axle}_{side}", Cylinder(radius, 0.20), tyre, RUBBER, kind))
             parts.append(Part(f"hub_{axle}_{side}", Cylinder(radius * 0.5, 0.02), hub, STEEL, kind))
+    if not low_objects:
+        parts.append(box("skirt", (2.06, 1.24, SEEN_TO - 0.05), (-0.22, 0.0, (SEEN_TO + 0.05) / 2.0), CHARCOAL, kind))
+        parts.append(box("crate", (1.06, 0.94, 0.80), (1.33, 0.0, 0.47), CARTONS[0], kind))
     parts.append(Part("steering_wheel", Cylinder(0.17, 0.03), Pose3D((0.27, 0.0, 1.17)), RUBBER, kind))
     parts.append(Part("beacon", Cylinder(0.06, 0.12), Pose3D((-0.55, 0.0, 2.17)), (0.98, 0.45, 0.05, 1.0), kind))
     return parts

@@ -17,10 +17,11 @@ import numpy as np
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray
 from trundle.solids import Color, Solid
-from trundle.worlds.generators.checks import check_number, check_seed, check_size, check_whole
+from trundle.worlds.generators.checks import check_flag, check_number, check_seed, check_size, check_whole
 from trundle.worlds.generators.props import (
     CARTONS,
     SAFETY_YELLOW,
+    SEEN_TO,
     TOTES,
     Part,
     barrels,
@@ -91,6 +92,7 @@ def generate_warehouse(
     fill: float = 0.85,
     clutter: float = 1.0,
     wall_height: float = 4.0,
+    low_objects: bool = True,
 ) -> World:
     """Generate a warehouse that Nova Carter can drive through everywhere.
 
@@ -102,6 +104,8 @@ def generate_warehouse(
         fill: Share of rack places that hold goods, 0 to 1.
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
         wall_height: [m].
+        low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
+            boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m.
 
     Raises:
         WorldError: If a value is out of range, or the floor has no room for two rows of racks with their aisles.
@@ -112,6 +116,7 @@ def generate_warehouse(
     fill = check_number("warehouse", "fill", fill, 0.0, 1.0)
     clutter = check_number("warehouse", "clutter", clutter, 0.0, 3.0)
     wall_height = check_number("warehouse", "wall_height", wall_height, 0.7, 20.0)
+    low_objects = check_flag("warehouse", "low_objects", low_objects)
     layout = _lay_out(check_size("warehouse", size, 1.0, MAX_SIZE), aisle_width)
     rng = np.random.default_rng(seed)
     solids = _walls(layout.floor, wall_height)
@@ -121,10 +126,10 @@ def generate_warehouse(
             for index in range(depth):
                 number += 1
                 y = south + RACK_DEPTH / 2.0 + index * (RACK_DEPTH + FLUE)
-                rack = _rack(rng, bays, levels, fill)
+                rack = _rack(rng, bays, levels, fill, low_objects=low_objects)
                 solids += place(rack, f"rack_{number}", west + _GUARD, y, 0.0)
-            solids += _guards(f"row_{number}", west, bays, south, depth)
-    solids += _Clutter(layout, rng).scatter(clutter)
+            solids += _guards(f"row_{number}", west, bays, south, depth, low_objects=low_objects)
+    solids += _Clutter(layout, rng, low_objects=low_objects).scatter(clutter)
     seeds = (((layout.field.x1 + layout.floor.x1) / 2.0, 0.0),)
     return World("warehouse", tuple(solids), seeds)
 
@@ -203,8 +208,11 @@ def _walls(floor: _Rect, height: float) -> list[Solid]:
     return place(parts, "wall", 0.0, 0.0, 0.0)
 
 
-def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float) -> list[Part]:
-    """One rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'."""
+def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float, *, low_objects: bool) -> list[Part]:
+    """One rack: x from 0 along its bays, y across it about 0; its faces, at ±RACK_DEPTH / 2, are the uprights'.
+
+    Without low objects, panels in place of the lowest beams hide the lowest shelf, which may be empty.
+    """
     length = bays * BAY + _POST
     height = _FIRST_SHELF + (levels - 1) * _SHELF_PITCH + 0.55
     face = (RACK_DEPTH - _POST) / 2.0
@@ -224,9 +232,12 @@ def _rack(rng: np.random.Generator, bays: int, levels: int, fill: float) -> list
         )
         parts.append(deck)
         for side, y in (("south", -1.0), ("north", 1.0)):
-            centre = (length / 2.0, y * (RACK_DEPTH / 2.0 - 0.045), top - _BEAM / 2.0 + 0.02)
+            height, middle = _BEAM, top - _BEAM / 2.0 + 0.02
+            if level == 0 and not low_objects:
+                height, middle = SEEN_TO - 0.1, (SEEN_TO + 0.1) / 2.0
+            centre = (length / 2.0, y * (RACK_DEPTH / 2.0 - 0.045), middle)
             name = f"beam_{level + 1}_{side}"
-            parts.append(box(name, (length - 0.01, 0.06, _BEAM), centre, _ORANGE, "rack"))
+            parts.append(box(name, (length - 0.01, 0.06, height), centre, _ORANGE, "rack"))
         parts += _goods(rng, bays, level, top, fill)
     return parts
 
@@ -262,9 +273,9 @@ def _goods(rng: np.random.Generator, bays: int, level: int, top: float, fill: fl
     return parts
 
 
-def _guards(name: str, west: float, bays: int, south: float, racks: int) -> list[Solid]:
+def _guards(name: str, west: float, bays: int, south: float, racks: int, *, low_objects: bool) -> list[Solid]:
     """Yellow barriers that close both ends of a row."""
-    depth, height = _row_depth(racks), 0.42
+    depth, height = _row_depth(racks), 0.42 if low_objects else SEEN_TO
     parts = []
     for end, x in (("west", west + _GUARD / 2.0), ("east", west + _run_length(bays) - _GUARD / 2.0)):
         y = south + depth / 2.0
@@ -275,8 +286,9 @@ def _guards(name: str, west: float, bays: int, south: float, racks: int) -> list
 class _Clutter:
     """Scatters loose objects over the loading area and the lanes, never in an aisle or a cross aisle."""
 
-    def __init__(self, layout: _Layout, rng: np.random.Generator) -> None:
+    def __init__(self, layout: _Layout, rng: np.random.Generator, *, low_objects: bool) -> None:
         self._layout = layout
+        self._low_objects = low_objects
         self._rng = rng
         self._taken: list[_Rect] = []
 
@@ -287,11 +299,12 @@ class _Clutter:
         floor = self._layout.floor
         area = (floor.x1 - floor.x0) * (floor.y1 - floor.y0)
         solids: list[Solid] = []
+        low = self._low_objects
         kinds: tuple[tuple[str, Callable[[], list[Part]], int], ...] = (
-            ("forklift", forklift, 2),
-            ("pallet", lambda: pallet(self._rng), round(amount * area / 60.0)),
+            ("forklift", lambda: forklift(low_objects=low), 2),
+            ("pallet", lambda: pallet(self._rng, low_objects=low), round(amount * area / 60.0)),
             ("barrels", lambda: barrels(self._rng), round(amount * area / 150.0)),
-            ("boxes", lambda: boxes(self._rng), round(amount * area / 120.0)),
+            ("boxes", lambda: boxes(self._rng, low_objects=low), round(amount * area / 120.0)),
         )
         for kind, make, count in kinds:
             placed = 0

@@ -42,12 +42,14 @@ _CONTAINERS: tuple[Color, ...] = (
 _ALONG_Y = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 
 
-def van(rng: np.random.Generator) -> list[Part]:
-    """Return a delivery van, or a car of the same length."""
+def van(rng: np.random.Generator, *, low_objects: bool = True) -> list[Part]:
+    """Return a delivery van, or a car of the same length; without low objects its floor is lower."""
     length, width = VAN_SIZE
     paint, kind = PAINTS[rng.integers(len(PAINTS))], "vehicle"
     # The floor of the body is 0.25 m high: low enough for a robot's band, and so it is an obstacle in the map.
     parts = [box("sill", (length - 0.1, width - 0.06, 0.2), (0.0, 0.0, 0.35), CHARCOAL, kind)]
+    if not low_objects:
+        parts = [box("sill", (length, width + 0.05, 0.4), (0.0, 0.0, 0.25), CHARCOAL, kind)]
     if rng.random() < 0.55:
         parts += [
             box("cargo", (3.5, width, 1.65), (-0.75, 0.0, 1.275), paint, kind),
@@ -102,8 +104,13 @@ def lamp_post(height: float = 4.5) -> list[Part]:
     ]
 
 
-def cone() -> list[Part]:
-    """Return a traffic cone on a base 11 cm high, so that it shows in a low robot's map."""
+def cone(*, low_objects: bool = True) -> list[Part]:
+    """Return a traffic cone on a base 11 cm high, so that it shows in a low robot's map; else a bollard."""
+    if not low_objects:
+        return [
+            Part("post", Cylinder(0.16, 0.62), Pose3D((0.0, 0.0, 0.31)), _CONE, "cone"),
+            Part("stripe", Cylinder(0.165, 0.10), Pose3D((0.0, 0.0, 0.54)), _WHITE, "cone"),
+        ]
     return [
         box("foot", (0.26, 0.26, 0.11), (0.0, 0.0, 0.055), CHARCOAL, "cone"),
         Part("lower", Cylinder(0.12, 0.20), Pose3D((0.0, 0.0, 0.21)), _CONE, "cone"),
