@@ -13,6 +13,7 @@ from fuzz import (
     fuzz_grid_search,
     fuzz_hybrid_astar,
     fuzz_inflation,
+    fuzz_layers,
     fuzz_least_cost,
     fuzz_map_reader,
     fuzz_png_filter,
@@ -57,6 +58,7 @@ TARGETS = {
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
     "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays"), 1000),
+    "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
     "raster": Target(
         fuzz_raster.one_round,
         (

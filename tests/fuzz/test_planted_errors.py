@@ -14,6 +14,7 @@ from fuzz import (
     fuzz_cost_field,
     fuzz_curves,
     fuzz_inflation,
+    fuzz_layers,
     fuzz_png_filter,
     fuzz_rays,
     fuzz_zbuffer,
@@ -108,6 +109,26 @@ def cell_left_out(add: Function) -> Function:
     return leave_out
 
 
+def first_cell_changed(mark: Function) -> Function:
+    """One more bit of evidence in the first cell."""
+
+    def change(evidence, *arguments):
+        box = mark(evidence, *arguments)
+        evidence[0, 0] ^= 4
+        return box
+
+    return change
+
+
+def painted_beside(paint: Function) -> Function:
+    def change(*arguments):
+        paint(*arguments)
+        cells = arguments[5]
+        cells[:] = np.roll(cells, 1, axis=1)
+
+    return change
+
+
 def part(index: int, change: Callable[[Any], Any]) -> Callable[[Function], Function]:
     def plant(function: Function) -> Function:
         def changed(*arguments):
@@ -149,6 +170,10 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "largest area": ("components", fuzz_components, "flood_largest", one_more),
     "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
+    "marks of a scan": ("layers", fuzz_layers, "mark_scan", first_cell_changed),
+    "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),
+    "marks under the robot": ("layers", fuzz_layers, "unmark_within", first_cell_changed),
+    "marks in a map": ("layers", fuzz_layers, "paint_marks", painted_beside),
     "solids": ("raster", SolidRaster, "add", cell_left_out),
     "pictures": ("zbuffer", fuzz_zbuffer, "draw_triangles", part(1, lambda depths: depths * 1.001)),
     "row filters": ("png_filter", fuzz_png_filter, "png_unfilter", last_cell_changed),

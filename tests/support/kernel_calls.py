@@ -60,6 +60,14 @@ SMOOTH = {
     "step": 0.03,
     "spacing": 0.05,
 }
+EVIDENCE = np.zeros((SIDE, SIDE), np.uint8)
+MARKS = np.where(BLOCKED, 128 + 20, 1).astype(np.uint8)
+HIT_POINTS = np.full((SIDE, SIDE, 2), 99, np.uint8)
+HIT_TIMES = np.zeros((SIDE, SIDE))
+SCAN = (
+    *(0, 0, 0.1, np.array([(1.2, 1.3, 0.4)]), np.linspace(-3, 3, 60), RNG.uniform(0.2, 2.0, 60), np.zeros((0, 2))),
+    *(np.array([0.0, 2.0, 0.0, 1.5, 0.0, 2.0]), True, 5, 1, 0.0),
+)
 GRID = _core.BinaryGrid(BLOCKED, 8, "jps")
 LEAST_COST = _core.LeastCost(LINE_WEIGHTS)
 HYBRID_ASTAR = _core.HybridAStar(**HYBRID)
@@ -70,6 +78,12 @@ def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
     """What a kernel returns, and what it made of its first argument."""
     cells = cells.copy()
     return kernel(cells, *arguments), cells
+
+
+def painted_marks() -> Any:
+    cells = UNKNOWN.copy()
+    _core.paint_marks(MARKS, HIT_POINTS, 0, 0, 0.1, cells, OPEN, 0.3, 0.2, 0.4, 0.1, True)
+    return cells
 
 
 def updated() -> Any:
@@ -125,6 +139,10 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "cast_outline_rays": lambda: _core.cast_outline_rays(
         np.array([(2.0, -1.0, 2.0, 1.0)]), np.array([(-2.0, 0.0, 0.5)]), 0.0, 0.0, 0.0, 0.1, 60, 10.0
     ),
+    "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
+    "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),
+    "unmark_within": lambda: marked(_core.unmark_within, MARKS, HIT_POINTS, 0, 0, 0.1, OUTLINE + 1.0, 5, 2),
+    "paint_marks": painted_marks,
     "png_unfilter": lambda: _core.png_unfilter(np.full((8, 9), 4, np.uint8), 1),
     "raster_hexahedra": lambda: marked(_core.raster_hexahedra, UNKNOWN, VERTICES[np.newaxis], *BAND, False),
     "raster_discs": lambda: marked(_core.raster_discs, UNKNOWN, np.array([(1.0, 1.0, 0.5)]), *BAND[2:], False),

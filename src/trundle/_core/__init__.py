@@ -21,6 +21,8 @@ from trundle._core._kernels import (
     label_components,
     line_costs,
     mark_gaps,
+    mark_scan,
+    paint_marks,
     png_unfilter,
     raster_cylinders,
     raster_discs,
@@ -31,6 +33,8 @@ from trundle._core._kernels import (
     raster_thin_faces_over_floor,
     shortcut,
     shortest_curves,
+    unmark_before,
+    unmark_within,
     walk_corners,
 )
 
@@ -55,6 +59,8 @@ __all__ = [
     "label_components",
     "line_costs",
     "mark_gaps",
+    "mark_scan",
+    "paint_marks",
     "png_unfilter",
     "raster_cylinders",
     "raster_discs",
@@ -65,5 +71,7 @@ __all__ = [
     "raster_thin_faces_over_floor",
     "shortcut",
     "shortest_curves",
+    "unmark_before",
+    "unmark_within",
     "walk_corners",
 ]

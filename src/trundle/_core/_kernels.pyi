@@ -334,6 +334,61 @@ def cast_grid_rays(
 ) -> npt.NDArray[np.float64]:
     """Distances in cells from (x, y), in cell units, to the first blocked cell along each angle [rad], or infinity."""
 
+def mark_scan(
+    evidence: npt.NDArray[np.uint8],
+    points: npt.NDArray[np.uint8],
+    times: npt.NDArray[np.float64],
+    row: int,
+    col: int,
+    resolution: float,
+    poses: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    ranges: npt.NDArray[np.float64],
+    outline: npt.NDArray[np.float64],
+    limits: npt.NDArray[np.float64],
+    infinite_is_free: bool,
+    hit: int,
+    miss: int,
+    time: float,
+) -> tuple[int, int, int, int]:
+    """Add a scan to the evidence of a grid in place: each cell that it hit, and each other cell that its beams passed.
+
+    Returns the rectangle (row, row end, col, col end) in which a cell became marked, unmarked, seen or surely free.
+    """
+
+def unmark_before(
+    evidence: npt.NDArray[np.uint8], times: npt.NDArray[np.float64], before: float, hit: int, miss: int
+) -> tuple[int, int, int, int]:
+    """Unmark cells that were hit last before a time; returns the rectangle that changed."""
+
+def unmark_within(
+    evidence: npt.NDArray[np.uint8],
+    points: npt.NDArray[np.uint8],
+    row: int,
+    col: int,
+    resolution: float,
+    outline: npt.NDArray[np.float64],
+    hit: int,
+    miss: int,
+) -> tuple[int, int, int, int]:
+    """Unmark what lies within a convex outline and count its cells as seen; returns the rectangle that changed."""
+
+def paint_marks(
+    evidence: npt.NDArray[np.uint8],
+    points: npt.NDArray[np.uint8],
+    row: int,
+    col: int,
+    resolution: float,
+    cells: npt.NDArray[np.int8],
+    kept: npt.NDArray[np.uint8],
+    x: float,
+    y: float,
+    yaw: float,
+    cell_size: float,
+    clear_occupied: bool,
+) -> None:
+    """Put the evidence into a part of a map, whose lower left corner has this pose in the frame of the evidence."""
+
 def draw_triangles(
     triangles: npt.NDArray[np.float64], width: int, height: int, scale: float, near: float, perspective: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:

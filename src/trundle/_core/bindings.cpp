@@ -10,6 +10,7 @@ void bind_field(nb::module_ &m);
 void bind_grid(nb::module_ &m);
 void bind_hybrid(nb::module_ &m);
 void bind_images(nb::module_ &m);
+void bind_layers(nb::module_ &m);
 void bind_raster(nb::module_ &m);
 void bind_rays(nb::module_ &m);
 void bind_regions(nb::module_ &m);
@@ -24,6 +25,7 @@ NB_MODULE(_kernels, m) {
   bind_grid(m);
   bind_hybrid(m);
   bind_images(m);
+  bind_layers(m);
   bind_raster(m);
   bind_rays(m);
   bind_regions(m);

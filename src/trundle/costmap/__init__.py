@@ -1,12 +1,26 @@
-"""Costmaps: traversal cost of each cell for one robot, and whether its footprint touches something."""
+"""Costmaps: traversal cost of each cell for one robot, and whether its footprint touches something.
+
+`layers` adds what lidars see.
+"""
 
 from trundle.costmap.costmap import Costmap
 from trundle.costmap.inflation import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION
+from trundle.costmap.layers import (
+    EVERYWHERE,
+    Layer,
+    LayeredCostmap,
+    LayersSettings,
+    MapPart,
+    ObstacleLayer,
+    ObstacleLayerSettings,
+    OdomWindow,
+)
 from trundle.costmap.settings import CostmapSettings
 from trundle.costmap.unknown import DEFAULT_UNKNOWN_COST, UNKNOWN_POLICIES, UnknownPolicy
 
 __all__ = [
     "DEFAULT_UNKNOWN_COST",
+    "EVERYWHERE",
     "FREE_SPACE",
     "INSCRIBED",
     "LETHAL",
@@ -14,5 +28,12 @@ __all__ = [
     "UNKNOWN_POLICIES",
     "Costmap",
     "CostmapSettings",
+    "Layer",
+    "LayeredCostmap",
+    "LayersSettings",
+    "MapPart",
+    "ObstacleLayer",
+    "ObstacleLayerSettings",
+    "OdomWindow",
     "UnknownPolicy",
 ]

@@ -175,29 +175,11 @@ class Costmap(GridFrame):
         check_kind(grid, OccupancyGrid, "a costmap's map", "OccupancyGrid.load(path) reads one")
         planar = _as_footprint(footprint)
         radius = planar.circumscribed_radius + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
-        table = cost_table(planar.inscribed_radius, radius, cost_scaling_factor, grid.resolution)
+        check_inflation(radius, cost_scaling_factor, grid.resolution)
         floor = None if keepout is None else _costs_of(keepout, grid)
         check_unknown(unknown, unknown_cost)
-        cells, unseen = (grid.data, None) if unknown == "blocked" else open_unknown(grid.data)
-        data = inflate(cells, table, floor)
-        if unknown == "costly" and unseen is not None:
-            data = raise_unknown(data, unseen, unknown_cost)
-        for array in (data, unseen):
-            if array is not None:
-                array.flags.writeable = False
-        checked: Any = planar
-        return cls(
-            data,
-            grid.resolution,
-            grid.origin,
-            checked,
-            float(radius),
-            float(cost_scaling_factor),
-            keepout=floor,
-            unknown=unknown,
-            unknown_cost=unknown_cost,
-            unseen=unseen,
-        )
+        style = CostmapStyle(planar, float(radius), float(cost_scaling_factor), unknown, unknown_cost)
+        return style.make(grid.data, grid.resolution, grid.origin, floor)
 
     def update(self, rows: slice, cols: slice, occupancy: npt.ArrayLike) -> Costmap:
         """Make a costmap in which a rectangle of the map has new occupancy; this one does not change.
@@ -358,6 +340,51 @@ class Costmap(GridFrame):
             raise InputError(f"cap must be a positive number of metres, got {cap!r}")
         return _core.footprint_clearance(
             self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostmapStyle:
+    """What makes a costmap of occupancy, checked already.
+
+    Attributes:
+        planar, inflation_radius, cost_scaling_factor, unknown, unknown_cost: As in `Costmap`.
+    """
+
+    planar: Footprint
+    inflation_radius: float
+    cost_scaling_factor: float
+    unknown: UnknownPolicy
+    unknown_cost: int
+
+    def make(
+        self,
+        occupancy: npt.NDArray[np.int8],
+        resolution: float,
+        origin: Pose2D,
+        floor: npt.NDArray[np.uint8] | None,
+    ) -> Costmap:
+        """The costmap of occupancy, −1 to 100, and of the lowest costs by a keep-out mask, both of one shape."""
+        table = cost_table(self.planar.inscribed_radius, self.inflation_radius, self.cost_scaling_factor, resolution)
+        cells, unseen = (occupancy, None) if self.unknown == "blocked" else open_unknown(occupancy)
+        data = inflate(cells, table, floor)
+        if self.unknown == "costly" and unseen is not None:
+            data = raise_unknown(data, unseen, self.unknown_cost)
+        for array in (data, unseen):
+            if array is not None:
+                array.flags.writeable = False
+        checked: Any = self.planar
+        return Costmap(
+            data,
+            resolution,
+            origin,
+            checked,
+            self.inflation_radius,
+            self.cost_scaling_factor,
+            keepout=floor,
+            unknown=self.unknown,
+            unknown_cost=self.unknown_cost,
+            unseen=unseen,
         )
 
 

@@ -1,0 +1,223 @@
+"""`Extent`: which cells a layered costmap has now, and what the static map says of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle import _core
+from trundle.errors import MapError
+from trundle.geometry import FloatArray, Pose2D
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.frame import GridFrame
+from trundle.maps.grid import OccupancyGrid
+from trundle.maps.masks import KeepoutMask
+
+_GROWTH_M = 4.0
+_DRIFT_SHARE = 0.05  # of a window's width: so far the robot may be from its middle
+_MOST_CELLS = 64_000_000  # 400 x 400 m at 5 cm
+_EIGHT_AROUND = 1.5  # cells
+
+_Item = TypeVar("_Item", bound=np.generic)
+
+
+class CellWindow(NamedTuple):
+    """A rectangle of cells of an endless grid."""
+
+    row: int
+    col: int
+    rows: int
+    cols: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame(GridFrame):
+    resolution: float
+    origin: Pose2D
+    size: tuple[int, int]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.size
+
+
+class Extent:
+    """Cells aligned with the static map, or with the map frame where there is none.
+
+    Args:
+        static: Occupancy, origin and resolution of the static map; None without one.
+        floor: Lowest costs of its cells by the keep-out mask.
+        keepout: The mask, where there is no static map.
+        resolution: Edge of a cell [m], where there is no static map.
+        size: Width and height of the window, or of the first extent without a map [m].
+        rolling: Whether the window moves with the robot.
+        tolerance: Distance from static obstacles within which nothing is marked [m]; none for the cells around them.
+    """
+
+    def __init__(
+        self,
+        static: OccupancyGrid | None,
+        *,
+        floor: npt.NDArray[np.uint8] | None,
+        keepout: KeepoutMask | None,
+        resolution: float,
+        size: tuple[float, float],
+        rolling: bool,
+        tolerance: float | None,
+    ) -> None:
+        self.resolution = resolution if static is None else static.resolution
+        self._frame = Pose2D(0.0, 0.0) if static is None else static.origin
+        self._static, self._floor, self._keepout = static, floor, keepout
+        self._near = None if static is None else _near_obstacles(static, tolerance)
+        self._size = size
+        self.rolling = rolling
+        self._required: list[tuple[float, float]] = []
+        self._margin = 0.0
+        self.window: CellWindow | None = None
+        if static is not None and not rolling:
+            self.window = CellWindow(0, 0, *static.shape)
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether it is the static map and never changes."""
+        return self._static is not None and not self.rolling
+
+    @property
+    def origin(self) -> Pose2D:
+        """Pose of the lower left corner in the map frame."""
+        window = self._now()
+        return self._frame @ Pose2D(window.col * self.resolution, window.row * self.resolution)
+
+    def follow(self, pose: Pose2D) -> bool:
+        """Move or grow for a robot at this pose, map frame; return whether that changed anything.
+
+        Raises:
+            MapError: If it would have too many cells.
+        """
+        if self.is_fixed:
+            return False
+        (x, y), (wide, high) = self._to_cells([(pose.x, pose.y)])[0], self._size_in_cells()
+        centred = CellWindow(round(y - high / 2.0), round(x - wide / 2.0), high, wide)
+        old = self.window
+        if self.rolling:
+            off = max(abs(centred.row - old.row) / high, abs(centred.col - old.col) / wide) if old else math.inf
+            if off <= _DRIFT_SHARE:
+                return False
+            self.window = centred
+            return True
+        return self._grow([(centred.col, centred.row), (centred.col + wide, centred.row + high)])
+
+    def require(self, points: FloatArray, margin: float) -> bool:
+        """Contain points [m], map frame, with a margin [m]; return whether that changed anything.
+
+        Raises:
+            MapError: If it would have too many cells.
+        """
+        cells, spare = self._to_cells(points), margin / self.resolution
+        wanted = [(x + dx, y + dy) for x, y in cells for dx in (-spare, spare) for dy in (-spare, spare)]
+        if self.window is None:
+            _check_size(_around(wanted))
+            self._required += wanted
+            return False
+        return self._grow(wanted)
+
+    def cells(self) -> npt.NDArray[np.int8]:
+        """The static map here, −1 where there is none."""
+        return self._cut(None if self._static is None else self._static.data, np.int8(UNKNOWN))
+
+    def near(self) -> npt.NDArray[np.uint8]:
+        """1 where nothing is marked, as it is near a static obstacle; 0 elsewhere."""
+        return self._cut(self._near, np.uint8(0))
+
+    def floor(self) -> npt.NDArray[np.uint8] | None:
+        """Lowest costs by the keep-out mask; None without one."""
+        if self._floor is not None:
+            return self._cut(self._floor, np.uint8(0))
+        if self._keepout is None:
+            return None
+        window = self._now()
+        try:
+            return self._keepout.costs_on(_Frame(self.resolution, self.origin, (window.rows, window.cols)))
+        except MapError:  # the mask lies elsewhere
+            return None
+
+    def _now(self) -> CellWindow:
+        if self.window is None:
+            raise MapError(
+                "a costmap without a map, or that moves with the robot, is where the robot is: update it first"
+            )
+        return self.window
+
+    def _grow(self, points: list[tuple[float, float]]) -> bool:
+        wanted = points + self._required
+        self._required = []
+        old, new = self.window, _around(wanted)
+        if old is not None:
+            if (
+                old.row <= new.row
+                and old.col <= new.col
+                and new.row + new.rows <= old.row + old.rows
+                and new.col + new.cols <= old.col + old.cols
+            ):
+                return False
+            spare = math.ceil(_GROWTH_M / self.resolution)
+            new = _union(old, CellWindow(new.row - spare, new.col - spare, new.rows + 2 * spare, new.cols + 2 * spare))
+        _check_size(new)
+        self.window = new
+        return True
+
+    def _to_cells(self, points: list[tuple[float, float]] | FloatArray) -> list[tuple[float, float]]:
+        """x, y in cells of the endless grid."""
+        at = self._frame.inverse().transform_points(points) / self.resolution
+        return [(x, y) for x, y in at.tolist()]
+
+    def _size_in_cells(self) -> tuple[int, int]:
+        wide, high = (max(1, math.ceil(side / self.resolution - 1e-9)) for side in self._size)
+        return wide, high
+
+    def _cut(self, full: npt.NDArray[_Item] | None, outside: _Item) -> npt.NDArray[_Item]:
+        """This extent's part of an array of the static map's shape."""
+        window = self._now()
+        part = np.full((window.rows, window.cols), outside)
+        if full is None:
+            return part
+        if self.is_fixed:
+            return full
+        first = max(0, window.row), max(0, window.col)
+        end = min(full.shape[0], window.row + window.rows), min(full.shape[1], window.col + window.cols)
+        if first[0] < end[0] and first[1] < end[1]:
+            part[first[0] - window.row : end[0] - window.row, first[1] - window.col : end[1] - window.col] = full[
+                first[0] : end[0], first[1] : end[1]
+            ]
+        return part
+
+
+def _around(points: list[tuple[float, float]]) -> CellWindow:
+    low, high = np.floor(np.min(points, axis=0)), np.ceil(np.max(points, axis=0))
+    (col, row), (col_end, row_end) = low.astype(int).tolist(), high.astype(int).tolist()
+    return CellWindow(row, col, max(1, row_end - row), max(1, col_end - col))
+
+
+def _union(one: CellWindow, other: CellWindow) -> CellWindow:
+    row, col = min(one.row, other.row), min(one.col, other.col)
+    row_end, col_end = max(one.row + one.rows, other.row + other.rows), max(one.col + one.cols, other.col + other.cols)
+    return CellWindow(row, col, row_end - row, col_end - col)
+
+
+def _check_size(window: CellWindow) -> None:
+    if window.rows * window.cols > _MOST_CELLS:
+        raise MapError(
+            f"a costmap of {window.cols} x {window.rows} cells is too large; without a map it has to contain the "
+            "robot and its goal: choose a nearer goal, larger cells, or a rolling window"
+        )
+
+
+def _near_obstacles(static: OccupancyGrid, tolerance: float | None) -> npt.NDArray[np.uint8]:
+    cells = _EIGHT_AROUND if tolerance is None else min(tolerance / static.resolution, float(max(static.shape)))
+    occupied = np.where(static.data == OCCUPIED, np.int8(OCCUPIED), np.int8(FREE))
+    table = np.ones(math.floor(cells * cells + 1e-9) + 1, np.uint8)
+    return np.minimum(_core.inflate(occupied, table), np.uint8(1))

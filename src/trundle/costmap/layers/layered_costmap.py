@@ -1,0 +1,355 @@
+"""`LayeredCostmap`: the static map, the keep-out mask and what layers sense, as one costmap."""
+
+from __future__ import annotations
+
+import math
+import threading
+import warnings
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.costmap.costmap import Costmap, CostmapStyle
+from trundle.costmap.inflation import LETHAL
+from trundle.costmap.layers.extent import Extent
+from trundle.costmap.layers.layer import EVERYWHERE, Layer, MapPart, OdomWindow
+from trundle.costmap.layers.obstacle_layer import ObstacleLayer
+from trundle.costmap.layers.settings import LayersSettings
+from trundle.costmap.settings import CostmapSettings
+from trundle.errors import InputError, SensorWarning
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
+from trundle.maps.grid import OccupancyGrid
+from trundle.maps.masks import KeepoutMask
+from trundle.observation import Estimate, Scan, check_scans
+from trundle.robots import Robot
+from trundle.values import as_array, check_kind, check_number
+
+_Slices = tuple[slice, slice]
+
+_SHIFT_CELLS = 0.2  # a correction that moves nothing near the robot farther than this is not put into the map yet
+_NEAR_M = 12.0
+_JUMP_M = 1.0
+_MARGIN_M = 1.0
+
+
+class LayeredCostmap:
+    """A costmap of the static map and of what is sensed, for one robot; it returns immutable `Costmap`s.
+
+    Of the static map obstacles stay, unless `clear_static` is set; unknown cells become free where they are seen. With
+    `LayersSettings.rolling_window` the costmap is a window that moves with the robot by whole cells of the map. Without
+    a map everything is unknown at first, and costs more than what was seen unless `costmap` says otherwise; the extent
+    grows with the robot and contains what was asked for by `require`.
+
+    What is sensed is gathered in odom. When `Estimate.T_map_odom` changes, it is put into the map at its new place. An
+    odometry pose that jumps clears it.
+
+    All methods may be called from several threads.
+
+    Args:
+        static: The map, or a costmap of it; None without a map.
+        robot: The robot, with its lidars.
+        costmap: How the costmap is made; None for the defaults. Not with a `Costmap`, which is made already.
+        layers: The layers and the extent; None for the defaults.
+        keepout: Zones to keep out of; not with a `Costmap`, which has its own.
+        resolution: Edge of a cell [m], where there is no map.
+        extra_layers: Further layers, painted after the obstacles.
+
+    Raises:
+        InputError: If an argument is of another kind or out of range.
+        MapError: If the mask lies beside the map.
+    """
+
+    def __init__(
+        self,
+        static: OccupancyGrid | Costmap | None,
+        robot: Robot,
+        *,
+        costmap: CostmapSettings | None = None,
+        layers: LayersSettings | None = None,
+        keepout: KeepoutMask | None = None,
+        resolution: float = 0.05,
+        extra_layers: Sequence[Layer] = (),
+    ) -> None:
+        check_kind(robot, Robot, "a layered costmap's robot", "Robot.load(name) makes one")
+        self.settings = LayersSettings() if layers is None else layers
+        check_kind(self.settings, LayersSettings, "layers", "give LayersSettings(…)")
+        edge = check_number("resolution", resolution, 1e-3, 10.0, "m")
+        fixed, grid, self._style = _read_static(static, robot, costmap, keepout, edge)
+        obstacle = self.settings.obstacle
+        tolerance = None if obstacle is None else obstacle.static_tolerance
+        self._extent = Extent(
+            grid,
+            floor=None if fixed is None else fixed.keepout,
+            keepout=keepout,
+            resolution=edge,
+            size=(self.settings.width, self.settings.height),
+            rolling=self.settings.rolling_window,
+            tolerance=tolerance,
+        )
+        self._obstacle = None if obstacle is None else self._make_obstacle_layer(robot)
+        for layer in extra_layers:
+            check_kind(layer, Layer, "a layer", "it needs reset, update, paint and obstacles")
+        self._layers: list[Layer] = [*([] if self._obstacle is None else [self._obstacle]), *extra_layers]
+        self._fixed = fixed if self._extent.is_fixed else None
+        self._lock = threading.RLock()
+        self._forget()
+
+    @property
+    def costmap(self) -> Costmap:
+        """The latest costmap.
+
+        Raises:
+            InputError: If there is none before the first update, as it is where the robot is.
+        """
+        if self._costmap is None:
+            raise InputError("there is no costmap before the first update, as it is where the robot is; call update(…)")
+        return self._costmap
+
+    @property
+    def changed(self) -> tuple[slice, slice] | None:
+        """Rows and columns of `costmap` whose occupancy the last update changed; None if it changed nothing."""
+        return self._changed
+
+    @property
+    def warnings(self) -> Mapping[str, int]:
+        """How often scans were left out, by reason, and how often the pose or its correction jumped, since a reset."""
+        with self._lock:
+            counts = self._counts.copy()
+            counts.update(self._obstacle.warnings if self._obstacle is not None else {})
+            return MappingProxyType(dict(counts))
+
+    @property
+    def sensed(self) -> npt.NDArray[np.bool_]:
+        """Cells of `costmap` that are occupied by what was sensed and not by the static map, shape (rows, cols)."""
+        with self._lock:
+            return (self._cells == OCCUPIED) & (self._base != OCCUPIED)
+
+    def obstacles(self) -> FloatArray:
+        """Where obstacles were sensed that are not on the static map [m], map frame, shape (N, 2)."""
+        with self._lock:
+            if self._T_map_odom is None or self._costmap is None:
+                return np.zeros((0, 2))
+            found = [layer.obstacles() for layer in self._layers]
+            points = self._T_map_odom.transform_points(np.concatenate([np.zeros((0, 2)), *found]))
+            row, col = self._costmap.world_to_cell(points[:, 0], points[:, 1])
+            inside = self._costmap.contains(row, col)
+            points, row, col = points[inside], row[inside], col[inside]
+            return points[(self._base[row, col] != OCCUPIED) & (self._kept[row, col] == 0)]
+
+    def reset(self) -> None:
+        """Forget what was sensed, for a new run."""
+        with self._lock:
+            for layer in self._layers:
+                layer.reset()
+            self._forget()
+
+    def require(self, points: npt.ArrayLike) -> Costmap | None:
+        """Contain these points where there is no map, for example a goal.
+
+        Args:
+            points: [m], map frame, shape (N, 2) or (2,).
+
+        Returns:
+            The costmap; None before the first update. With a map or a rolling window it stays as it is.
+
+        Raises:
+            InputError: If the points are not finite or of another shape.
+            MapError: If they are so far away that the costmap would have too many cells.
+        """
+        array = np.atleast_2d(as_array(points, np.float64, "points"))
+        if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
+            raise InputError(f"points need shape (N, 2) [m] and finite numbers, got shape {array.shape}")
+        with self._lock:
+            if len(array) and not self._extent.is_fixed and not self._extent.rolling:
+                margin = self._style.inflation_radius + self._style.planar.circumscribed_radius + _MARGIN_M
+                if self._extent.require(array, margin):
+                    self._rebuild()
+            return self._costmap
+
+    def update(self, scans: Sequence[Scan], estimate: Estimate) -> Costmap:
+        """Take the scans that arrived since the last update, and return the costmap.
+
+        Args:
+            scans: Oldest first; each is placed by the estimates at its own time.
+            estimate: Where the robot is now.
+
+        Returns:
+            The same object as before if nothing changed.
+
+        Raises:
+            InputError: If the estimate's time is not after the last one, or these are no scans.
+            MapError: If there is no map and the robot has driven so far that the costmap would have too many cells.
+
+        Warns:
+            SensorWarning: Once for each kind of scan that is left out, and of jump.
+        """
+        taken = check_scans(scans)
+        check_kind(estimate, Estimate, "an estimate", "a localizer's update returns one")
+        with self._lock:
+            if self._time is not None and not estimate.time > self._time:
+                raise InputError(
+                    f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
+                )
+            windows = [window for layer in self._layers if (window := layer.update(taken, estimate)) is not None]
+            self._time = estimate.time
+            if self._correct(estimate):
+                windows = [EVERYWHERE]
+            if self._extent.follow(estimate.pose) or self._costmap is None:
+                self._rebuild()
+            else:
+                self._repaint(windows)
+            return self.costmap
+
+    def _make_obstacle_layer(self, robot: Robot) -> ObstacleLayer:
+        settings, keep = self.settings, None
+        if settings.rolling_window:
+            keep = 0.5 * math.hypot(settings.width, settings.height) * 1.2 + _MARGIN_M
+        return ObstacleLayer(robot, settings.obstacle, resolution=self._extent.resolution, keep_within=keep)
+
+    def _forget(self) -> None:
+        self._counts: Counter[str] = Counter()
+        self._time: float | None = None
+        self._T_map_odom: Pose2D | None = None
+        self._costmap = self._fixed
+        self._changed: _Slices | None = None
+        if not self._extent.is_fixed:
+            self._extent.window = None
+            self._base = self._cells = np.zeros((0, 0), np.int8)
+            self._kept = np.zeros((0, 0), np.uint8)
+            return
+        self._base, self._kept = self._extent.cells(), self._kept_cells()
+        self._cells = self._base.copy()
+
+    def _kept_cells(self) -> npt.NDArray[np.uint8]:
+        near = self._extent.near()
+        obstacle = self.settings.obstacle
+        return np.zeros_like(near) if obstacle is not None and obstacle.clear_static else near
+
+    def _correct(self, estimate: Estimate) -> bool:
+        """Take T_map_odom; return whether what was sensed has to move in the map."""
+        old, new = self._T_map_odom, estimate.T_map_odom
+        if old is None:
+            self._T_map_odom = new
+            return True
+        if old == new:
+            return False
+        here = estimate.odom_pose
+        moved = (old @ here).distance_to(new @ here)
+        turned = abs(wrap_angle(new.yaw - old.yaw))
+        if moved + turned * _NEAR_M < _SHIFT_CELLS * self._extent.resolution:
+            return False
+        self._T_map_odom = new
+        if moved > _JUMP_M:
+            self._counts["correction"] += 1
+            if self._counts["correction"] == 1:
+                warnings.warn(
+                    f"the estimate was corrected by {moved:.1f} m at {estimate.time:g} s: the obstacles sensed before "
+                    "move with it (more of this kind are counted only)",
+                    SensorWarning,
+                    stacklevel=3,
+                )
+        return True
+
+    def _rebuild(self) -> None:
+        """Make the costmap of a new extent."""
+        self._base, self._kept = self._extent.cells(), self._kept_cells()
+        rows, cols = self._base.shape
+        everything = slice(0, rows), slice(0, cols)
+        self._cells = self._painted(everything)
+        origin = self._extent.origin
+        self._costmap = self._style.make(self._cells, self._extent.resolution, origin, self._extent.floor())
+        self._changed = everything
+
+    def _repaint(self, windows: Sequence[OdomWindow]) -> None:
+        """Paint what changed, and update the costmap where that makes a difference."""
+        self._changed = None
+        part = self._cells_of(windows)
+        if part is None:
+            return
+        painted = self._painted(part)
+        changed = _differences(painted, self._cells[part])
+        if changed is None:
+            return
+        rows, cols = (
+            slice(whole.start + inner.start, whole.start + inner.stop)
+            for whole, inner in zip(part, changed, strict=True)
+        )
+        self._cells[rows, cols] = painted[changed]
+        self._costmap = self.costmap.update(rows, cols, painted[changed])
+        self._changed = rows, cols
+
+    def _painted(self, part: _Slices) -> npt.NDArray[np.int8]:
+        """The static map in a part of it, with the layers."""
+        cells = np.array(self._base[part])
+        if self._T_map_odom is None or not self._layers:
+            return cells
+        rows, cols = part
+        corner = Pose2D(cols.start * self._extent.resolution, rows.start * self._extent.resolution)
+        pose = self._T_map_odom.inverse() @ self._extent.origin @ corner
+        kept = np.ascontiguousarray(self._kept[part])
+        for layer in self._layers:
+            layer.paint(MapPart(cells, kept, self._extent.resolution, pose))
+        return cells
+
+    def _cells_of(self, windows: Sequence[OdomWindow]) -> _Slices | None:
+        """Cells of the map that windows in odom reach into; None if there are none."""
+        if not windows or self._T_map_odom is None:
+            return None
+        rows, cols = self._base.shape
+        bounds = np.array(windows)
+        x0, y0, x1, y1 = *bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0)
+        if not np.isfinite([x0, y0, x1, y1]).all():
+            return slice(0, rows), slice(0, cols)
+        place = self._extent.origin.inverse() @ self._T_map_odom
+        corners = place.transform_points([(x0, y0), (x1, y0), (x0, y1), (x1, y1)]) / self._extent.resolution
+        # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
+        col, row = np.clip(np.floor(corners.min(axis=0)) - 1, 0, (cols, rows)).astype(int).tolist()
+        col_end, row_end = np.clip(np.ceil(corners.max(axis=0)) + 1, 0, (cols, rows)).astype(int).tolist()
+        return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
+
+
+def _read_static(
+    static: OccupancyGrid | Costmap | None,
+    robot: Robot,
+    costmap: CostmapSettings | None,
+    keepout: KeepoutMask | None,
+    resolution: float,
+) -> tuple[Costmap | None, OccupancyGrid | None, CostmapStyle]:
+    """The static costmap and its occupancy, if there is a map, and how costmaps are made."""
+    settings = CostmapSettings() if costmap is None else costmap
+    check_kind(settings, CostmapSettings, "costmap", "give CostmapSettings(…)")
+    grid: OccupancyGrid | None = None
+    if isinstance(static, Costmap):
+        if costmap is not None or keepout is not None:
+            raise InputError(
+                "a Costmap has its settings and its keep-out mask: give the OccupancyGrid to choose others"
+            )
+        made = static
+        data = np.where(static.data == LETHAL, np.int8(OCCUPIED), np.int8(FREE))
+        if static.keepout is not None:
+            data[static.keepout == LETHAL] = FREE
+        data[static.unknown_cells] = UNKNOWN
+        grid = OccupancyGrid(data, static.resolution, static.origin)
+    elif static is not None:
+        check_kind(static, OccupancyGrid, "a layered costmap's map", "OccupancyGrid.load(path) reads one")
+        made, grid = settings.make_costmap(static, robot, keepout=keepout), static
+    else:
+        if "unknown" not in settings.model_fields_set:
+            settings = settings.model_copy(update={"unknown": "costly"})
+        made = settings.make_costmap(OccupancyGrid(np.zeros((1, 1), np.int8), resolution), robot)
+    style = CostmapStyle(made.planar, made.inflation_radius, made.cost_scaling_factor, made.unknown, made.unknown_cost)
+    return (None if grid is None else made), grid, style
+
+
+def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
+    """The smallest rectangle outside of which two arrays are equal; None if they are."""
+    differ = one != other
+    rows = np.flatnonzero(differ.any(axis=1))
+    if not len(rows):
+        return None
+    cols = np.flatnonzero(differ[rows[0] : rows[-1] + 1].any(axis=0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)

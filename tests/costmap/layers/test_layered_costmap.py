@@ -1,0 +1,283 @@
+"""The costmap of the static map and of what is sensed: extents, corrections, static obstacles, and bad arguments."""
+
+import math
+
+import numpy as np
+import pytest
+
+from support.walls import CARTER, Surroundings, estimate
+from trundle.costmap import (
+    LETHAL,
+    Costmap,
+    CostmapSettings,
+    LayeredCostmap,
+    LayersSettings,
+    ObstacleLayerSettings,
+)
+from trundle.errors import InputError, MapError
+from trundle.geometry import Pose2D
+from trundle.maps import KeepoutMask, OccupancyGrid
+
+BOX = [(2.0, -0.5, 2.0, 0.5)]
+"""The face of a box in front of the robot."""
+HERE = Pose2D(0.0, 0.0)
+
+
+def make_map(side=12.0, *, yaw=0.0, edge=0.05, value=0):
+    count = round(side / edge)
+    corner = Pose2D(0, 0, yaw) @ Pose2D(-side / 2, -side / 2)
+    return OccupancyGrid(np.full((count, count), value, np.int8), edge, Pose2D(corner.x, corner.y, yaw))
+
+
+def see(layered, around, pose=HERE, *, ticks=4, start=0.0, T_map_odom=None, lidars=("front",)):
+    """Let a robot that stands see something for some ticks; return the last costmap."""
+    true = pose
+    for tick in range(ticks):
+        time = start + 0.05 * tick
+        scans = [around.scan(time, true, lidar) for lidar in lidars]
+        layered.update(scans, estimate(time, pose, T_map_odom))
+    return layered.costmap
+
+
+def distances(points, segment=BOX[0]):
+    x0, y0, _, y1 = segment
+    return np.hypot(points[:, 0] - x0, np.maximum(0, np.maximum(y0 - points[:, 1], points[:, 1] - y1)))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, -math.pi / 2])
+def test_a_box_that_is_not_on_the_map_becomes_lethal_where_it_is(yaw):
+    layered = LayeredCostmap(make_map(yaw=yaw), CARTER)
+    costmap = see(layered, Surroundings(BOX))
+    rows, cols = np.nonzero(costmap.data == LETHAL)
+    x, y = costmap.cell_to_world(rows, cols)
+    assert len(x) >= 20
+    assert distances(np.column_stack([x, y])).max() < 0.05
+    assert (costmap.data[layered.sensed] == LETHAL).all()
+    assert distances(layered.obstacles()).max() < 1e-3
+    along = costmap.cost_at(np.full(19, 2.0), np.linspace(-0.45, 0.45, 19))
+    assert (along >= 253).all(), "the box has a gap"
+
+
+def test_the_costmap_equals_one_of_the_changed_map():
+    layered = LayeredCostmap(make_map(yaw=0.2), CARTER)
+    costmap = see(layered, Surroundings(BOX, noise=0.01), ticks=30)
+    cells = np.where(layered.sensed, 100, 0).astype(np.int8)
+    again = Costmap.from_grid(OccupancyGrid(cells, 0.05, costmap.origin), CARTER)
+    assert np.array_equal(costmap.data, again.data)
+
+
+def test_the_same_costmap_is_returned_if_nothing_changed():
+    layered = LayeredCostmap(make_map(), CARTER)
+    first = see(layered, Surroundings(BOX))
+    assert layered.update([], estimate(1.0, HERE)) is first
+    assert layered.changed is None
+    assert see(layered, Surroundings(BOX), start=2.0) is first
+
+
+def test_changed_holds_every_cell_that_became_occupied():
+    layered = LayeredCostmap(make_map(yaw=0.4), CARTER)
+    before = layered.costmap
+    around = Surroundings(BOX)
+    for tick in range(4):
+        time = 0.05 * tick
+        after = layered.update([around.scan(time, HERE)], estimate(time, HERE))
+        if layered.changed is not None:
+            outside = np.ones(after.shape, bool)
+            outside[layered.changed] = False
+            assert np.array_equal((after.data == LETHAL)[outside], (before.data == LETHAL)[outside])
+            assert after.changes_since(before.version) is not None
+        before = after
+    assert layered.sensed.any()
+
+
+def test_a_costmap_that_was_returned_does_not_change():
+    layered = LayeredCostmap(make_map(), CARTER)
+    first = layered.costmap
+    data = first.data.copy()
+    see(layered, Surroundings(BOX))
+    assert layered.costmap is not first
+    assert np.array_equal(first.data, data)
+
+
+def wall_map(x=2.0):
+    cells = np.array(make_map().data)
+    cells[:, round((x + 6.0) / 0.05)] = 100
+    return OccupancyGrid(cells, 0.05, Pose2D(-6, -6))
+
+
+@pytest.mark.parametrize(("tolerance", "marked"), [(None, False), (0.0, True), (0.15, False)])
+def test_marks_beside_a_static_wall_are_left_out_within_the_tolerance(tolerance, marked):
+    settings = LayersSettings(obstacle=ObstacleLayerSettings(static_tolerance=tolerance))
+    layered = LayeredCostmap(wall_map(), CARTER, layers=settings)
+    see(layered, Surroundings([(1.97, -3.0, 1.97, 3.0)]))  # the robot is 3 cm off
+    assert layered.sensed.any() == marked
+    assert (len(layered.obstacles()) > 0) == marked
+
+
+def test_an_obstacle_in_front_of_a_static_wall_is_marked():
+    layered = LayeredCostmap(wall_map(), CARTER)
+    see(layered, Surroundings([(1.8, -0.5, 1.8, 0.5)]))
+    assert layered.sensed.any()
+
+
+@pytest.mark.parametrize("clear", [False, True])
+def test_static_obstacles_are_cleared_only_if_asked_for(clear):
+    settings = LayersSettings(obstacle=ObstacleLayerSettings(clear_static=clear))
+    layered = LayeredCostmap(wall_map(), CARTER, layers=settings)
+    costmap = see(layered, Surroundings([(4.0, -6.0, 4.0, 6.0)]), ticks=8)
+    assert (costmap.cost_at(2.025, 0.0) == LETHAL) != clear
+    assert (costmap.cost_at(2.025, -5.9) == LETHAL) or clear
+
+
+def test_unknown_cells_of_the_map_become_free_where_they_are_seen():
+    layered = LayeredCostmap(make_map(value=-1), CARTER, costmap=CostmapSettings(unknown="costly"))
+    costmap = see(layered, Surroundings(BOX))
+    row, col = costmap.world_to_cell([1.0, 2.5], [0.0, 0.0])
+    assert costmap.unknown_cells[row, col].tolist() == [False, True]
+
+
+def test_a_correction_moves_what_was_sensed():
+    layered = LayeredCostmap(make_map(), CARTER)
+    see(layered, Surroundings(BOX))
+    shift = Pose2D(0.3, -0.2, 0.1)
+    layered.update([], estimate(1.0, shift @ HERE, shift))
+    expected = shift.transform_points([(2.0, -0.5), (2.0, 0.5)])
+    found = layered.obstacles()
+    assert np.allclose([found[:, 0].min(), found[:, 0].max()], sorted(expected[:, 0]), atol=0.06)
+    assert (layered.costmap.cost_at(*shift.transform_points([(2.0, 0.0)])[0]) >= 253).all()
+    assert layered.sensed.sum() <= 22
+    assert layered.warnings == {}
+
+
+def test_drift_of_odometry_that_is_corrected_does_not_smear_a_wall():
+    layered = LayeredCostmap(make_map(), CARTER)
+    around = Surroundings([(2.0, -3.0, 2.0, 3.0)], noise=0.01)
+    for tick in range(100):
+        true, time = Pose2D(-0.01 * tick, 0.0), 0.05 * tick
+        odom = Pose2D(-0.0101 * tick, 0.0003 * tick, 0.0002 * tick)
+        layered.update([around.scan(time, true)], estimate(time, true, true @ odom.inverse()))
+    found = layered.obstacles()
+    assert np.abs(found[:, 0] - 2.0).max() < 0.1
+
+
+def test_a_small_correction_keeps_the_costmap():
+    layered = LayeredCostmap(make_map(), CARTER)
+    first = see(layered, Surroundings(BOX))
+    assert layered.update([], estimate(1.0, Pose2D(1e-4, 0.0), Pose2D(1e-4, 0.0))) is first
+
+
+@pytest.mark.parametrize("static", [None, make_map(30.0, yaw=0.3)])
+def test_a_rolling_window_moves_with_the_robot_by_whole_cells(static):
+    layered = LayeredCostmap(static, CARTER, layers=LayersSettings(rolling_window=True, width=6.0, height=4.0))
+    with pytest.raises(InputError, match="before the first update"):
+        _ = layered.costmap
+    around = Surroundings([(8.0, -1.0, 8.0, 1.0)])
+    yaw = 0.0 if static is None else static.origin.yaw
+    start = Pose2D(0, 0) if static is None else static.origin
+    for tick in range(100):
+        pose, time = Pose2D(0.07 * tick, 0.0), 0.05 * tick
+        costmap = layered.update([around.scan(time, pose)], estimate(time, pose))
+        assert costmap.shape == (80, 120)
+        corner = start.inverse().transform_points([(costmap.origin.x, costmap.origin.y)])[0] / 0.05
+        assert np.allclose(corner, np.round(corner), atol=1e-6)
+        middle = costmap.origin.inverse().transform_points([(pose.x, pose.y)])[0]
+        assert np.abs(middle - (3.0, 2.0)).max() < 0.4
+    assert costmap.origin.yaw == pytest.approx(yaw)
+    assert (costmap.cost_at(8.0, 0.0) >= 253).all()
+    assert len(layered.obstacles()) > 20
+
+
+def test_without_a_map_unknown_space_costs_more_than_what_was_seen():
+    layered = LayeredCostmap(None, CARTER)
+    costmap = see(layered, Surroundings(BOX))
+    assert costmap.unknown == "costly"
+    assert costmap.cost_at([1.0, 2.0, 4.5], [0.0, 0.0, 0.0]).tolist()[2] >= costmap.unknown_cost
+    assert costmap.cost_at(2.0, 0.0) == LETHAL
+    assert costmap.cost_at(-3.0, 3.0) == 0
+    assert (
+        LayeredCostmap(None, CARTER, costmap=CostmapSettings(unknown="blocked")).update([], estimate(0, HERE)).unknown
+        == "blocked"
+    )
+
+
+def test_without_a_map_the_extent_contains_the_goal_and_grows_with_the_robot():
+    layered = LayeredCostmap(None, CARTER)
+    assert layered.require([(20.0, 3.0)]) is None
+    costmap = layered.update([], estimate(0.0, HERE))
+    assert costmap.contains(*costmap.world_to_cell([-5.9, 21.0], [0.0, 4.0])).all()
+    assert layered.require((20.0, 3.0)) is costmap
+    grown = layered.require([(-20.0, 0.0)])
+    assert grown is not costmap
+    see(layered, Surroundings(BOX), start=1.0)
+    for tick in range(40):
+        costmap = layered.update([], estimate(2.0 + tick, Pose2D(0.0, 0.5 * tick)))
+    assert costmap.contains(*costmap.world_to_cell([0.0, 0.0, -20.0], [25.4, 0.0, 0.0])).all()
+    assert costmap.cost_at(2.0, 0.0) == LETHAL
+
+
+def test_a_goal_that_is_too_far_away_without_a_map_is_refused():
+    layered = LayeredCostmap(None, CARTER)
+    with pytest.raises(MapError, match="nearer goal"):
+        layered.require([(1e5, 1e5), (0.0, 0.0)])
+    layered.update([], estimate(0.0, HERE))
+    with pytest.raises(MapError, match="nearer goal"):
+        layered.require([(1e5, 1e5)])
+    with pytest.raises(InputError, match="finite"):
+        layered.require([(math.nan, 0.0)])
+
+
+def test_a_keepout_mask_holds_where_cells_are_marked_and_cleared():
+    zone = np.zeros((240, 240), np.int8)
+    zone[100:140, 170:180] = 100
+    mask = KeepoutMask(OccupancyGrid(zone, 0.05, Pose2D(-6, -6)))
+    for static in (make_map(), None):
+        layered = LayeredCostmap(static, CARTER, keepout=mask)
+        costmap = see(layered, Surroundings([(4.0, -3.0, 4.0, 3.0)]), ticks=8)
+        assert costmap.cost_at(2.7, 0.0) == LETHAL
+        assert not layered.sensed[costmap.world_to_cell(2.7, 0.0)].any()
+
+
+def test_a_costmap_may_be_the_static_map():
+    static = Costmap.from_grid(wall_map(), CARTER, 0.7)
+    layered = LayeredCostmap(static, CARTER)
+    assert layered.costmap is static
+    costmap = see(layered, Surroundings([(1.0, -0.5, 1.0, 0.5)]))
+    assert costmap.inflation_radius == 0.7
+    assert costmap.cost_at(1.0, 0.0) == LETHAL
+    assert costmap.cost_at(2.025, 4.0) == LETHAL
+    with pytest.raises(InputError, match="has its settings"):
+        LayeredCostmap(static, CARTER, costmap=CostmapSettings())
+
+
+def test_reset_forgets_what_was_sensed():
+    for static in (make_map(), None):
+        layered = LayeredCostmap(static, CARTER)
+        first = see(layered, Surroundings(BOX))
+        layered.reset()
+        assert len(layered.obstacles()) == 0
+        again = see(layered, Surroundings(BOX))
+        assert np.array_equal(first.data, again.data)
+
+
+def test_layers_may_be_left_out():
+    layered = LayeredCostmap(make_map(), CARTER, layers=LayersSettings(obstacle=None))
+    first = layered.costmap
+    assert see(layered, Surroundings(BOX)) is first
+
+
+@pytest.mark.parametrize("arguments", [(make_map(), "nova_carter"), ("map.yaml", CARTER)])
+def test_arguments_of_another_kind_are_refused(arguments):
+    with pytest.raises(InputError, match="must be of type"):
+        LayeredCostmap(*arguments)
+
+
+def test_times_must_increase():
+    for layers in (LayersSettings(), LayersSettings(obstacle=None)):
+        layered = LayeredCostmap(make_map(), CARTER, layers=layers)
+        layered.update([], estimate(1.0, HERE))
+        for time in (1.0, 0.5):
+            with pytest.raises(InputError, match="times must increase"):
+                layered.update([], estimate(time, HERE))
+        layered.update([], estimate(1.1, HERE))
+        layered.reset()
+        layered.update([], estimate(0.0, HERE))
