@@ -7,7 +7,7 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.geometry import Pose2D
 from trundle.path import Path
-from trundle.planning import PathCheck
+from trundle.planning import PathCheck, PathHit
 
 _AHEAD_M = 1.0  # length of path in which the robot's position on it is searched
 
@@ -41,9 +41,9 @@ class FollowedPath:
         dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
         self.index += int(np.argmin(dx * dx + dy * dy))
 
-    def is_blocked(self, costmap: Costmap) -> bool:
-        """Whether the footprint would touch something on what is left."""
-        return self.check.first_hit(costmap, self.index) is not None
+    def first_hit(self, costmap: Costmap) -> PathHit | None:
+        """Where the footprint would first touch something on what is left; None if it would not."""
+        return self.check.first_hit(costmap, self.index)
 
     def cost_from(self, costmap: Costmap, pose: Pose2D) -> float:
         """Cost of the remaining path from the robot's pose on, as of `PathCheck.cost_from`."""

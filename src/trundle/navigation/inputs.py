@@ -20,17 +20,21 @@ _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or r
 
 
 def load_costmap(
-    grid: OccupancyGrid | Costmap | str | os.PathLike[str],
+    grid: OccupancyGrid | Costmap | str | os.PathLike[str] | None,
     robot: Robot,
     settings: CostmapSettings | None,
     keepout: KeepoutMask | str | os.PathLike[str] | None,
-) -> tuple[OccupancyGrid | None, Costmap]:
-    """Make the map (none where a costmap is given) and the costmap.
+) -> tuple[OccupancyGrid | None, Costmap | None]:
+    """Make the map (none where a costmap is given) and the costmap; both are none without a map.
 
     Raises:
         MapError: If a map or a mask cannot be read.
         InputError: If an option is settled in the costmap that is given.
     """
+    if grid is None:
+        if keepout is not None:
+            raise InputError("a keep-out mask needs a map: give Navigator a grid too, or leave the mask out")
+        return None, None
     if isinstance(grid, Costmap):
         if keepout is not None:
             raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")

@@ -7,30 +7,37 @@ import os
 import time as clock
 from collections.abc import Sequence
 from types import NoneType
-from typing import Any, TypeVar, cast, overload
+from typing import Any, Literal, TypeVar, cast, overload
 
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
-from trundle.costmap import Costmap, CostmapSettings
-from trundle.errors import InputError, NoValidControlError, PlanningError, PlanningStoppedError
+from trundle.costmap import INSCRIBED, Costmap, CostmapSettings
+from trundle.costmap.layers import LayersSettings
+from trundle.errors import BlockedPoseError, InputError, NoValidControlError, PlanningError, PlanningStoppedError
 from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.free_pose import nearest_free_pose
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose
+from trundle.navigation.obstacle_watch import ObstacleWatch
 from trundle.navigation.planning_tries import PlanningTries
 from trundle.navigation.recovery import Recovery
+from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
-from trundle.observation import Estimate, Observation
+from trundle.navigation.unseen_space import slow_down_in_unseen
+from trundle.observation import Estimate, Observation, Scan, check_scans
 from trundle.path import Path
-from trundle.planning import Planner, Smoother, create_planner, create_smoother
+from trundle.planning import PathHit, Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
+_START_OFF_M = 0.15
+_JUMP_M = 1.0
 _Made = TypeVar("_Made")
 
 
@@ -44,8 +51,13 @@ class Navigator:
     only by one that is cheaper by `settings.replan_margin`, so that the robot does not oscillate between equal-cost
     paths.
 
+    Scans put what is not on the map into the costmap: `update(pose, twist, time=…, scans=…)`. Where that blocks the
+    path, the robot plans a path round it; where that is long, it waits first for what may move. It never drives faster
+    than allows a stop within the space that was seen to be free.
+
     Args:
-        grid: The map: a grid, a costmap made for this robot, or the path of a ROS map YAML.
+        grid: The map: a grid, a costmap made for this robot, or the path of a ROS map YAML; None without a map. Then
+            unknown space can be driven, at a cost, unless `costmap` says otherwise.
         robot: A robot, a catalogue name or the path of a YAML file.
         planner: A planner, the name of one, or a `Choice` of name and options.
         controller: A controller, likewise.
@@ -53,6 +65,7 @@ class Navigator:
         costmap: How the costmap is made of the map.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
+        layers: How scans are put into the costmap; None means the defaults, False that scans are left out.
         settings: When the goal is reached, when the robot is stuck, and when it plans again.
 
     Attributes:
@@ -60,12 +73,14 @@ class Navigator:
         goal_checker: Says whether the goal is reached; may be replaced.
         progress_checker: Says whether the robot makes progress; may be replaced.
         robot: The robot.
-        grid: The map, or None where a costmap was given.
-        costmap: What it plans and drives on; may be replaced during a drive.
+        grid: The map, or None where a costmap or no map was given.
+        costmap: What it plans and drives on, with what the scans saw; may be replaced during a drive, by a costmap of
+            the map without that.
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         status: What it is doing.
         error: The last planning error, or None.
+        message: What blocks the robot, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
         planning_time_s: Time spent on planning since the goal was set [s].
         replans: Number of plans since the goal was set, after the first.
 
@@ -77,7 +92,7 @@ class Navigator:
 
     def __init__(
         self,
-        grid: OccupancyGrid | Costmap | str | os.PathLike[str],
+        grid: OccupancyGrid | Costmap | str | os.PathLike[str] | None,
         robot: Robot | str | os.PathLike[str],
         *,
         planner: str | Choice | Planner = "auto",
@@ -86,6 +101,7 @@ class Navigator:
         costmap: CostmapSettings | None = None,
         keepout: KeepoutMask | str | os.PathLike[str] | None = None,
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
+        layers: LayersSettings | Literal[False] | None = None,
         settings: NavigatorSettings | None = None,
     ) -> None:
         self.robot = Robot.load(robot)
@@ -94,13 +110,18 @@ class Navigator:
             settings, (NavigatorSettings, NoneType), "settings", "NavigatorSettings(goal_tolerance=0.1) makes them"
         )
         self.settings = NavigatorSettings() if settings is None else settings
-        self.grid, self.costmap = load_costmap(grid, self.robot, costmap, keepout)
+        if layers is not False:
+            check_kind(layers, (LayersSettings, NoneType), "layers", "LayersSettings(rolling_window=True) makes them")
+        self.grid, static = load_costmap(grid, self.robot, costmap, keepout)
+        self._sensed = SensedMap(static, self.robot, costmap=costmap, layers=layers)
+        self.costmap = self._sensed.costmap
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
         self._limiter: SpeedLimiter | None = None
         if self.speed_mask is not None:
-            check_overlap(self.speed_mask.grid, self.costmap, self.speed_mask.name)
+            if static is not None:
+                check_overlap(self.speed_mask.grid, static, self.speed_mask.name)
             self._limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = _split(planner)
         self.planner = create_planner(planner, **options)
@@ -116,6 +137,7 @@ class Navigator:
         self._recovery = Recovery(self.dt)
         self._padded = self.robot.planar.padded(FOOTPRINT_PADDING_M).outline
         self._tries = PlanningTries(self.settings.planning_deadline_s)
+        self._obstacle = ObstacleWatch(self.settings.wait_s, self.settings.patience_s)
         self.reset()
 
     def __repr__(self) -> str:
@@ -126,8 +148,11 @@ class Navigator:
     # Goals ----------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int = 0) -> None:
-        """Forget the goal and everything about it."""
+        """Forget the goal and everything about it, and what was sensed."""
         self._goal: Goal | None = None
+        self._clock = 0.0
+        self._sensed.reset(self.costmap)
+        self.costmap = self._sensed.costmap
         self._forget_progress()
         self.controller.reset(seed=seed)
         self.status = NavigationStatus.IDLE
@@ -176,8 +201,12 @@ class Navigator:
         self.planning_time_s = 0.0
         self.replans = 0
         self.progress_checker.reset()
+        self.message = ""
         self._time = 0.0
         self._command = _STAND
+        self._last_pose: Pose2D | None = None
+        self._obstacle.clear()
+        self._sensed.begin()
         self._recovery.reset()
         self._tries.reset()
 
@@ -190,7 +219,10 @@ class Navigator:
             InputError: If there is no goal.
             PlanningError: If there is no path.
         """
-        followed = self._call_planner(Pose2D.of(start), _STAND)
+        here = Pose2D.of(start)
+        if self._goal is not None:
+            self.costmap = self._sensed.contain(here, self._goal.pose)
+        followed = self._call_planner(here, _STAND)
         self._take(followed)
         return followed.path
 
@@ -201,12 +233,13 @@ class Navigator:
         deadline_s = self._tries.deadline_s(twist)
         began = clock.perf_counter()
         try:
+            start, goal = self._free_ends(start, self._goal)
             path = self.planner.plan(
-                self.costmap, start, self._goal.pose, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
+                self.costmap, start, goal, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
             )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         except PlanningStoppedError as error:
-            if error.status == "timeout":
+            if _timed_out(error):
                 self._tries.time_out(twist, self._time)
             raise
         finally:
@@ -214,6 +247,35 @@ class Navigator:
             self.planning_time_s += seconds
         self._tries.succeed(seconds)
         return FollowedPath(path, smooth)
+
+    def _free_ends(self, start: Pose2D, goal: Goal) -> tuple[Pose2D, Pose2D]:
+        """Where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
+
+        Raises:
+            BlockedPoseError: If the goal is occupied by something that is not on the map.
+        """
+        if not self._sensed.is_active:
+            return start, goal.pose
+        if self.costmap.footprint_collides(start.as_tuple())[0]:
+            start = nearest_free_pose(self.costmap, start, _START_OFF_M) or start
+        occupied, static = self._is_occupied(self.costmap, goal), self._sensed.static
+        if not occupied or (static is not None and self._is_occupied(static, goal)):
+            return start, goal.pose
+        tolerance = self.goal_checker.xy_tolerance
+        found = nearest_free_pose(self.costmap, goal.pose, max(0.0, tolerance - 0.05), any_yaw=goal.yaw_free)
+        if found is None:
+            raise BlockedPoseError(
+                f"the goal ({goal.pose.x:.2f}, {goal.pose.y:.2f}) is occupied by something that is not on the map, and "
+                f"the robot does not fit anywhere within the tolerance of {tolerance:g} m; clear it, or choose another",
+                pose=goal.pose.as_tuple(),
+            )
+        return start, found
+
+    @staticmethod
+    def _is_occupied(costmap: Costmap, goal: Goal) -> bool:
+        if goal.yaw_free:
+            return int(costmap.cost_at(goal.pose.x, goal.pose.y)) >= INSCRIBED
+        return bool(costmap.footprint_collides(goal.pose.as_tuple())[0])
 
     def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
@@ -227,7 +289,12 @@ class Navigator:
 
     @overload
     def update(
-        self, pose: Pose2D | Sequence[float], twist: Twist2D | None = None, *, time: float | None = None
+        self,
+        pose: Pose2D | Sequence[float],
+        twist: Twist2D | None = None,
+        *,
+        time: float | None = None,
+        scans: Sequence[Scan] = (),
     ) -> Twist2D: ...
 
     def update(
@@ -236,6 +303,7 @@ class Navigator:
         twist: Twist2D | Estimate | None = None,
         *,
         time: float | None = None,
+        scans: Sequence[Scan] = (),
     ) -> Twist2D:
         """Return the command for the next control period: `update(pose, twist)`, or `update(observation, estimate)`.
 
@@ -243,28 +311,55 @@ class Navigator:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
             twist: How it moves now, base_link; none means the last command. More than four times its limits is
                 clipped to that, with a `RobotWarning`.
-            time: Now [s], any origin; none means one control period after the last call.
+            time: Now [s], any origin; none means one control period after the last call. With scans, it is on their
+                clock.
+            scans: Scans of the robot's lidars that arrived since the last call, oldest first.
 
         Returns:
             The twist to send. It is (0, 0) when there is nothing to do; `status` says why.
 
         Raises:
-            InputError: If the pose, the twist or the time is none, or not finite, or an observation comes without an
-                estimate.
+            InputError: If the pose, the twist or the time is none, or not finite, the scans are none, or an observation
+                comes without an estimate.
+
+        Warns:
+            SensorWarning: If scans are left out, what was sensed is forgotten since the pose or the time jumped.
         """
         if isinstance(pose, Observation) or isinstance(twist, Estimate):
             check_kind(pose, Observation, "an update's observation", "give update(observation, estimate)")
             check_kind(twist, Estimate, "an update's estimate", "give update(observation, estimate)")
             observation, estimate = cast("Observation", pose), cast("Estimate", twist)
-            pose, twist, time = estimate.pose, observation.twist, observation.time
+            pose, twist, time, scans = estimate.pose, observation.twist, observation.time, observation.scans
+        else:
+            estimate = None
         here = read_pose(pose)
         moving = self._command if twist is None else credible_twist(twist, self.robot)
-        now = self._time + self.dt if time is None else as_number(time, "time")
+        now = self._clock + self.dt if time is None else as_number(time, "time")
         if not math.isfinite(now):
             raise InputError(f"time must be a finite number of seconds, got {time!r}")
-        self._time = now
+        self._look(here, now, check_scans(scans) if scans else (), estimate)
+        self._clock = self._time = now
         self._command = self._decide(here, moving)
         return self._command
+
+    def _look(self, pose: Pose2D, now: float, scans: tuple[Scan, ...], estimate: Estimate | None) -> None:
+        """Put scans into the costmap; drop the path where the robot turns out to be somewhere else."""
+        if not self._obstacle.is_blocked and self.status not in FINAL:
+            self.message = ""
+        goal = None if self._goal is None else self._goal.pose
+        estimate = Estimate(now, pose) if estimate is None else estimate
+        self.costmap = self._sensed.update(self.costmap, scans, estimate, goal)
+        last, self._last_pose = self._last_pose, pose
+        if last is None or not self._sensed.is_active:
+            return
+        fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
+        jump_m = pose.distance_to(last) - fastest * max(0.0, now - self._time)
+        if jump_m > _JUMP_M and self._followed is not None:
+            self._followed = None
+            self._recovery.reset()
+            self._obstacle.clear()
+            self.progress_checker.reset()
+            self.message = f"the pose jumped by {pose.distance_to(last):.1f} m: planning a new path"
 
     def _decide(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         if self._goal is None or self.status in FINAL:
@@ -284,12 +379,13 @@ class Navigator:
             return _STAND
         self._limit_speed(pose, twist)
         if self._recovery.is_backing_up:
-            return slow_down(self._back_up(pose, twist), self.speed_limit)
+            return self._slow_in_unseen(slow_down(self._back_up(pose, twist), self.speed_limit), pose, twist)
         try:
             command = self.controller.compute_velocity(pose, twist, self.costmap, self.dt)
         except NoValidControlError:
             command = _STAND
-        return self._watch_for_block(slow_down(command, self.speed_limit), pose, twist)
+        command = self._slow_in_unseen(slow_down(command, self.speed_limit), pose, twist)
+        return self._watch_for_block(command, pose, twist)
 
     # Speed limits ---------------------------------------------------------------------------------------------------
 
@@ -302,6 +398,11 @@ class Navigator:
         self.speed_limit = self._limiter.limit(pose, twist, index, self.dt, backwards=backwards)
         self.controller.set_speed_limit(self.speed_limit)
 
+    def _slow_in_unseen(self, command: Twist2D, pose: Pose2D, twist: Twist2D) -> Twist2D:
+        if not self._sensed.is_active:
+            return command
+        return slow_down_in_unseen(self.costmap, self.robot.limits, pose, twist, command, self.dt, padded=self._padded)
+
     # Planning again -------------------------------------------------------------------------------------------------
 
     def _reconsider(self, followed: FollowedPath, pose: Pose2D, twist: Twist2D) -> None:
@@ -311,23 +412,61 @@ class Navigator:
         changed = self.costmap is not self._checked
         interval_s = self.settings.replan_interval_s
         due = interval_s is not None and self._time - self._planned_at >= interval_s - 1e-9
-        if not (changed or due):
+        if not (changed or due or self._obstacle.is_blocked):
             return
         self._checked = self.costmap
-        blocked = followed.is_blocked(self.costmap)
-        if not blocked:
+        hit = followed.first_hit(self.costmap)
+        if hit is None:
             self.error = None
-        if blocked:
+            self._obstacle.clear()
+        if hit is not None and self._sensed.is_active:
+            self._go_round(hit, followed, pose, twist)
+        elif hit is not None:
             self._replan(pose, twist)
         elif due and not self._tries.stops_first(twist):
             self._look_for_better(pose, twist)
 
+    def _go_round(self, hit: PathHit, followed: FollowedPath, pose: Pose2D, twist: Twist2D) -> None:
+        """Plan a path round what was sensed on this one, and take it unless waiting is better."""
+        self._obstacle.see(self._time)
+        x, y = self._sensed.obstacle_near(hit.pose[0], hit.pose[1], self.robot.circumscribed_radius + 0.2)
+        self.message = f"blocked: obstacle ahead at ({x:.2f}, {y:.2f})"
+        if not self._obstacle.may_plan(self._time) or self._tries.must_wait(twist, self._time):
+            return
+        self.replans += 1
+        try:
+            found = self._call_planner(pose, twist)
+        except PlanningError as error:
+            self.error = error
+            if isinstance(error, BlockedPoseError):
+                self.message = f"blocked: {error}"
+            self._obstacle.fail()
+            self._tries.settle()
+            return
+        self.error = None
+        if self._obstacle.takes(float(found.check.along[-1]), followed.left_m, self._time):
+            self._take(found)
+            self._obstacle.clear()
+
     def _plan_first(self, pose: Pose2D, twist: Twist2D) -> bool:
         """Make the plan that the robot waits for; return whether it may drive on."""
-        if not self._attempt(pose, twist) and self._followed is None:
-            self.status = NavigationStatus.NO_PATH
+        if self._obstacle.is_blocked and not self._obstacle.may_plan(self._time):
             return False
+        if not self._attempt(pose, twist):
+            self._obstacle.fail()
+            return True if self._followed is not None else self._wait_for_path(pose)
+        if not self._tries.pending:
+            self._obstacle.clear()
         return not self._tries.pending
+
+    def _wait_for_path(self, pose: Pose2D) -> bool:
+        """Stand where there is no path, for a while if what was sensed may move away; return False."""
+        self.status = NavigationStatus.NO_PATH
+        if self._sensed.is_active:
+            self._obstacle.see(self._time)
+            if not self._obstacle.gives_up(pose, self._time):
+                self.status, self.message = NavigationStatus.BLOCKED, f"blocked: {self.error}"
+        return False
 
     def _replan(self, pose: Pose2D, twist: Twist2D) -> bool:
         self.replans += 1
@@ -341,7 +480,8 @@ class Navigator:
             followed = self._call_planner(pose, twist)
         except PlanningError as error:
             self.error = error
-            if not self._tries.pending:
+            if not _timed_out(error):
+                self._tries.settle()
                 return False
             self.progress_checker.reset()
             self.status = NavigationStatus.PLANNING_TIMED_OUT if self._tries.all_spent else NavigationStatus.BLOCKED
@@ -379,12 +519,25 @@ class Navigator:
             if command != _STAND:
                 self.status = NavigationStatus.DRIVING
             return command
+        if self._obstacle.is_blocked:
+            return self._wait_for_obstacle(pose)
         if not self._recovery.try_again(left_m):
             self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
         self.status = NavigationStatus.BLOCKED
         self.progress_checker.reset()
         if self._recovery.backs_up_first or not self._replan(pose, twist):
+            self._recovery.start_backing_up()
+        return _STAND
+
+    def _wait_for_obstacle(self, pose: Pose2D) -> Twist2D:
+        """Stand in front of what was sensed on the path, back up now and then, and give up after a while."""
+        if self._obstacle.gives_up(pose, self._time):
+            self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
+            return _STAND
+        self.status = NavigationStatus.BLOCKED
+        self.progress_checker.reset()
+        if self.error is not None and self._obstacle.backs_up(self._time):
             self._recovery.start_backing_up()
         return _STAND
 
@@ -397,6 +550,10 @@ class Navigator:
         self._recovery.stop_backing_up()
         self._replan(pose, twist)
         return _STAND
+
+
+def _timed_out(error: PlanningError) -> bool:
+    return isinstance(error, PlanningStoppedError) and error.status == "timeout"
 
 
 def _split(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:

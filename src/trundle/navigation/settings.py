@@ -32,6 +32,10 @@ class NavigatorSettings(Config):
             tries again, three times at most, and each try may take twice as long as the one before. While the robot
             moves, a plan may take a quarter of it; where that is not enough, or the last plan took longer, the robot is
             stopped first. None means as long as it takes: the run does not depend on how busy the computer is.
+        wait_s: How long the robot waits [s] for what its lidars see on its path to move, where the path round it is
+            longer by more than 3 m.
+        patience_s: How long it stands [s] where something that is not on the map leaves no path, or occupies the goal,
+            before it gives up.
 
     Raises:
         InputError: If a value is out of range.
@@ -45,6 +49,8 @@ class NavigatorSettings(Config):
     replan_interval_s: Positive | None = None
     replan_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
     planning_deadline_s: Positive | None = 2.0
+    wait_s: NotNegative = 2.0
+    patience_s: NotNegative = 20.0
 
     def make_goal_checker(self) -> GoalChecker:
         """Make what says whether the goal is reached."""

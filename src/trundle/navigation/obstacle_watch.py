@@ -1,0 +1,71 @@
+"""`ObstacleWatch`: when a navigator plans round what blocks its path, and when it waits for it to move."""
+
+from __future__ import annotations
+
+from trundle.control import ProgressChecker
+from trundle.geometry import Pose2D
+
+PLAN_EVERY_S, SELDOM_S = 0.5, 4.0
+"""Between two plans for the same blocked path [s]: twice as long after each that found none, up to the second."""
+LONG_DETOUR_M = 3.0
+"""A detour longer than what is left of the path by more than this [m] is taken after a wait."""
+_BACK_UP_EVERY_S = 5.0
+
+
+class ObstacleWatch:
+    """Remembers since when the path is blocked, and how long the robot has stood because of it.
+
+    Args:
+        wait_s: How long a long detour is put off [s]: what may move gets time to do so.
+        patience_s: How long the robot stands without any path before it gives up [s].
+    """
+
+    def __init__(self, wait_s: float, patience_s: float) -> None:
+        self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
+        self._patience = ProgressChecker(required_movement_angle=7.0, movement_time_allowance=patience_s)
+        self.clear()
+
+    def clear(self) -> None:
+        """The path is free."""
+        self.since: float | None = None
+        self._planned_at: float | None = None
+        self._every_s = PLAN_EVERY_S
+        self._back_up_at = 0.0
+        self._patience.reset()
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether something blocks the path."""
+        return self.since is not None
+
+    def see(self, time: float) -> None:
+        """The path is blocked at this time [s]."""
+        if self.since is None:
+            self.since, self._back_up_at = time, time + self._back_up_s
+
+    def may_plan(self, time: float) -> bool:
+        """Whether it is time to plan [s]; if so, this counts as a plan."""
+        if self._planned_at is not None and time - self._planned_at < self._every_s - 1e-9:
+            return False
+        self._planned_at = time
+        return True
+
+    def fail(self) -> None:
+        """The plan found no path."""
+        self._every_s = min(2.0 * self._every_s, SELDOM_S)
+
+    def takes(self, detour_m: float, left_m: float, time: float) -> bool:
+        """Whether to take a detour of this length now [s], with so much left of the blocked path [m]."""
+        waited = self.since is not None and time - self.since >= self._wait_s - 1e-9
+        return waited or detour_m <= left_m + LONG_DETOUR_M
+
+    def backs_up(self, time: float) -> bool:
+        """Whether a robot that stands and finds no path is to back up now [s], to see more and to have room to turn."""
+        if time < self._back_up_at:
+            return False
+        self._back_up_at = time + _BACK_UP_EVERY_S
+        return True
+
+    def gives_up(self, pose: Pose2D, time: float) -> bool:
+        """Whether the robot has stood for too long, given where it is now [s]."""
+        return not self._patience.is_moving_on(pose, time)

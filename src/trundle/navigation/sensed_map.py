@@ -1,0 +1,179 @@
+"""`SensedMap`: the costmap that a navigator drives on, with what its scans saw."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from trundle.costmap import LETHAL, Costmap, CostmapSettings
+from trundle.costmap.layers import LayeredCostmap, LayersSettings
+from trundle.errors import SensorWarning
+from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import UNKNOWN
+from trundle.observation import Estimate, Scan
+from trundle.robots import Robot
+
+RESOLUTION_M = 0.05
+_AROUND_M = 6.0
+
+
+class SensedMap:
+    """Puts scans into the costmap of a map, or of no map at all.
+
+    The layers are made at the first scan, so that a robot without scans pays nothing for them.
+
+    Args:
+        static: The costmap of the map; None without a map.
+        robot: The robot.
+        costmap: How the costmap is made where there is no map.
+        layers: How scans are put into it; None for the defaults, False to leave scans out.
+
+    Attributes:
+        costmap: The latest.
+    """
+
+    def __init__(
+        self,
+        static: Costmap | None,
+        robot: Robot,
+        *,
+        costmap: CostmapSettings | None,
+        layers: LayersSettings | Literal[False] | None,
+    ) -> None:
+        self._robot, self._settings = robot, _without_map(costmap)
+        self._layers: LayersSettings | Literal[False] | None = layers
+        self._has_map = static is not None
+        self._static = self._blank([]) if static is None else static
+        self._reset_time = True
+        self.reset(None)
+
+    def reset(self, costmap: Costmap | None) -> None:
+        """Forget what was sensed.
+
+        Args:
+            costmap: What the navigator drives on: another one than the latest was put there by its user, and stays.
+        """
+        if costmap is not None and costmap is not self.costmap:
+            self._static, self._has_map = costmap, True
+        self.costmap = self._static
+        self._layered: LayeredCostmap | None = None
+        self._waiting: tuple[Scan, ...] = ()
+        self._time: float | None = None
+
+    def begin(self) -> None:
+        """Expect that the time may start over: there is a new goal."""
+        self._reset_time = True
+
+    @property
+    def is_active(self) -> bool:
+        """Whether scans have been put into the costmap."""
+        return self._layered is not None
+
+    @property
+    def static(self) -> Costmap | None:
+        """The costmap without what was sensed; None without a map."""
+        return self._static if self._has_map else None
+
+    def contain(self, *poses: Pose2D) -> Costmap:
+        """The costmap, extended to contain these poses where there is no map."""
+        if not self._has_map:
+            points = [(pose.x, pose.y) for pose in poses]
+            if self._layered is not None:
+                self.costmap = self._layered.require(np.array(points)) or self.costmap
+            elif not _contains(self.costmap, points):
+                self.costmap = self._static = self._blank(points)
+        return self.costmap
+
+    def update(self, costmap: Costmap, scans: Sequence[Scan], estimate: Estimate, goal: Pose2D | None) -> Costmap:
+        """Put scans into the costmap.
+
+        Args:
+            costmap: What the navigator drives on: another one than the latest was put there by its user.
+            scans: Those that arrived since the last call.
+            estimate: Where the robot is now.
+            goal: Where it is driving to.
+
+        Warns:
+            SensorWarning: If the time goes back, after which what was sensed is forgotten.
+        """
+        if costmap is not self.costmap:
+            self.reset(costmap)
+        if self._layers is False:
+            return self.costmap
+        scans = (*self._waiting, *scans)
+        if not scans and self._layered is None:
+            return self.costmap
+        if self._time is not None and estimate.time <= self._time:
+            if estimate.time == self._time:
+                self._waiting = scans
+                return self.costmap
+            self._go_back(estimate.time)
+        self._waiting, self._reset_time, self._time = (), False, estimate.time
+        if self._layered is None:
+            self._layered = self._make_layered()
+            if goal is not None:
+                self._layered.require((goal.x, goal.y))
+        self.costmap = self._layered.update(scans, estimate)
+        return self.costmap
+
+    def obstacle_near(self, x: float, y: float, within: float) -> tuple[float, float]:
+        """The obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
+        costmap = self.costmap
+        reach = math.ceil(within / costmap.resolution)
+        row, col = (int(index) for index in costmap.world_to_cell(x, y))
+        rows, cols = slice(max(0, row - reach), row + reach + 1), slice(max(0, col - reach), col + reach + 1)
+        found = np.argwhere(costmap.data[rows, cols] == LETHAL)
+        if len(found) == 0:
+            return x, y
+        found_x, found_y = costmap.cell_to_world(found[:, 0] + rows.start, found[:, 1] + cols.start)
+        nearest = int(np.hypot(found_x - x, found_y - y).argmin())
+        return float(found_x[nearest]), float(found_y[nearest])
+
+    def _go_back(self, time: float) -> None:
+        if not self._reset_time:
+            warnings.warn(
+                f"the time went back from {self._time:g} s to {time:g} s: what was sensed is forgotten; call reset() "
+                "or set_goal(…) before a new run",
+                SensorWarning,
+                stacklevel=4,
+            )
+        self.reset(self.costmap)
+
+    def _make_layered(self) -> LayeredCostmap:
+        layers = None if self._layers is False else self._layers
+        if self._has_map:
+            return LayeredCostmap(self._static, self._robot, layers=layers)
+        layered = LayeredCostmap(None, self._robot, costmap=self._settings, layers=layers, resolution=RESOLUTION_M)
+        low = self._static.origin
+        rows, cols = self._static.shape
+        size = cols * self._static.resolution, rows * self._static.resolution
+        layered.require(np.array([(low.x + 1.0, low.y + 1.0), (low.x + size[0] - 1.0, low.y + size[1] - 1.0)]))
+        return layered
+
+    def _blank(self, points: Sequence[tuple[float, float]]) -> Costmap:
+        """A costmap of unknown space around points, and around the origin without one."""
+        corners = np.array(points or [(0.0, 0.0)])
+        low, high = corners.min(axis=0) - _AROUND_M, corners.max(axis=0) + _AROUND_M
+        low = np.floor(low / RESOLUTION_M) * RESOLUTION_M
+        cols, rows = np.ceil((high - low) / RESOLUTION_M).astype(int).tolist()
+        cells = np.full((rows, cols), UNKNOWN, np.int8)
+        grid = OccupancyGrid(cells, RESOLUTION_M, Pose2D(float(low[0]), float(low[1])))
+        return self._settings.make_costmap(grid, self._robot)
+
+
+def _without_map(settings: CostmapSettings | None) -> CostmapSettings:
+    """Settings with which unknown space can be driven, unless they say otherwise."""
+    settings = CostmapSettings() if settings is None else settings
+    if "unknown" in settings.model_fields_set:
+        return settings
+    return settings.model_copy(update={"unknown": "costly"})
+
+
+def _contains(costmap: Costmap, points: Sequence[tuple[float, float]]) -> bool:
+    array = np.array(points)
+    return bool(costmap.contains(*costmap.world_to_cell(array[:, 0], array[:, 1])).all())

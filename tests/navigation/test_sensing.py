@@ -1,0 +1,317 @@
+"""Navigators with scans: obstacles that are not on the map, and no map at all, behind the kinematic simulator."""
+
+import math
+
+import numpy as np
+import pytest
+
+from trundle.costmap import Costmap, CostmapSettings
+from trundle.costmap.layers import LayersSettings
+from trundle.errors import InputError, SensorWarning
+from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
+from trundle.navigation.status import FINAL
+from trundle.observation import Estimate, Observation, Scan
+from trundle.robots import Robot
+from trundle.sim import simulate
+from trundle.solids import Box, Solid
+from trundle.worlds import World
+
+CARTER = Robot.load("nova_carter")
+_LIDARS = {name: lidar.model_copy(update={"beams": 360, "noise": 0.01}) for name, lidar in CARTER.lidars.items()}
+ROBOT = CARTER.model_copy(update={"lidars": {"front": _LIDARS["front"]}})
+START, GOAL = Pose2D(1.5, 3.0), Pose2D(8.5, 3.0)
+
+
+def block(name, x0, y0, x1, y1, height=1.0):
+    pose = Pose3D.planar(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * height, 0.0)
+    return Solid(name, Box((x1 - x0, y1 - y0, height)), pose)
+
+
+def room(*inside, width=10.0, height=6.0):
+    """A room with its corner at (0, 0), with blocks in it."""
+    walls = [
+        block("south", -0.2, -0.2, width + 0.2, 0.0),
+        block("north", -0.2, height, width + 0.2, height + 0.2),
+        block("west", -0.2, 0.0, 0.0, height),
+        block("east", width, 0.0, width + 0.2, height),
+    ]
+    return World("room", (*walls, *inside))
+
+
+class Run:
+    """A navigator that drives in a world, with what was seen on the way."""
+
+    def __init__(self, world, navigator, start=START, goal=GOAL, *, seconds=90.0, change=None, backend="kinematic"):
+        self.statuses, self.messages, self.poses, self.contact = [], [], [], ""
+        self.speeds = []
+        navigator.set_goal(goal)
+        sim = simulate(world, ROBOT, backend=backend, lidar=True)
+        with sim:
+            state = sim.reset(start)
+            for _ in range(round(seconds / navigator.dt)):
+                scans = state.scans if change is None else change(state)
+                command = navigator.update(state.pose, state.twist, time=state.time, scans=scans)
+                self.poses.append(state.pose)
+                self.speeds.append(state.twist.v)
+                if not self.statuses or navigator.status is not self.statuses[-1]:
+                    self.statuses.append(navigator.status)
+                if navigator.message and (not self.messages or navigator.message != self.messages[-1]):
+                    self.messages.append(navigator.message)
+                if navigator.status in FINAL:
+                    break
+                state = sim.step(command, navigator.dt)
+                if state.contacts:
+                    self.contact = state.contacts[0].other
+                    break
+        self.time, self.pose = state.time, state.pose
+
+
+def grid_of(world):
+    return OccupancyGrid.from_world(world)
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_it_drives_round_a_box_that_is_not_on_the_map(backend):
+    navigator = Navigator(grid_of(room()), ROBOT)
+    run = Run(room(block("box", 4.6, 2.5, 5.4, 3.5)), navigator, backend=backend)
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert navigator.replans >= 1
+    assert any(message.startswith("blocked: obstacle ahead at (4.") for message in run.messages)
+    assert navigator.message == ""
+
+
+def test_it_takes_another_aisle_where_one_is_closed():
+    shelf = block("shelf", 3.0, 2.2, 7.0, 3.8)
+    navigator = Navigator(grid_of(room(shelf)), ROBOT)
+    run = Run(room(shelf, block("pallet", 5.0, 0.3, 5.5, 2.0)), navigator, Pose2D(1.5, 1.2), Pose2D(8.5, 1.2))
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert max(pose.y for pose in run.poses) > 4.0
+
+
+def test_without_a_path_it_gives_up_after_its_patience():
+    settings = NavigatorSettings(patience_s=4.0, wait_s=0.5)
+    navigator = Navigator(grid_of(room()), ROBOT, settings=settings)
+    run = Run(room(block("closed", 5.0, 0.1, 5.4, 5.9)), navigator)
+    assert (navigator.status, run.contact) == (NavigationStatus.NO_PATH, "")
+    assert NavigationStatus.BLOCKED in run.statuses
+    assert navigator.error is not None
+    assert run.time < 60.0
+
+
+def test_it_drives_without_a_map():
+    shelf = block("shelf", 3.0, 1.5, 4.0, 6.0)
+    other = block("other", 6.0, 0.0, 7.0, 4.5)
+    navigator = Navigator(None, ROBOT)
+    run = Run(room(shelf, other), navigator, Pose2D(1.5, 4.5), Pose2D(8.5, 2.0))
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert navigator.grid is None
+    assert navigator.costmap.unknown == "costly"
+
+
+def test_a_goal_that_something_stands_on_is_reached_within_its_tolerance():
+    settings = NavigatorSettings(goal_tolerance=0.8)
+    navigator = Navigator(grid_of(room()), ROBOT, settings=settings)
+    run = Run(room(block("box", 8.35, 2.85, 8.65, 3.15)), navigator)
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert run.pose.distance_to(GOAL) <= 0.8
+
+
+def test_a_goal_that_cannot_be_reached_within_its_tolerance_is_given_up_with_the_reason():
+    navigator = Navigator(grid_of(room()), ROBOT, settings=NavigatorSettings(patience_s=3.0))
+    run = Run(room(block("crate", 8.1, 2.6, 8.9, 3.4)), navigator)
+    assert (navigator.status, run.contact) == (NavigationStatus.NO_PATH, "")
+    assert "the goal (8.50, 3.00) is occupied by something that is not on the map" in str(navigator.error)
+    assert any("is occupied by something" in message for message in run.messages)
+
+
+class Ghost:
+    """Adds what a lidar at the front would see of a wall across the room, for some seconds."""
+
+    def __init__(self, x, until):
+        self.x, self.until = x, until
+
+    def __call__(self, state):
+        if state.time > self.until:
+            return state.scans
+        return tuple(self.see(scan, state.pose @ scan.mount) for scan in state.scans)
+
+    def see(self, scan, sensor):
+        ahead = np.cos(scan.angles + sensor.yaw)
+        with np.errstate(divide="ignore"):
+            ranges = np.where(ahead > 0.0, (self.x - sensor.x) / ahead, np.inf)
+        ranges = np.minimum(np.where(ranges > 0.0, ranges, np.inf), scan.ranges)
+        return Scan(scan.lidar, scan.time, scan.mount, scan.height, scan.angles, ranges, scan.range_min, scan.range_max)
+
+
+def test_a_false_obstacle_that_vanishes_only_delays_it():
+    navigator = Navigator(grid_of(room()), ROBOT)
+    run = Run(room(), navigator, change=Ghost(5.0, until=8.0))
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert NavigationStatus.BLOCKED in run.statuses
+    assert 8.0 < run.time < 30.0
+    assert max(abs(pose.y - 3.0) for pose in run.poses) < 1.0
+
+
+def test_it_waits_for_what_may_move_where_the_detour_is_long():
+    shelf = block("shelf", 2.0, 2.2, 18.0, 3.8)
+    world = room(shelf, width=20.0)
+    navigator = Navigator(grid_of(world), ROBOT, settings=NavigatorSettings(wait_s=6.0))
+    start, goal = Pose2D(4.0, 1.2), Pose2D(16.0, 1.2)
+    run = Run(world, navigator, start, goal, change=Ghost(7.0, until=5.0))
+    assert navigator.status is NavigationStatus.ARRIVED
+    assert max(pose.y for pose in run.poses) < 2.2
+    patient = run.time
+    navigator = Navigator(grid_of(world), ROBOT, settings=NavigatorSettings(wait_s=0.0))
+    run = Run(world, navigator, start, goal, change=Ghost(7.0, until=5.0), seconds=20.0)
+    assert min(pose.x for pose in run.poses) < 3.9 or run.time > patient
+
+
+def test_unseen_space_is_entered_no_faster_than_allows_a_stop():
+    """A lidar that sees 1 m: the robot can stop within that."""
+    near = ROBOT.lidars["front"].model_copy(update={"range_max": 1.0})
+    short = ROBOT.model_copy(update={"lidars": {"front": near}})
+    slow = short.model_copy(update={"limits": ROBOT.limits.model_copy(update={"linear_acceleration": 0.2})})
+    navigator = Navigator(None, slow)
+    navigator.set_goal(9.0, 3.0)
+    speeds = []
+    with simulate(room(), slow, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        for _ in range(200):
+            command = navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
+            speeds.append(state.twist.v)
+            state = sim.step(command, navigator.dt)
+    # 0.9 m of what is seen are in front of the footprint at most: v² / 2a is less.
+    assert 0.2 < max(speeds) < math.sqrt(2.0 * 0.2 * 0.95)
+    assert np.median(speeds[100:]) > 0.1
+
+
+def test_observations_and_poses_drive_alike():
+    world = room(block("box", 4.6, 2.5, 5.4, 3.5))
+    commands = []
+    for whole in (True, False):
+        navigator = Navigator(grid_of(room()), ROBOT)
+        navigator.set_goal(GOAL)
+        driven = []
+        with simulate(world, ROBOT, backend="kinematic", lidar=True) as sim:
+            state = sim.reset(START)
+            for _ in range(100):
+                if whole:
+                    command = navigator.update(state.observation, Estimate(state.time, state.pose))
+                else:
+                    command = navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
+                driven.append(command)
+                state = sim.step(command, navigator.dt)
+        commands.append(driven)
+    assert commands[0] == commands[1]
+
+
+# Bad input -----------------------------------------------------------------------------------------------------------
+
+
+def scan_ahead(distance, time=0.0, lidar="front"):
+    angles = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+    mount = ROBOT.lidars["front"]
+    ranges = np.where(np.abs(angles - math.pi) % (2 * math.pi) < 0.2, distance, np.inf)
+    return Scan(lidar, time, Pose2D(mount.x, mount.y, mount.yaw), mount.z, angles, ranges, 0.05, 30.0)
+
+
+def open_floor(**options):
+    navigator = Navigator(OccupancyGrid(np.zeros((120, 200), np.int8), 0.05), ROBOT, **options)
+    navigator.set_goal(8.5, 3.0)
+    return navigator
+
+
+def look(navigator, time, pose=START, scans=None):
+    navigator.update(pose, Twist2D(), time=time, scans=[scan_ahead(3.0, time)] if scans is None else scans)
+
+
+def test_scans_can_be_left_out():
+    navigator = open_floor(layers=False)
+    before = navigator.costmap
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    assert navigator.costmap is before
+
+
+def test_reset_forgets_what_was_sensed_and_keeps_the_map():
+    navigator = open_floor()
+    before = navigator.costmap
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    assert navigator.costmap is not before
+    navigator.reset()
+    assert navigator.costmap is before
+
+
+def test_a_costmap_that_is_put_there_stays_under_what_is_sensed():
+    navigator = open_floor()
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    changed = navigator.costmap.update(slice(100, 110), slice(100, 110), 100)
+    navigator.costmap = changed
+    look(navigator, 0.25)
+    assert (navigator.costmap.data[100:110, 100:110] == 254).all()
+    navigator.reset()
+    assert navigator.costmap is changed
+
+
+def test_a_pose_that_jumps_is_planned_from_again():
+    navigator = open_floor()
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    before = navigator.path
+    with pytest.warns(SensorWarning):
+        look(navigator, 0.25, pose=Pose2D(6.5, 0.5))
+    assert navigator.message == "the pose jumped by 5.6 m: planning a new path"
+    assert navigator.path is not before
+    assert navigator.path.start.distance_to(Pose2D(6.5, 0.5)) < 0.3
+    assert navigator.status is not NavigationStatus.STUCK
+
+
+def test_scans_of_one_time_wait_for_the_next():
+    navigator = open_floor()
+    look(navigator, 0.0)
+    look(navigator, 0.05, scans=[])
+    before = navigator.costmap
+    look(navigator, 0.05)
+    assert navigator.costmap is before
+    look(navigator, 0.1, scans=[])
+    assert (navigator.costmap.data == 254).any()
+
+
+def test_a_time_that_goes_back_is_warned_about_and_a_new_goal_may_start_over():
+    navigator = open_floor()
+    for tick in range(20):
+        look(navigator, 10.0 + tick * 0.05)
+    with pytest.warns(SensorWarning, match="the time went back"):
+        look(navigator, 5.0)
+    navigator.set_goal(8.5, 3.0)
+    look(navigator, 0.0)
+    look(navigator, 0.05)
+
+
+def test_scans_of_another_kind_are_refused():
+    navigator = open_floor()
+    with pytest.raises(InputError):
+        navigator.update(START, Twist2D(), time=0.0, scans=[1.0])
+    with pytest.raises(InputError):
+        Navigator(None, ROBOT, layers="obstacle")
+    with pytest.raises(InputError, match="keep-out"):
+        Navigator(None, ROBOT, keepout="zones.yaml")
+
+
+def test_without_a_map_unknown_space_is_driven_as_the_settings_say():
+    navigator = Navigator(None, ROBOT, costmap=CostmapSettings(unknown="free"), layers=LayersSettings(width=20.0))
+    navigator.set_goal(30.0, -3.0)
+    path = navigator.plan((0.0, 0.0, 0.0))
+    assert path.goal.distance_to(Pose2D(30.0, -3.0)) < 0.1
+    assert navigator.costmap.unknown == "free"
+    assert isinstance(navigator.costmap, Costmap)
+
+
+def test_an_observation_needs_an_estimate():
+    navigator = open_floor()
+    with pytest.raises(InputError):
+        navigator.update(Observation(0.0, Twist2D(), START, ()))
