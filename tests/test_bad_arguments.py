@@ -77,7 +77,7 @@ CALLS = {
     "simulate(robot=None)": (lambda: simulate(WORLD, None), "a robot must be of type"),
     "simulate(backend=None)": (lambda: simulate(WORLD, CARTER, backend=None), "the name of a backend must be"),
     "run(None)": (lambda: run(sim=5), "a run's simulator must be of type Simulator, got int"),
-    "run navigator": (lambda: run(driver=5), "a run's navigator must be of type Navigator, got int"),
+    "run navigator": (lambda: run(driver=5), "a run's agent must be of type Agent, got int"),
     "run start": (lambda: run(start=5), "a pose is .* got 5"),
     "run start of one": (lambda: run(start=(1,)), "a pose is .* got 1 number"),
     "run goal": (lambda: run(goal=None), "a goal is a pose.* got None"),

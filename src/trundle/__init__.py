@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from trundle.evaluation import Evaluation, Suite, evaluate
     from trundle.geometry import Goal, Pose2D, Twist2D
     from trundle.maps import HeightField, OccupancyGrid
-    from trundle.mission import Episode, Outcome, Scenario, run, sample_mission
+    from trundle.mission import Episode, Outcome, Scenario, Session, run, sample_mission
     from trundle.navigation import Choice, Navigator, NavigatorSettings
     from trundle.observation import Estimate, Observation, Scan
     from trundle.path import Path
@@ -48,6 +48,7 @@ __getattr__ = lazy_names(
         "RobotState": "trundle.sim",
         "Scan": "trundle.observation",
         "Scenario": "trundle.mission",
+        "Session": "trundle.mission",
         "Suite": "trundle.evaluation",
         "TrundleError": "trundle.errors",
         "Twist2D": "trundle.geometry",
@@ -81,6 +82,7 @@ __all__ = [
     "RobotState",
     "Scan",
     "Scenario",
+    "Session",
     "Suite",
     "TrundleError",
     "Twist2D",

@@ -4,9 +4,10 @@ from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
 from trundle.mission.fields import RunSettings
 from trundle.mission.loop import run
-from trundle.mission.observers import Observer, RunInfo, Step
+from trundle.mission.observers import MonitorReport, Observer, RunInfo, Step
 from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, Scenario, Setting
+from trundle.mission.session import Monitor, Session
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [
@@ -14,11 +15,14 @@ __all__ = [
     "Goal",
     "Metrics",
     "Mission",
+    "Monitor",
+    "MonitorReport",
     "Observer",
     "Outcome",
     "RunInfo",
     "RunSettings",
     "Scenario",
+    "Session",
     "Setting",
     "Step",
     "Trajectory",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pathlib
 from collections.abc import Mapping
@@ -26,6 +27,11 @@ class Outcome(StrEnum):
 
     ARRIVED = "arrived"
     """The robot stands at the last goal and touched nothing."""
+    ARRIVED_BY_ESTIMATE = "arrived_by_estimate"
+    """By its localizer's estimate it stands at the last goal, and it touched nothing; in truth it is, or was at an
+    earlier goal, elsewhere: see `Metrics.position_error_m`."""
+    FINISHED = "finished"
+    """An agent without a goal, such as a script of commands, was done, and the robot touched nothing."""
     COLLIDED = "collided"
     """It touched something that is not the floor."""
     STUCK = "stuck"
@@ -52,7 +58,8 @@ class Metrics:
             et al., "On Evaluation of Embodied Navigation Agents", 2018). 0 unless arrived.
         min_clearance_m: Smallest distance [m] from the oriented footprint, at all poses of the trajectory, to a solid
             of the world that reaches between the robot's ground clearance and its height, whether its map has it or
-            not; 0 where there was a contact, and `CLEARANCE_CAP` stands for that or more.
+            not; 0 where there was a contact, and `CLEARANCE_CAP` stands for that or more. None where nothing is known
+            to measure it on. Moving obstacles do not count.
         mean_cross_track_error_m: Mean distance [m] from base_link to the path that was followed; none without a path.
         max_cross_track_error_m: Largest such distance [m]; none without a path.
         smoothness_rad_per_m: Turning per distance [rad/m]: the sum of all changes in yaw, as positive numbers, over
@@ -61,20 +68,27 @@ class Metrics:
         planning_ms: Wall time of all planning, replans included [ms].
         replans: Plans beyond the first to each goal.
         real_time_factor: Simulated time over the wall time of the loop.
-        contacts: Names of what it touched, in order of first touch.
+        contacts: Names of what it touched, in order of first touch; without `standing_contacts`.
         shortest_path_m: Length [m] of the shortest path of the footprint's inscribed disc through the goals in turn, in
             any direction, in the world's true map (cells of the costmap's resolution, every cell that a solid reaches
             into is blocked, except where the robot drove). None unless arrived.
         measured_on: "world" where `min_clearance_m` and `shortest_path_m` are measured on the world's solids; "map"
             where the simulator does not know them, as in an environment of Isaac Sim or on a real robot: on the
-            robot's first costmap then, where unknown cells count as solid.
+            robot's first costmap then, where unknown cells count as solid; "nothing" where the agent has no costmap
+            either, or nothing was measured.
+        standing_contacts: Names of moving obstacles that ran into the robot while it stood: its true speeds were below
+            0.05 m/s and 0.05 rad/s when the touch began. They do not end a run.
+        unseen_contacts: Those of `contacts` and `standing_contacts` that no lidar could have seen, as the plane of none
+            that sent a scan crosses them; empty without scans.
+        position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.
+        monitor_stops: How often the collision monitor stopped the robot; None where there was no monitor.
     """
 
     time_s: float
     distance_m: float
     path_length_m: float
     spl: float
-    min_clearance_m: float
+    min_clearance_m: float | None
     mean_cross_track_error_m: float | None
     max_cross_track_error_m: float | None
     smoothness_rad_per_m: float | None
@@ -84,6 +98,10 @@ class Metrics:
     contacts: tuple[str, ...] = ()
     shortest_path_m: float | None = None
     measured_on: str = "map"
+    standing_contacts: tuple[str, ...] = ()
+    unseen_contacts: tuple[str, ...] = ()
+    position_error_m: float = 0.0
+    monitor_stops: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,14 +115,14 @@ class Episode:
         trajectory: Where it was and what was commanded.
         paths: Every path that was followed, in order.
         start: The start pose, map frame.
-        goals: The goals, in order.
+        goals: The goals, in order; none where the agent had none.
         goals_reached: The number of goals reached.
         name: Name of the run.
         robot: Name of the robot.
-        planner: Name of the planner.
-        controller: Name of the controller.
+        planner: Name of the planner, "none" where the agent has no planner.
+        controller: Name of the controller, or of the agent.
         seed: Of the simulator.
-        time_limit_s: Simulated time at which the run would have been stopped [s].
+        time_limit_s: Simulated time at which the run would have been stopped [s], or infinity.
         observer_errors: What observers raised; they were dropped, and the run continued. They are not recorded.
         costmap: What the robot planned on at the start, for the notebook's picture; None where it was loaded.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
@@ -159,7 +177,7 @@ class Episode:
             planner=facts.planner,
             controller=facts.controller,
             seed=facts.seed,
-            time_limit_s=facts.time_limit_s,
+            time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
             folder=place,
         )
 
@@ -201,7 +219,7 @@ class Episode:
             "goals": [list(goal) for goal in self.goals],
             "goals_reached": self.goals_reached,
             "seed": self.seed,
-            "time_limit_s": self.time_limit_s,
+            "time_limit_s": self.time_limit_s if math.isfinite(self.time_limit_s) else None,
         }
 
 
@@ -219,7 +237,7 @@ class _Facts:
     planner: str
     controller: str
     seed: int
-    time_limit_s: float
+    time_limit_s: float | None
 
 
 def _plain(value: object) -> object:

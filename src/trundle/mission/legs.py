@@ -15,7 +15,7 @@ from trundle.navigation import Navigator
 from trundle.path import Path
 
 
-def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]]) -> tuple[Goal, ...]:
+def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None) -> tuple[Goal, ...]:
     """Take one goal, or a list of them.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,7 +21,7 @@ _CHUNK = 1_000_000  # distances at a time
 def compute_metrics(
     trajectory: Trajectory,
     paths: Sequence[Path],
-    costmap: Costmap,
+    costmap: Costmap | None,
     *,
     arrived: bool,
     path_length_m: float,
@@ -28,6 +29,9 @@ def compute_metrics(
     replans: int,
     wall_s: float,
     contacts: Sequence[str],
+    standing_contacts: Sequence[str] = (),
+    unseen_contacts: Sequence[str] = (),
+    monitor_stops: int | None = None,
     truth: Truth | None = None,
 ) -> Metrics:
     """Compute the metrics of a run; see `Metrics` for their definitions.
@@ -35,19 +39,25 @@ def compute_metrics(
     Args:
         trajectory: The run.
         paths: What its column `path` counts.
-        costmap: What the clearance is measured on where the truth is not known.
+        costmap: What the clearance is measured on where the truth is not known; none where there is none.
         arrived: Whether it was a success.
         path_length_m: Length [m] of the first plans to all goals.
         planning_s: Wall time spent on planning [s].
         replans: Plans beyond the first ones.
         wall_s: Wall time of the loop [s].
         contacts: What was touched.
+        standing_contacts: What ran into the robot while it stood.
+        unseen_contacts: What was touched and no lidar could see.
+        monitor_stops: How often a collision monitor stopped the robot; none without one.
         truth: What was measured around the robot; none means that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
     if truth is None:
-        clearance = float(costmap.clearance(trajectory.poses, CLEARANCE_CAP).min())
-        truth = Truth(clearance, path_length_m if arrived else None, "map")
+        shortest_m = path_length_m if arrived else None
+        truth = Truth(None, shortest_m, "nothing")
+        if costmap is not None:
+            clearance = float(costmap.clearance(trajectory.poses, CLEARANCE_CAP).min())
+            truth = Truth(clearance, shortest_m, "map")
     distance = path_length(np.column_stack([trajectory.x, trajectory.y]))
     turning = float(np.abs(wrap_angles(np.diff(trajectory.yaw))).sum())
     errors = cross_track_errors(trajectory, paths)
@@ -69,6 +79,10 @@ def compute_metrics(
         contacts=tuple(contacts),
         shortest_path_m=truth.shortest_path_m,
         measured_on=truth.measured_on,
+        standing_contacts=tuple(standing_contacts),
+        unseen_contacts=tuple(unseen_contacts),
+        position_error_m=math.dist(trajectory.poses[-1, :2], trajectory.estimates[-1, :2]),
+        monitor_stops=monitor_stops,
     )
 
 

@@ -12,12 +12,29 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
 from trundle.navigation import NavigationStatus
+from trundle.observation import Estimate, Observation, Scan
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.sim import RobotState
+from trundle.sim import MoverState, RobotState
 from trundle.values import check_kind
 
 _LOGGER = logging.getLogger(__name__)
+
+_STAND = Twist2D()
+
+
+class MonitorReport(Protocol):
+    """What a collision monitor did with a command; `trundle.control.MonitorReport` is one."""
+
+    @property
+    def command(self) -> Twist2D:
+        """The twist to send."""
+        ...
+
+    @property
+    def action(self) -> str:
+        """Such as "none", "slow", "approach" and "stop"."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,21 +44,21 @@ class RunInfo:
     Attributes:
         name: Name of the run.
         robot: The robot that is driven.
-        costmap: What it plans and drives on.
+        costmap: What it plans and drives on at the start; None where its agent has none.
         start: Where it starts, map frame.
-        goals: The goals, in order.
+        goals: The goals, in order; none where the agent has none.
         path_length_m: Length [m] of the plans to all goals, as far as there are any.
-        time_limit_s: When the run is stopped [s].
-        dt: Control period [s].
-        planner: Name of the planner.
-        controller: Name of the controller.
+        time_limit_s: When the run is stopped [s]; infinity without a limit.
+        dt: Control period [s], the first one where they differ.
+        planner: Name of the planner, "none" where the agent has no planner.
+        controller: Name of the controller, or of the agent.
         seed: Of the simulator.
         speed_mask: What limits its speed, or None.
     """
 
     name: str
     robot: Robot
-    costmap: Costmap
+    costmap: Costmap | None
     start: Pose2D
     goals: tuple[Goal, ...]
     path_length_m: float
@@ -59,11 +76,16 @@ class Step:
 
     Attributes:
         index: Number of control periods driven.
-        state: Of the simulator now.
-        command: What was commanded during the period that ends now.
+        state: Of the simulator now: the truth.
+        command: What the agent commanded for the period that ends now.
         goal: Index of the goal that it drives to.
         path: The path that it follows, or none.
-        status: Of the navigator.
+        status: Of the agent.
+        sent: What was sent to the robot: the command, or what the collision monitor made of it.
+        observation: What the robot knows now, from which the agent makes its next command.
+        estimate: Where the robot believes to be now.
+        costmap: What the agent drives on, or none.
+        monitor: What the collision monitor did with the command, or none without one.
     """
 
     index: int
@@ -72,6 +94,21 @@ class Step:
     goal: int
     path: Path | None
     status: NavigationStatus
+    sent: Twist2D = _STAND
+    observation: Observation | None = None
+    estimate: Estimate | None = None
+    costmap: Costmap | None = None
+    monitor: MonitorReport | None = None
+
+    @property
+    def scans(self) -> tuple[Scan, ...]:
+        """The scans that arrived during the period that ends now."""
+        return () if self.observation is None else self.observation.scans
+
+    @property
+    def movers(self) -> tuple[MoverState, ...]:
+        """The world's moving obstacles now."""
+        return self.state.movers
 
 
 @runtime_checkable

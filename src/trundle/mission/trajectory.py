@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     import pandas  # pyright: ignore[reportMissingImports] - an extra
 
 _WHOLE = ("goal", "path")
+_ESTIMATES = ("estimate_x", "estimate_y", "estimate_yaw")
+
+
+def _not_given() -> FloatArray:
+    return np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,10 +38,11 @@ class Trajectory:
         time: Simulated time [s].
         x, y, yaw: True pose of base_link, map frame [m, m, rad].
         v, w: True twist in base_link [m/s, rad/s].
-        commanded_v, commanded_w: The command, before the robot's limits [m/s, rad/s].
+        commanded_v, commanded_w: The command that was sent, before the robot's limits [m/s, rad/s].
         odometry_x, odometry_y, odometry_yaw: Wheel odometry, in a frame with its origin at the start pose.
         goal: Index of the goal that it was driving to; int64.
         path: Index in `Episode.paths` of the path that it was following, −1 for none; int64.
+        estimate_x, estimate_y, estimate_yaw: Estimated pose of base_link, map frame; none given means the true pose.
 
     Raises:
         InputError: If the arrays are not one-dimensional, of one length above 0, and finite.
@@ -55,8 +61,14 @@ class Trajectory:
     odometry_yaw: FloatArray
     goal: npt.NDArray[np.int64]
     path: npt.NDArray[np.int64]
+    estimate_x: FloatArray = field(default_factory=_not_given)
+    estimate_y: FloatArray = field(default_factory=_not_given)
+    estimate_yaw: FloatArray = field(default_factory=_not_given)
 
     def __post_init__(self) -> None:
+        for name in _ESTIMATES:
+            if len(getattr(self, name)) == 0:
+                object.__setattr__(self, name, getattr(self, name.removeprefix("estimate_")))
         for name in self.columns():
             kind = np.int64 if name in _WHOLE else np.float64
             array = as_array(getattr(self, name), kind, f"{name} of a trajectory")
@@ -83,6 +95,11 @@ class Trajectory:
         """(x, y, yaw), shape (N, 3)."""
         return np.column_stack([self.x, self.y, self.yaw])
 
+    @property
+    def estimates(self) -> FloatArray:
+        """Estimated (x, y, yaw), shape (N, 3)."""
+        return np.column_stack([self.estimate_x, self.estimate_y, self.estimate_yaw])
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return a table with a column for each array and a row for each control period.
 
@@ -105,13 +122,13 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
-        """Read what `save` wrote.
+        """Read what `save` wrote. A file of an older version has no estimates: the true poses stand for them.
 
         Raises:
             InputError: If the file cannot be read, or is not a trajectory.
         """
         arrays, _ = read_arrays(path, cls.columns(), error=InputError)
-        missing = [name for name in cls.columns() if name not in arrays]
+        missing = [name for name in cls.columns() if name not in arrays and name not in _ESTIMATES]
         if missing:
             raise InputError(f"{os.fspath(path)}: not a trajectory: it has no {', '.join(missing)}")
         try:

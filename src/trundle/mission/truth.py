@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -18,10 +18,13 @@ from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_extent, map_world
 from trundle.worlds import World
 
-MeasuredOn: TypeAlias = Literal["world", "map"]
+MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]
 
 CLEARANCE_CAP = 2.0
 """Clearances are capped at this [m]."""
+
+_RESOLUTION_M = 0.05
+"""Of the world's map where the robot has none."""
 
 _END_TOLERANCE_M = 0.5
 """How far an end of the shortest path may be moved: the cells hold all of every solid, and more at its edges."""
@@ -32,13 +35,13 @@ class Truth:
     """What was measured around the robot; see `Metrics` for what it means.
 
     Attributes:
-        min_clearance_m: [m].
+        min_clearance_m: [m]; none where nothing is known.
         shortest_path_m: [m]; none where the robot did not arrive.
-        measured_on: "world", or "map" where the simulator does not know its solids.
+        measured_on: "world", "map" where the simulator does not know its solids, "nothing" without a map.
         closest: Index of the pose where the robot was closest to a solid, to within a cell; none where it is not known.
     """
 
-    min_clearance_m: float
+    min_clearance_m: float | None
     shortest_path_m: float | None
     measured_on: MeasuredOn
     closest: int | None = None
@@ -65,12 +68,30 @@ class TrueMaps:
         return self._map
 
 
+class Measure(Protocol):
+    """Measures a run's surroundings; see `measure_truth`."""
+
+    def __call__(
+        self,
+        poses: FloatArray,
+        ends: Sequence[Sequence[float]],
+        robot: Robot,
+        world: World | None,
+        costmap: Costmap | None,
+        *,
+        arrived: bool,
+        touched: bool,
+    ) -> Truth:
+        """Measure it."""
+        ...
+
+
 def measure_truth(
     poses: FloatArray,
     ends: Sequence[Sequence[float]],
     robot: Robot,
     world: World | None,
-    costmap: Costmap,
+    costmap: Costmap | None,
     *,
     arrived: bool,
     touched: bool,
@@ -83,18 +104,22 @@ def measure_truth(
         ends: Start and goals, in order: (x, y, …).
         robot: What drove.
         world: Where it drove; none where that is not known.
-        costmap: The robot's own first one, which stands for the world where there is none.
+        costmap: The robot's own first one, which stands for the world where there is none; none where it has none.
         arrived: Whether a shortest path is asked for.
         touched: Whether there was a contact: nothing is nearer.
         true_maps: Where the map of the world is kept for the next run.
     """
     points = np.array([end[:2] for end in ends], dtype=np.float64)
-    true_map = costmap
     if world is not None:
-        margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * costmap.resolution
+        resolution = _RESOLUTION_M if costmap is None else costmap.resolution
+        margin = CLEARANCE_CAP + robot.circumscribed_radius + 2.0 * resolution
         around = np.concatenate([poses[:, :2], points])
         maps = TrueMaps() if true_maps is None else true_maps
-        true_map = maps.get(world, robot, around, resolution=costmap.resolution, margin=margin)
+        true_map = maps.get(world, robot, around, resolution=resolution, margin=margin)
+    elif costmap is not None:
+        true_map = costmap
+    else:
+        return Truth(0.0 if touched else None, None, "nothing")
     coarse = true_map.clearance(poses, CLEARANCE_CAP)
     if touched:
         clearance = 0.0

@@ -11,8 +11,10 @@ from PIL import Image, ImageDraw
 
 from trundle.costmap import INSCRIBED, LETHAL, NO_INFORMATION, Costmap
 from trundle.geometry import FloatArray, Pose2D
+from trundle.maps import OccupancyGrid
 from trundle.pictures.colors import KEPT_OUT, PAGE, SLOW, UNKNOWN, Rgb, cost_palette
 from trundle.record.zones import SpeedZones
+from trundle.robots import Robot
 
 SMOOTH = 2
 """Lines are drawn at this multiple of the resolution and averaged (anti-aliasing)."""
@@ -21,8 +23,18 @@ LONG_SIDE = 1000
 MAX_SIDE = 2000
 _MARGIN_M = 2.0
 _LEAST_VIEW_M = 8.0
+_FLOOR_CELL_M = 0.1
 _LEAST_RATIO = 0.85  # ratio of the shorter to the longer side of a view, if the map is wide enough
 _WHOLE_MAP_SHARE = 0.6  # a view of more than this share of the map shows all of it
+
+
+def empty_floor(points: FloatArray, robot: Robot) -> Costmap:
+    """A free costmap around points [m], shape (N, 2), to draw the run of an agent on that has no costmap."""
+    low, high = points.min(axis=0) - _LEAST_VIEW_M, points.max(axis=0) + _LEAST_VIEW_M
+    edge = _FLOOR_CELL_M
+    cols, rows = np.ceil((high - low) / edge).astype(int).tolist()
+    grid = OccupancyGrid(np.zeros((rows, cols), dtype=np.int8), edge, Pose2D(float(low[0]), float(low[1])))
+    return Costmap.from_grid(grid, robot)
 
 
 class MapView:

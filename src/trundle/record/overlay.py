@@ -31,7 +31,7 @@ from trundle.pictures.colors import (
     Rgb,
     speed_color,
 )
-from trundle.record.map_view import MapView
+from trundle.record.map_view import MapView, empty_floor
 from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.record.stripes import draw_striped
 from trundle.record.zones import speed_zones, zone_marks
@@ -46,7 +46,7 @@ _LEGEND = (
     Mark("square", UNKNOWN, "unknown"),
     Mark("square", INFLATED, "inflation"),
 )
-_STATUS: dict[Outcome, Rgb] = {Outcome.ARRIVED: GOOD, Outcome.COLLIDED: BAD}
+_STATUS: dict[Outcome, Rgb] = {Outcome.ARRIVED: GOOD, Outcome.FINISHED: GOOD, Outcome.COLLIDED: BAD}
 
 
 def draw_plan(
@@ -127,19 +127,22 @@ def draw_paths(
     )
 
 
-def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: SpeedMask | None = None) -> Image.Image:
+def draw_run(
+    costmap: Costmap | None, robot: Robot, episode: Episode, *, speed_mask: SpeedMask | None = None
+) -> Image.Image:
     """Draw a run on its map: planned paths, the driven trajectory coloured by speed, and the outcome.
 
     Args:
-        costmap: The costmap of the run.
+        costmap: The costmap of the run; None draws it on an empty floor.
         robot: The robot, for its footprint.
         episode: The run.
         speed_mask: The speed limits, or None.
     """
     trajectory = episode.trajectory
-    goals = np.array([goal[:2] for goal in episode.goals])
+    goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
     seen = [trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
     zones = speed_zones(speed_mask, robot)
+    costmap = empty_floor(np.concatenate(seen), robot) if costmap is None else costmap
     view = MapView(costmap, np.concatenate(seen), zones=zones)
     for path in episode.paths:
         view.line(path.poses[:, :2], PLANNED, 11)
@@ -152,7 +155,7 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
     view.outline(end, robot.outline, ROBOT, 1.5, fill=60)
     for goal in episode.goals:
         _draw_goal(view, robot, goal)
-    if episode.outcome is not Outcome.ARRIVED:
+    if episode.outcome not in (Outcome.ARRIVED, Outcome.FINISHED):
         view.arrow(end, 14, ROBOT)
         view.cross((end.x, end.y), 13, _STATUS.get(episode.outcome, WARNING), 5)
     picture = view.finish()
@@ -174,13 +177,14 @@ def draw_run(costmap: Costmap, robot: Robot, episode: Episode, *, speed_mask: Sp
 def describe(episode: Episode) -> list[str]:
     """Return the metrics of a run as lines of text, without wall times, so that equal runs give equal pictures."""
     metrics = episode.metrics
-    capped = metrics.min_clearance_m >= CLEARANCE_CAP
     figures = [
         f"{metrics.time_s:.1f} s",
         f"{metrics.distance_m:.2f} m driven",
         f"{metrics.path_length_m:.2f} m planned",
-        f"smallest clearance {metrics.min_clearance_m:.2f} m" + (" or more" if capped else ""),
     ]
+    if metrics.min_clearance_m is not None:
+        capped = metrics.min_clearance_m >= CLEARANCE_CAP
+        figures.append(f"smallest clearance {metrics.min_clearance_m:.2f} m" + (" or more" if capped else ""))
     if metrics.max_cross_track_error_m is not None:
         figures.append(f"off path at most {metrics.max_cross_track_error_m:.2f} m")
     figures.append(f"SPL {metrics.spl:.2f}")
@@ -191,7 +195,7 @@ def describe(episode: Episode) -> list[str]:
         f"seed {episode.seed}",
     ]
     lines = [" · ".join(figures), " · ".join(settings)]
-    return lines if episode.arrived else [episode.message, *lines]
+    return lines if episode.arrived or episode.outcome is Outcome.FINISHED else [episode.message, *lines]
 
 
 def draw_driven(view: MapView, trajectory: Trajectory, top_speed: float, *, width: float = 4.0) -> None:

@@ -32,7 +32,7 @@ class SceneFrames:
     def __init__(self, mission: Mission, episode: Episode) -> None:
         self._mission = mission
         self._path = episode.paths[0].poses if episode.paths else None
-        self._goal = episode.goals[-1].pose
+        self._goal = episode.goals[-1].pose if episode.goals else None
         self._stride = STRIDE
         self._count = 0
         self._scene = self._open((960, 540), shadow_size=0)

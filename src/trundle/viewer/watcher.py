@@ -62,5 +62,5 @@ class Watcher:
             return
         self._shown = (step.path, step.goal)
         goals = self._run.goals
-        goal = Pose2D.of(goals[min(step.goal, len(goals) - 1)])
+        goal = Pose2D.of(goals[min(step.goal, len(goals) - 1)]) if goals else None
         self._window.mark_route(None if step.path is None else step.path.poses, goal)

@@ -159,7 +159,7 @@ def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
             "outcome": episode.outcome.value if episode.arrived else f"{episode.outcome.value}: {episode.message}",
             "time": f"{metrics.time_s:.1f} s",
             "distance": f"{metrics.distance_m:.2f} m (planned {metrics.path_length_m:.2f} m)",
-            "smallest clearance": f"{metrics.min_clearance_m:.3f} m",
+            "smallest clearance": "unknown" if metrics.min_clearance_m is None else f"{metrics.min_clearance_m:.3f} m",
             "planning time": f"{metrics.planning_ms:.1f} ms",
             "real-time factor": f"{metrics.real_time_factor:.0f}",
             "contacts": first_names(metrics.contacts) or "none",

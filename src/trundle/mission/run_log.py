@@ -1,0 +1,113 @@
+"""`RunLog`: what a run leaves behind, from its first state to its metrics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from trundle.geometry import Twist2D
+from trundle.mission.observers import MonitorReport
+from trundle.mission.trajectory import Trajectory
+from trundle.observation import Estimate, Scan
+from trundle.path import Path
+from trundle.sim import Contact, RobotState
+from trundle.worlds import World
+
+_STANDING_V = 0.05
+_STANDING_W = 0.05
+"""A robot whose speeds [m/s, rad/s] are below these stands."""
+
+
+class RunLog:
+    """The rows, the paths and the contacts of a run in progress.
+
+    Attributes:
+        paths: Every path that was followed, in order.
+        hit: A contact of the last row that counts as a collision, or none.
+        contacts: Names of what the robot touched, in order of first touch.
+        standing_contacts: Names of moving obstacles that ran into the robot while it stood.
+        monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
+    """
+
+    def __init__(self) -> None:
+        self.paths: list[Path] = []
+        self.hit: Contact | None = None
+        self.contacts: dict[str, None] = {}
+        self.standing_contacts: dict[str, None] = {}
+        self.monitor_stops: int | None = None
+        self._rows: list[tuple[float, ...]] = []
+        self._touching: frozenset[str] = frozenset()
+        self._spared: frozenset[str] = frozenset()
+        self._twist = Twist2D()
+        self._heights: set[float] = set()
+        self._stopped = False
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def add(self, state: RobotState, sent: Twist2D, estimate: Estimate, goal: int, path: Path | None) -> None:
+        """Add the state at the end of a control period, with what was sent to the robot during it."""
+        if path is not None and (not self.paths or path is not self.paths[-1]):
+            self.paths.append(path)
+        self._rows.append(
+            (
+                state.time,
+                *state.pose.as_tuple(),
+                state.twist.v,
+                state.twist.w,
+                sent.v,
+                sent.w,
+                *state.odometry.as_tuple(),
+                goal,
+                len(self.paths) - 1 if path is not None else -1,
+                *estimate.pose.as_tuple(),
+            )
+        )
+        if state.contacts or self._touching:
+            self._note_contacts(state)
+        if state.scans:
+            self._note_scans(state.scans)
+        self._twist = state.twist
+
+    def add_report(self, report: MonitorReport) -> None:
+        """Count what a collision monitor did."""
+        stops = report.action == "stop"
+        self.monitor_stops = (self.monitor_stops or 0) + (stops and not self._stopped)
+        self._stopped = stops
+
+    def trajectory(self) -> Trajectory:
+        """The rows."""
+        columns = [np.array(column) for column in zip(*self._rows, strict=True)]
+        return Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
+
+    def unseen_contacts(self, world: World | None) -> tuple[str, ...]:
+        """Names of what was touched and is not crossed by the plane of any lidar that sent a scan."""
+        touched = [*self.contacts, *(name for name in self.standing_contacts if name not in self.contacts)]
+        if not touched or not self._heights or world is None:
+            return ()
+        return tuple(name for name in touched if _is_out_of_sight(world, name, self._heights))
+
+    def _note_contacts(self, state: RobotState) -> None:
+        names = frozenset(contact.other for contact in state.contacts)
+        # How it moved when the touch began: a collision itself stops the robot, or a mover pushes it.
+        stood = abs(self._twist.v) < _STANDING_V and abs(self._twist.w) < _STANDING_W
+        movers = frozenset(mover.name for mover in state.movers) & names
+        self._spared = frozenset(name for name in movers if (name in self._spared if name in self._touching else stood))
+        self._touching = names
+        self.hit = None
+        for contact in state.contacts:
+            if contact.other in self._spared:
+                self.standing_contacts.setdefault(contact.other)
+            else:
+                self.contacts.setdefault(contact.other)
+                self.hit = self.hit or contact
+
+    def _note_scans(self, scans: Sequence[Scan]) -> None:
+        self._heights.update(scan.height for scan in scans)
+
+
+def _is_out_of_sight(world: World, name: str, heights: Iterable[float]) -> bool:
+    """Whether the solids of this name are all above or below planes at these heights [m]."""
+    bounds = [solid.bounds() for solid in world.solids if solid.name == name]
+    return bool(bounds) and not any(low[2] <= height <= high[2] for low, high in bounds for height in heights)

@@ -1,0 +1,506 @@
+"""`Session`: one run that can be stepped, in which an agent drives a simulator and observers are notified."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time as clock
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol, Self
+
+from trundle.control import CollisionMonitor
+from trundle.errors import PlanningError, ScenarioError, SimulationError
+from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.localization import Localizer, create_localizer
+from trundle.mission.episode import Episode, Outcome
+from trundle.mission.legs import plan_legs, read_goals
+from trundle.mission.metrics import compute_metrics
+from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
+from trundle.mission.run_log import RunLog
+from trundle.mission.truth import Measure, Truth, measure_truth
+from trundle.navigation import Agent, Latency, NavigationStatus, Navigator, NavigatorSettings
+from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation.speed_limiter import fastest_s
+from trundle.observation import Estimate, Scan
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.sim import Contact, RobotState, Simulator, world_of
+from trundle.sim.command_delay import DelayedSimulator
+from trundle.values import as_number, check_kind
+
+TIME_PER_GOAL_S = 60.0
+SLOWNESS = 4.0
+
+_AT_ODOM_ORIGIN = Pose2D(0.0, 0.0)
+
+
+class Monitor(Protocol):
+    """Checks every command before it is sent; `trundle.control.CollisionMonitor` is one."""
+
+    def reset(self) -> None:
+        """Forget all scans, at the start of a run."""
+        ...
+
+    def check(
+        self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
+    ) -> MonitorReport:
+        """Say what to send instead of a command."""
+        ...
+
+
+class Session:
+    """One run in progress. `trundle.run` steps one to its end; step it yourself to see or change things in between.
+
+    The run starts when the session is made: the agent plans, the simulator is reset, and observers get the start. Then
+    every `step` is one control period: the agent gets what the robot observes and estimates, its command passes the
+    collision monitor, and the simulator moves the robot. Use it in a `with` block, which ends the run; the simulator is
+    not closed.
+
+        with trundle.Session(sim, navigator, start, goal) as session:
+            while (step := session.step()) is not None:
+                print(step.state.pose, step.estimate.pose)
+        episode = session.finish()
+
+    Args:
+        sim: What moves the robot.
+        agent: What drives it; a goal that it has is replaced.
+        start: The start: a pose, (x, y) or (x, y, yaw); map frame.
+        goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these. None for an agent without a
+            goal, not a navigator, which drives until it is FINISHED.
+        localizer: Estimates the robot's pose: a localizer, or the name of one. None means that the agent gets the true
+            pose.
+        latency: How late scans and commands arrive; reported to the agent by `set_latency`, if it has that.
+        monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
+            on, True one from the start, and False none.
+        time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
+            what the planned paths take at the robot's top speed, or at what a speed mask allows. Without a goal it
+            means no limit.
+        observers: Notified in this order.
+        seed: Of the simulator, the agent and the localizer.
+        stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
+        name: Name of the run.
+        measure: Measures the surroundings for the metrics; None means that they are not measured.
+
+    Raises:
+        InputError: If a pose is not two or three finite numbers, there is no goal in the list, or the time limit is not
+            positive.
+        BlockedPoseError: If the robot cannot stand at the start or at a goal.
+        OutsideMapError: If the start or a goal is outside the map.
+    """
+
+    def __init__(
+        self,
+        sim: Simulator,
+        agent: Agent,
+        start: Pose2D | Sequence[float],
+        goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None = None,
+        *,
+        localizer: str | Localizer | None = None,
+        latency: Latency | None = None,
+        monitor: Monitor | bool | None = None,
+        time_limit_s: float | None = None,
+        observers: Sequence[Observer] = (),
+        seed: int = 0,
+        stop_on_contact: bool = True,
+        name: str = "run",
+        measure: Measure | None = measure_truth,
+    ) -> None:
+        check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
+        check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
+        aimless = goal is None and not isinstance(agent, Navigator)
+        begin, goals = Pose2D.of(start), () if aimless else read_goals(goal)
+        if time_limit_s is not None and not (
+            math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
+        ):
+            raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
+        self._audience = Audience(observers)
+        self._agent = agent
+        self._stop_on_contact = stop_on_contact
+        self._measure = measure
+        latency = Latency() if latency is None else latency
+        check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
+        self._sim = DelayedSimulator(sim, latency.command_delay_s) if latency.command_delay_s > 0.0 else sim
+        self._mail = ScanMail(latency.scan_age_s) if latency.scan_age_s > 0.0 else None
+        robot: Robot = getattr(agent, "robot", sim.robot)
+        self._monitor = monitor if monitor is not None and not isinstance(monitor, bool) else None
+        self._waits_for_scans = monitor is None
+        if monitor is True:
+            self._monitor = CollisionMonitor(robot)
+        self._localizer = (
+            None if localizer is None else create_localizer(localizer, getattr(agent, "grid", None), robot)
+        )
+        agent.reset(seed=seed)
+        report_latency = getattr(agent, "set_latency", None)
+        if callable(report_latency):
+            report_latency(latency)
+        paths, self._unreachable = _prepare(agent, begin, goals)
+        self._info = RunInfo(
+            name=name,
+            robot=robot,
+            costmap=getattr(agent, "costmap", None),
+            start=begin,
+            goals=goals,
+            path_length_m=sum(path.length for path in paths),
+            time_limit_s=_time_limit(agent, robot, begin, goals, paths) if time_limit_s is None else time_limit_s,
+            dt=getattr(agent, "dt", CONTROL_PERIOD_S),
+            planner=getattr(agent, "planner_name", "none"),
+            controller=getattr(agent, "controller_name", type(agent).__name__),
+            seed=seed,
+            speed_mask=getattr(agent, "speed_mask", None),
+        )
+        self._goal_checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
+        self._log = RunLog()
+        self._reached = 0
+        self._reached_by_estimate = False
+        self._planning_s = 0.0
+        self._replans = 0
+        self._wall_s = 0.0
+        self._outcome: Outcome | None = None
+        self._message = ""
+        self._error: BaseException | None = None
+        self._episode: Episode | None = None
+        self._start()
+
+    def __repr__(self) -> str:
+        doing = "running" if self._outcome is None else self._outcome.value
+        return f"Session({self._info.name!r}, {doing}, {self.time:.2f} s)"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.finish()
+
+    @property
+    def info(self) -> RunInfo:
+        """What observers got before the first step."""
+        return self._info
+
+    @property
+    def state(self) -> RobotState:
+        """State of the simulator now: the truth."""
+        return self._state
+
+    @property
+    def estimate(self) -> Estimate:
+        """Where the robot believes to be now."""
+        return self._estimate
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._state.time
+
+    @property
+    def dt(self) -> float:
+        """Length of the next control period [s]."""
+        return getattr(self._agent, "dt", CONTROL_PERIOD_S)
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the run ended; None while it is running."""
+        return self._outcome
+
+    @property
+    def message(self) -> str:
+        """The outcome in words; empty while the run is running."""
+        return self._message
+
+    @property
+    def error(self) -> BaseException | None:
+        """What aborted the run: a KeyboardInterrupt or a SimulationError; None otherwise."""
+        return self._error
+
+    # Running --------------------------------------------------------------------------------------------------------
+
+    def _start(self) -> None:
+        if self._monitor is not None:
+            self._monitor.reset()
+        if self._localizer is not None:
+            self._localizer.reset(self._info.start, seed=self._info.seed)
+        self._state = self._sim.reset(self._info.start, seed=self._info.seed)
+        self._began = clock.perf_counter()
+        self._observe()
+        try:
+            self._audience.on_start(self._info)
+            self._record(Twist2D(), Twist2D(), None)
+        except KeyboardInterrupt as error:
+            self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
+
+    def step(self) -> Step | None:
+        """Drive one control period.
+
+        Ctrl-C (KeyboardInterrupt) and a simulator that fails end the run as aborted; see `error`.
+
+        Returns:
+            What observers get, too; None when the run has ended, and nothing moved.
+        """
+        if self._outcome is not None:
+            return None
+        try:
+            command = self._decide()
+            return None if command is None else self._drive(command)
+        except KeyboardInterrupt as error:
+            self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
+        except SimulationError as error:
+            self._end(Outcome.ABORTED, f"the simulator failed: {error}", error)
+        return None
+
+    def finish(self, why: str = "ended from outside") -> Episode:
+        """End the run and notify the observers, once; later calls return the same episode.
+
+        Args:
+            why: For the message, where the run had not ended: its outcome is aborted then.
+        """
+        if self._episode is None:
+            if self._outcome is None:
+                self._end(Outcome.ABORTED, why)
+            episode = self._make_episode()
+            self._episode = episode
+            self._audience.on_end(episode)
+            self._episode = replace(episode, observer_errors=tuple(self._audience.errors))
+        return self._episode
+
+    def _drive(self, command: Twist2D) -> Step:
+        report, sent, seen = None, command, self._observation
+        if self._waits_for_scans and seen.scans:
+            self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
+        if self._monitor is not None:
+            report = self._monitor.check(command, seen.twist, seen.scans, seen.time, seen.odometry)
+            self._log.add_report(report)
+            sent = report.command
+        self._state = self._sim.step(sent, self.dt)
+        self._observe()
+        return self._record(command, sent, report)
+
+    def _observe(self) -> None:
+        """Take what the robot observes now, and estimate where it is."""
+        state = self._state
+        observation = state.observation
+        if self._mail is not None:
+            observation = replace(observation, scans=self._mail.deliver(state.time, observation.scans))
+        self._observation = observation
+        self._estimate = (
+            Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
+            if self._localizer is None
+            else self._localizer.update(observation)
+        )
+
+    def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> Step:
+        agent, log = self._agent, self._log
+        path: Path | None = getattr(agent, "path", None)
+        log.add(self._state, sent, self._estimate, self._reached, path)
+        step = Step(
+            len(log) - 1,
+            self._state,
+            command,
+            self._reached,
+            path,
+            agent.status,
+            sent,
+            self._observation,
+            self._estimate,
+            getattr(agent, "costmap", None),
+            report,
+        )
+        self._audience.on_step(step)
+        return step
+
+    # Ending ---------------------------------------------------------------------------------------------------------
+
+    def _decide(self) -> Twist2D | None:
+        """Ask the agent for a command; None where the run ends now."""
+        state, log, agent = self._state, self._log, self._agent
+        if self._unreachable is not None and log.hit is None:
+            return self._end(Outcome.NO_PATH, str(self._unreachable))
+        if log.hit is not None and self._stop_on_contact:
+            return self._end(Outcome.COLLIDED, _describe_contact(log.hit, state.time))
+        observation = self._observation
+        while True:
+            command = agent.update(observation, self._estimate)
+            status = agent.status
+            if status is NavigationStatus.ARRIVED and self._info.goals:
+                if not self._count_goal():
+                    return None
+                self._close_leg()
+                agent.set_goal(self._info.goals[self._reached])
+                observation = replace(observation, scans=())  # the agent has them
+                continue
+            if self._has_given_up(status):
+                return None
+            if state.time >= self._info.time_limit_s - 1e-9:
+                return self._end(Outcome.TIMED_OUT, self._describe_timeout())
+            return command
+
+    def _count_goal(self) -> bool:
+        """Count a goal at which the agent has arrived; whether there is another one, to which it drives on."""
+        goal = self._info.goals[self._reached]
+        if not self._is_at(goal, self._state.pose):
+            if self._localizer is None or not self._is_at(goal, self._estimate.pose):
+                name = "navigator" if isinstance(self._agent, Navigator) else "agent"
+                message = f"the {name} says that it arrived, but it is at {_words(self._state.pose)}"
+                self._end(Outcome.STUCK, message)
+                return False
+            self._reached_by_estimate = True
+        self._reached += 1
+        if self._reached < len(self._info.goals):
+            return True
+        self._end_at_goal()
+        return False
+
+    def _end_at_goal(self) -> None:
+        time = self._state.time
+        if not self._reached_by_estimate:
+            self._end(Outcome.ARRIVED, f"arrived after {time:.1f} s")
+            return
+        off = self._state.pose.distance_to(self._estimate.pose)
+        self._end(
+            Outcome.ARRIVED_BY_ESTIMATE,
+            f"arrived by its estimate after {time:.1f} s, which is {off:.2f} m from where the robot is",
+        )
+
+    def _has_given_up(self, status: NavigationStatus) -> bool:
+        """End the run if the agent does not drive on."""
+        agent, state = self._agent, self._state
+        reason = getattr(agent, "error", None) or getattr(agent, "message", None)
+        if status is NavigationStatus.NO_PATH:
+            self._end(Outcome.NO_PATH, str(reason or "no path to the goal was found"))
+        elif status is NavigationStatus.PLANNING_TIMED_OUT:
+            self._end(Outcome.PLANNING_TIMED_OUT, f"planning timed out at {_words(state.pose)}: {reason}")
+        elif status is NavigationStatus.STUCK:
+            said = getattr(agent, "message", None)
+            because = f": {said}" if said else ""
+            self._end(Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s{because}")
+        elif status in (NavigationStatus.FINISHED, NavigationStatus.ARRIVED):
+            self._end(Outcome.FINISHED, f"finished after {state.time:.1f} s")
+        return self._outcome is not None
+
+    def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
+        self._wall_s = clock.perf_counter() - self._began
+        contacts = self._log.contacts
+        if contacts and outcome is not Outcome.COLLIDED:
+            outcome, message = Outcome.COLLIDED, f"touched {', '.join(contacts)} while driving; {message}"
+        self._outcome, self._message, self._error = outcome, message, error
+
+    def _describe_timeout(self) -> str:
+        what = "goal not reached" if self._info.goals else "not finished"
+        return f"{what} within {self._info.time_limit_s:.1f} s"
+
+    def _is_at(self, goal: Goal, pose: Pose2D) -> bool:
+        return self._goal_checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free)
+
+    def _close_leg(self) -> None:
+        """Add up the agent's planning time and replans for this goal; the next `set_goal` clears them."""
+        self._planning_s += getattr(self._agent, "planning_time_s", 0.0)
+        self._replans += getattr(self._agent, "replans", 0)
+
+    def _make_episode(self) -> Episode:
+        info, log = self._info, self._log
+        outcome = Outcome.ABORTED if self._outcome is None else self._outcome
+        if not len(log):  # Ctrl-C came before the first row
+            log.add(self._state, Twist2D(), self._estimate, 0, None)
+        self._close_leg()
+        trajectory = log.trajectory()
+        arrived = outcome is Outcome.ARRIVED
+        world = world_of(self._sim)
+        truth = Truth(None, None, "nothing")
+        if self._measure is not None:
+            truth = self._measure(
+                trajectory.poses,
+                (info.start.as_tuple(), *info.goals),
+                info.robot,
+                world,
+                info.costmap,
+                arrived=arrived,
+                touched=bool(log.contacts),
+            )
+        metrics = compute_metrics(
+            trajectory,
+            log.paths,
+            info.costmap,
+            arrived=arrived,
+            path_length_m=info.path_length_m,
+            planning_s=self._planning_s,
+            replans=self._replans,
+            wall_s=self._wall_s,
+            contacts=tuple(log.contacts),
+            standing_contacts=tuple(log.standing_contacts),
+            unseen_contacts=log.unseen_contacts(world),
+            monitor_stops=log.monitor_stops,
+            truth=truth,
+        )
+        return Episode(
+            outcome=outcome,
+            message=self._message,
+            metrics=metrics,
+            trajectory=trajectory,
+            paths=tuple(log.paths),
+            start=info.start,
+            goals=info.goals,
+            goals_reached=self._reached,
+            name=info.name,
+            robot=info.robot.name,
+            planner=info.planner,
+            controller=info.controller,
+            seed=info.seed,
+            time_limit_s=info.time_limit_s,
+            costmap=info.costmap,
+        )
+
+
+class ScanMail:
+    """Holds scans back until they are of a certain age.
+
+    Args:
+        age_s: That age [s].
+    """
+
+    def __init__(self, age_s: float) -> None:
+        self._age_s = age_s
+        self._waiting: deque[Scan] = deque()
+
+    def deliver(self, time: float, scans: Sequence[Scan]) -> tuple[Scan, ...]:
+        """Take scans that were measured, and return those that arrive by now [s]."""
+        self._waiting.extend(scans)
+        arrived: list[Scan] = []
+        while self._waiting and self._waiting[0].time + self._age_s <= time + 1e-9:
+            arrived.append(self._waiting.popleft())
+        return tuple(arrived)
+
+
+def _prepare(agent: Agent, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
+    """Give the agent its first goal; a navigator plans to all of them. See `plan_legs`."""
+    if not goals:
+        return [], None
+    if isinstance(agent, Navigator):
+        return plan_legs(agent, start, goals)
+    agent.set_goal(goals[0])
+    return [], None
+
+
+def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal], paths: Sequence[Path]) -> float:
+    if not goals:
+        return math.inf
+    if isinstance(agent, Navigator):
+        least = sum(fastest_s(path, robot, agent.speed_mask) for path in paths)
+    else:
+        stops = (start.as_tuple(), *goals)
+        straight = sum(math.dist(here[:2], there[:2]) for here, there in itertools.pairwise(stops))
+        least = straight / robot.limits.linear_speed
+    return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least
+
+
+def _describe_contact(contact: Contact, time: float) -> str:
+    where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
+    if time == 0.0:
+        return (
+            f"in contact at the start: {where}; start farther from it, or, if it is what the robot stands on, give the "
+            "height of its top with --floor-z (floor_z in Python and in a scenario)"
+        )
+    return f"{where} after {time:.1f} s"
+
+
+def _words(pose: Pose2D) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f})"

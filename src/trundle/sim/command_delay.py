@@ -1,0 +1,88 @@
+"""`DelayedSimulator`: a simulator whose robot receives its commands late."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+from typing import Self
+
+from trundle.geometry import Pose2D, Twist2D
+from trundle.robots import Robot
+from trundle.sim.simulator import Contact, RobotState, Simulator, world_of
+from trundle.worlds import World
+
+_TICK_S = 0.005
+"""Delays are multiples of this [s], the length of a physics step."""
+
+
+class DelayedSimulator:
+    """A simulator whose robot receives its commands late; until the first one arrives, it is commanded to stand.
+
+    Args:
+        sim: Moves the robot.
+        delay_s: Time [s] from a command until the wheels receive it, rounded to 5 ms.
+    """
+
+    def __init__(self, sim: Simulator, delay_s: float) -> None:
+        self._sim = sim
+        self._ticks = round(delay_s / _TICK_S)
+        self._pending: deque[tuple[int, Twist2D]] = deque()
+        self._command = Twist2D()
+
+    @property
+    def robot(self) -> Robot:
+        """The simulated robot."""
+        return self._sim.robot
+
+    @property
+    def world(self) -> World | None:
+        """The world that it moves through; none where the simulator does not say."""
+        return world_of(self._sim)
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
+        """Put the robot at rest at `pose` (map frame), with no command on its way."""
+        self._pending.clear()
+        self._command = Twist2D()
+        return self._sim.reset(pose, seed=seed)
+
+    def step(self, command: Twist2D, dt: float) -> RobotState:
+        """Drive one control period; see `Simulator.step`. Commands of earlier periods arrive within it."""
+        period = round(dt / _TICK_S)
+        self._pending.append((self._ticks, command))
+        states: list[RobotState] = []
+        done = 0
+        while self._pending and self._pending[0][0] < period:
+            due, arrived = self._pending.popleft()
+            if due > done:
+                states.append(self._sim.step(self._command, (due - done) * _TICK_S))
+                done = due
+            self._command = arrived
+        rest = (period - done) * _TICK_S if states else dt
+        states.append(self._sim.step(self._command, rest))
+        self._pending = deque((due - period, waiting) for due, waiting in self._pending)
+        return _join(states)
+
+    def close(self) -> None:
+        """Close the simulator."""
+        self._sim.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _join(states: list[RobotState]) -> RobotState:
+    """The last of some states, with the contacts and scans of all."""
+    if len(states) == 1:
+        return states[0]
+    contacts: dict[tuple[str, str], Contact] = {}
+    for state in states:
+        for contact in state.contacts:
+            contacts.setdefault((contact.part, contact.other), contact)
+    return replace(
+        states[-1],
+        contacts=tuple(contacts.values()),
+        scans=tuple(scan for state in states for scan in state.scans),
+    )
