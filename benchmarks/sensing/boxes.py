@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -27,29 +27,27 @@ from trundle.planning import create_planner
 from trundle.robots import Robot
 from trundle.worlds import World
 
-WORLDS = ("office", "warehouse", "lot")
 
-
-def missions(count: int, first: int) -> Iterator[tuple[str, int]]:
+def missions(worlds: Sequence[str], count: int, first: int) -> Iterator[tuple[str, int]]:
     """Worlds and seeds in turn."""
     for number in range(first, first + count):
-        yield WORLDS[number % len(WORLDS)], number
+        yield worlds[number % len(worlds)], number
 
 
-def drive(kind: str, seed: int, robot: Robot, options: argparse.Namespace) -> dict[str, object] | None:
-    """Drive one mission; None where `least_cost` finds no path."""
+def drive(kind: str, seed: int, robot: Robot, options: argparse.Namespace) -> dict[str, object] | str:
+    """Drive one mission; or say why it does not count."""
     world = World.generate(kind, seed=seed)
     grid = OccupancyGrid.from_world(world)
     costmap = Costmap.from_grid(grid, robot)
     start, goal = sample_mission(costmap, seed)
     try:
-        filled = Unmapped(boxes=(5, 30), height=(1.0, 1.0)).add_to(
+        filled = Unmapped(boxes=tuple(options.boxes), height=(1.0, 1.0)).add_to(
             world, costmap, [start.as_tuple(), goal.as_tuple()], seed
         )
         truth = Costmap.from_grid(OccupancyGrid.from_world(filled), robot)
         create_planner("least_cost").plan(truth, start, goal)
-    except TrundleError:
-        return None
+    except TrundleError as error:
+        return str(error)
     lidars = {name: lidar.model_copy(update={"noise": options.noise}) for name, lidar in robot.lidars.items()}
     noisy = robot.model_copy(update={"lidars": lidars})
     navigator = Navigator(None if options.no_map else grid, noisy, planner=options.planner)
@@ -105,6 +103,8 @@ def main() -> None:
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--planner", default="auto")
     parser.add_argument("--robot", default="nova_carter")
+    parser.add_argument("--boxes", type=int, nargs=2, default=(5, 30))
+    parser.add_argument("--worlds", nargs="+", default=("office", "warehouse", "lot"))
     parser.add_argument("--noise", type=float, default=0.01)
     parser.add_argument("--limit", type=float, default=240.0)
     parser.add_argument("--monitor", action="store_true")
@@ -112,10 +112,10 @@ def main() -> None:
     options = parser.parse_args()
     robot = Robot.load(options.robot)
     done: list[dict[str, object]] = []
-    for kind, seed in missions(options.missions, options.first):
+    for kind, seed in missions(options.worlds, options.missions, options.first):
         result = drive(kind, seed, robot, options)
-        if result is None:
-            print(f"{kind} {seed}: no path among the boxes", flush=True)
+        if isinstance(result, str):
+            print(f"{kind} {seed}: does not count, {result}", flush=True)
             continue
         done.append(result)
         print(

@@ -17,7 +17,8 @@ from trundle.observation import PoseBuffer, Scan
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
 _KEPT_S = 1.0
 _SAME_M = 0.1  # ranges this close are those of one surface: ten times the noise of a lidar
-_BINS_ASIDE = 3
+_BEAMS_ASIDE = 3
+_APPEARED_SHARE = 0.3
 _GAP_M = 0.3  # between two things
 _LARGEST_M = 3.0  # larger things are walls
 _LEAST_POINTS = 3
@@ -52,12 +53,13 @@ class Points:
 
 @dataclass(slots=True, eq=False)
 class _Seen:
-    """The hits of one scan, in the odom frame, in the order of its beams."""
+    """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through."""
 
     scan: Scan
     sensor: Pose2D
     points: FloatArray
     velocities: FloatArray
+    through: tuple[FloatArray, FloatArray]
     moves: bool = False
 
 
@@ -143,7 +145,7 @@ class SensedPoints:
             points = np.delete(points, near[self._edges.distances(points[near], _AT_ORIGIN)[0] <= _BODY_M], axis=0)
         cos, sin = math.cos(base.yaw), math.sin(base.yaw)
         placed = points @ np.array([[cos, sin], [-sin, cos]]) + (base.x, base.y)
-        return _Seen(scan, base @ scan.mount, placed, np.zeros_like(placed))
+        return _Seen(scan, base @ scan.mount, placed, np.zeros_like(placed), _saw_through(scan))
 
 
 class Edges:
@@ -194,66 +196,64 @@ def box_around(footprint: Footprint, poses: FloatArray, padding: float) -> tuple
 
 def _find_velocities(seen: _Seen, before: _Seen) -> None:
     """Set the velocities of what has moved since an older scan."""
-    if len(seen.points) < _LEAST_POINTS:
+    parts = _things(seen.points)
+    if len(parts) == 0:
         return
     appeared = _appeared(seen, before)
-    if int(appeared.sum()) < _LEAST_POINTS:
+    starts = np.array([part.start for part in parts])
+    counts = np.add.reduceat(appeared, starts, dtype=np.intp)
+    sizes = np.diff([*starts.tolist(), len(appeared)])
+    moved = np.flatnonzero((counts >= _LEAST_POINTS) & (counts >= _APPEARED_SHARE * sizes))
+    old = [_extent(before.points[part]) for part in _things(before.points)] if len(moved) else []
+    small = [(low, high) for low, high in old if math.dist(low, high) <= _LARGEST_M]
+    if len(small) == 0:
         return
-    dt = seen.scan.time - before.scan.time
-    old = [before.points[part] for part in _things(before.points)]
-    middles = np.array([0.5 * (part.min(axis=0) + part.max(axis=0)) for part in old]).reshape(-1, 2)
-    for part in _things(seen.points):
-        thing = seen.points[part]
-        low, high = thing.min(axis=0), thing.max(axis=0)
-        if int(appeared[part].sum()) < _LEAST_POINTS or math.dist(low, high) > _LARGEST_M or len(old) == 0:
-            continue
-        middle = 0.5 * (low + high)
-        nearest = int(np.hypot(*(middles - middle).T).argmin())
-        if math.dist(old[nearest].min(axis=0), old[nearest].max(axis=0)) > _LARGEST_M:
-            continue
-        velocity = (middle - middles[nearest]) / dt
-        if math.hypot(*velocity) <= _FASTEST_MPS:
+    middles = np.array([0.5 * (low + high) for low, high in small])
+    for part in (parts[index] for index in moved.tolist()):
+        low, high = _extent(seen.points[part])
+        offsets = 0.5 * (low + high) - middles
+        nearest = offsets[int(np.hypot(offsets[:, 0], offsets[:, 1]).argmin())]
+        velocity = nearest / (seen.scan.time - before.scan.time)
+        if math.dist(low, high) <= _LARGEST_M and math.hypot(*velocity) <= _FASTEST_MPS:
             seen.velocities[part] = velocity
             seen.moves = True
 
 
+def _extent(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return points.min(axis=0), points.max(axis=0)
+
+
 def _appeared(seen: _Seen, before: _Seen) -> npt.NDArray[np.bool_]:
     """Which points are where an older scan saw through, shape (N,)."""
-    bins = max(16, round(math.tau / _beam_step(before.scan)))
-    x, y = seen.sensor.x, seen.sensor.y
-    image = _saw_through(before, bins)
-    offset = before.points - (x, y)
-    index = (np.arctan2(offset[:, 1], offset[:, 0]) * (bins / math.tau)).round().astype(np.intp) % bins
-    np.minimum.at(image, index, np.hypot(offset[:, 0], offset[:, 1]))
-    offset = seen.points - (x, y)
-    index = (np.arctan2(offset[:, 1], offset[:, 0]) * (bins / math.tau)).round().astype(np.intp)
-    ranges = np.hypot(offset[:, 0], offset[:, 1])
-    appeared = np.ones(len(ranges), dtype=np.bool_)
-    for aside in range(-_BINS_ASIDE, _BINS_ASIDE + 1):
-        appeared &= image[(index + aside) % bins] > ranges + _SAME_M
-    return appeared
+    x, y, yaw = before.sensor.as_tuple()
+    dx, dy = seen.points[:, 0] - x, seen.points[:, 1] - y
+    angles, through = before.through
+    # The nearest beam; the ends of a full turn are one direction.
+    bearings: FloatArray = (np.arctan2(dy, dx) - yaw - angles[0]) % math.tau + angles[0]
+    after: npt.NDArray[np.intp] = np.searchsorted(angles, bearings)
+    beyond = bearings - angles[-1] > 2.0 * (angles[-1] - angles[0]) / max(len(angles) - 1, 1)
+    return (np.hypot(dx, dy) + _SAME_M < through[np.minimum(after, len(angles) - 1)]) & ~beyond
 
 
-def _saw_through(seen: _Seen, bins: int) -> FloatArray:
-    """Infinity for the directions in the odom frame in which a scan measured, minus infinity for others."""
-    scan = seen.scan
-    measured = scan.angles[scan.ranges >= scan.range_min] + seen.sensor.yaw
-    index = (measured * (bins / math.tau)).round().astype(np.intp)
-    image = np.full(bins, -np.inf)
-    for aside in (-1, 0, 1):
-        image[(index + aside) % bins] = np.inf
-    return image
+def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
+    """Angles [rad], ascending, and how far the beam there and those beside it saw [m], both of shape (N,).
 
-
-def _beam_step(scan: Scan) -> float:
-    angles = scan.angles
-    return max(abs(float(angles[-1] - angles[0])) / max(len(angles) - 1, 1), 1e-3)
+    It is minus infinity beside a beam that measured nothing.
+    """
+    angles, ranges = scan.angles, np.where(scan.ranges >= scan.range_min, scan.ranges, -np.inf)
+    if len(angles) and angles[0] > angles[-1]:
+        angles, ranges = angles[::-1], ranges[::-1]
+    around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
+    least = ranges
+    for shift in range(len(around) - len(ranges) + 1):
+        least = np.minimum(least, around[shift : shift + len(ranges)])
+    return angles, least
 
 
 def _things(points: FloatArray) -> list[slice]:
     """Runs of neighbouring points without a gap."""
     if len(points) == 0:
         return []
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    ends = [0, *(np.flatnonzero(steps > _GAP_M) + 1).tolist(), len(points)]
+    steps = np.diff(points, axis=0)
+    ends = [0, *(np.flatnonzero(np.hypot(steps[:, 0], steps[:, 1]) > _GAP_M) + 1).tolist(), len(points)]
     return [slice(begin, end) for begin, end in itertools.pairwise(ends)]
