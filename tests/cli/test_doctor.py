@@ -7,6 +7,7 @@ from support.command_line import Trundle
 from trundle.doctor import check_machine
 from trundle.errors import RobotWarning
 from trundle.robots import Robot
+from trundle.robots.new import describe_robot
 
 
 @pytest.fixture
@@ -208,3 +209,19 @@ def test_options_of_isaac_sim_are_refused_elsewhere(trundle: Trundle) -> None:
     done = trundle("doctor", "--backend", "mujoco", "--headless")
     assert done.code == 2
     assert "--headless is for --backend isaac" in done.err
+
+
+def test_the_robot_check_says_what_lidars_miss(trundle: Trundle) -> None:
+    done = trundle("doctor", "robot", "nova_carter", "--backend", "kinematic")
+    assert "lidar front: its beams are 0.418 m above the floor" in done.out
+    shown = trundle("doctor", "robot", "nova_carter", "--backend", "kinematic", "--json").json["lidars"]
+    assert [view["lidar"] for view in shown] == ["front", "back"]
+    assert shown[0]["below"] == [0.06, 0.418]
+    assert "a EUR pallet" in shown[0]["missed"]
+
+
+def test_a_robot_without_lidars_is_said_to_sense_nothing(trundle: Trundle, tmp_path: Path) -> None:
+    robot = tmp_path / "blind.yaml"
+    robot.write_text(describe_robot(Robot.load("nova_carter").model_copy(update={"lidars": {}})))
+    done = trundle("doctor", "robot", str(robot), "--backend", "kinematic")
+    assert "no lidar: it does not sense obstacles" in done.out

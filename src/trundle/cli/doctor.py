@@ -1,4 +1,4 @@
-"""`trundle doctor`: checks of this machine, and of a robot's drive against its configuration."""
+"""`trundle doctor`: checks of this machine, of a robot's drive against its configuration, and of its lidars."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trundle.cli.shared import isaac, options, output, sources
 from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.doctor import DriveCheck
+    from trundle.doctor import DriveCheck, LidarView
     from trundle.robots import DifferentialDrive, Robot
 
 app = App(
@@ -72,7 +72,7 @@ def robot(
 ) -> int:
     """Drive a straight, a spin and a circle, and derive the wheels' parameters from the robot's motion.
 
-    Exit code 1: a parameter differs from the configuration.
+    Also says what each of its planar lidars cannot see. Exit code 1: a parameter differs from the configuration.
 
     Args:
         name: A robot by name, or the path of its YAML, URDF or MJCF.
@@ -102,15 +102,28 @@ def robot(
 
 
 def _report(check: DriveCheck, robot: Robot, backend: str, configured: DifferentialDrive, *, json: bool) -> None:
+    from trundle.doctor.lidar_view import view_of_lidars
+
+    views = view_of_lidars(robot)
     if json:
         output.print_json(
-            {"robot": robot.name, "backend": backend, "configured": configured.model_dump(), **_plain(check)}
+            {
+                "robot": robot.name,
+                "backend": backend,
+                "configured": configured.model_dump(),
+                **_plain(check),
+                "lidars": [{**_plain(view), "message": view.message} for view in views],
+            }
         )
-    else:
-        _print(check, configured)
+        return
+    _print(check, configured)
+    for view in views:
+        print(f"lidar {view.message}")
+    if not views:
+        print("no lidar: it does not sense obstacles that are not on its map")
 
 
-def _plain(check: DriveCheck) -> dict[str, object]:
+def _plain(check: DriveCheck | LidarView) -> dict[str, object]:
     plain = output.plain(check)
     return plain if isinstance(plain, dict) else {}
 

@@ -39,7 +39,7 @@ _BY_SUFFIX = {suffix: kind for kind, suffixes in _SUFFIXES.items() for suffix in
 _FILES = {"episode.json": RUN, "drive.csv": DRIVE, "evaluation.json": EVALUATION}
 """Files that identify the folder of a run, a drive or an evaluation."""
 
-_ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model"})
+_ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model", "base"})
 _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})
 _SUITE_KEYS = frozenset(
     {"worlds", "robots", "planners", "controllers", "smoothers", "backends", "missions", "vary", "require"}

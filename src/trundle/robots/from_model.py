@@ -29,6 +29,7 @@ from trundle.files.xacro import expand_xacro
 from trundle.files.xml_elements import read_xml
 from trundle.files.yaml_config import Plain
 from trundle.geometry import FloatArray, convex_hull
+from trundle.robots.merging import merge_settings
 from trundle.robots.model_shape import body_points, simplify_outline
 from trundle.robots.model_wheels import Frame, read_layout, root_of
 
@@ -115,7 +116,7 @@ def read_robot(path: Path, given: dict[str, Plain], folders: tuple[Path, ...]) -
     }
     if "limits" not in given:
         read["limits"] = _read_limits(path, joints, radius, layout.track)
-    return _merge(read, given)
+    return merge_settings(read, given)
 
 
 def _compile(path: Path, folders: tuple[Path, ...]) -> tuple[Any, Any, str]:
@@ -223,12 +224,3 @@ def _read_limits(path: Path, joints: tuple[str, str], radius: float, track: floa
         stacklevel=4,
     )
     return limits
-
-
-def _merge(read: dict[str, Plain], given: dict[str, Plain]) -> dict[str, Plain]:
-    """Merge given settings over derived ones, key by key, also within mappings."""
-    merged = dict(read)
-    for key, value in given.items():
-        below = merged.get(key)
-        merged[key] = _merge(below, value) if isinstance(below, dict) and isinstance(value, dict) else value
-    return merged

@@ -23,6 +23,7 @@ from trundle.guard import ReadCall, ReadLimits, read_guarded, read_limits
 from trundle.registry import Registry
 from trundle.robots.drive import DifferentialDrive, WheelSpeeds
 from trundle.robots.limits import Limits
+from trundle.robots.merging import merge_settings
 from trundle.robots.parts import Body, Caster, Lidar
 from trundle.robots.sizes import Coordinate
 from trundle.values import check_kind
@@ -50,7 +51,7 @@ class Robot(Config):
             from 0.05 m to the robot's height.
     """
 
-    file_keys: ClassVar[tuple[str, ...]] = ("model", "paths")
+    file_keys: ClassVar[tuple[str, ...]] = ("model", "paths", "base")
 
     name: str
     drive: DifferentialDrive
@@ -74,8 +75,10 @@ class Robot(Config):
         """Load a robot by catalogue name, or from a YAML, URDF or MJCF file.
 
         A YAML may have a key `model`, the path of a URDF or MJCF file relative to the YAML's folder: settings are then
-        derived from the model, and those in the YAML override them. A URDF or MJCF file alone is read as by
-        `from_model`, with the wheels' joints found by their names. URDF and MJCF files are read in a separate process.
+        derived from the model, and those in the YAML override them. A key `base` does the same with another robot, by
+        its name or file: `base: nova_carter` and `lidars: {low: {…}}` add a lidar to Nova Carter. A URDF or MJCF file
+        alone is read as by `from_model`, with the wheels' joints found by their names. URDF and MJCF files are read in
+        a separate process.
 
         Args:
             name_or_path: Its name or file; a `Robot` is returned unchanged.
@@ -256,16 +259,23 @@ def _catalogue() -> dict[str, Path]:
     return {path.stem: path for path in folder.glob("*.yaml")}
 
 
-def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> Robot:
+def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = (), derived: tuple[Path, ...] = ()) -> Robot:
+    """Load a file, which `derived` files are based on."""
     if path.suffix.lower() in MODEL_SUFFIXES:
         return _make(_read_model(path, {"drive": {}}, paths, limits), str(path))
     try:
         node = compose(path)
         settings = plain_value(node, str(path))
-        if not isinstance(settings, dict) or "model" not in settings:
+        if not isinstance(settings, dict) or not settings.keys() & {"model", "base"}:
             return validate(node, Robot, str(path), kind=ROBOT)
     except InputError as error:
         raise RobotError(str(error)) from error
+    if "base" in settings:
+        if "model" in settings:
+            raise RobotError(f"{path}: give either model or base")
+        base = _load_base(settings.pop("base"), path, limits, paths, derived)
+        given: dict[str, Plain] = {"name": path.stem, **settings}
+        return _make(merge_settings(base.model_dump(mode="json"), given), str(path), node)
     model, folders = settings.pop("model"), settings.pop("paths", [])
     if not isinstance(model, str) or Path(model).suffix.lower() not in MODEL_SUFFIXES:
         raise RobotError(f"{path}: model must be the path of a {', '.join(MODEL_SUFFIXES)} file, got {model!r}")
@@ -273,6 +283,24 @@ def _load_file(path: Path, limits: ReadLimits, paths: tuple[Path, ...] = ()) -> 
         raise RobotError(f"{path}: paths must be a list of folders, got {folders!r}")
     found = tuple(path.parent / str(folder) for folder in folders)
     return _make(_read_model(path.parent / model, settings, (*found, *paths), limits), str(path), node)
+
+
+def _load_base(
+    base: Plain, path: Path, limits: ReadLimits, paths: tuple[Path, ...], derived: tuple[Path, ...]
+) -> Robot:
+    """The robot that a file is based on."""
+    if not isinstance(base, str):
+        raise RobotError(f"{path}: base must be the name of a robot or the path of its file, got {base!r}")
+    if not is_robot_file(base):
+        try:
+            return Robot.load(base)
+        except UnknownNameError as error:
+            raise RobotError(f"{path}: base: {error}") from error
+    derived = (*derived, path.resolve())
+    file = path.parent / base
+    if file.resolve() in derived:
+        raise RobotError(f"{path}: base {base} is based on this file itself")
+    return _load_file(file, limits, paths, derived)
 
 
 def _read_model(path: Path, given: dict[str, Plain], folders: tuple[Path, ...], limits: ReadLimits) -> dict[str, Plain]:

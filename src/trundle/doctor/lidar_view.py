@@ -1,0 +1,74 @@
+"""What a robot's planar lidars cannot see of what it could touch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from trundle.robots import Lidar, Robot
+
+THINGS = (
+    ("the base of a swivel chair", 0.11),
+    ("a EUR pallet", 0.144),
+    ("a kerb", 0.15),
+    ("the forks of a forklift", 0.20),
+    ("a low box", 0.30),
+    ("a pallet truck's body", 0.40),
+)
+"""Common low objects, and the height of their top [m]; the pallet by EN 13698-1, the others typical."""
+
+
+@dataclass(frozen=True, slots=True)
+class LidarView:
+    """What one lidar sees of the heights in which the robot could touch something.
+
+    Attributes:
+        lidar: Its name.
+        height: Of its beams above the floor [m].
+        below: Heights [m, m] from the robot's underside to the beams: an object that ends there is not seen. None where
+            the beams are no higher than the underside.
+        above: Heights [m, m] from the beams to the robot's top: an object that begins there, such as a table's top, is
+            not seen. None where the beams are no lower than the top.
+        missed: Common objects that end below its beams and that the robot would touch.
+        field_of_view: Directions that it covers [rad].
+    """
+
+    lidar: str
+    height: float
+    below: tuple[float, float] | None
+    above: tuple[float, float] | None
+    missed: tuple[str, ...]
+    field_of_view: float
+
+    @property
+    def message(self) -> str:
+        """It in words."""
+        texts = [f"{self.lidar}: its beams are {self.height:.3g} m above the floor"]
+        if self.below is not None:
+            low, high = self.below
+            names = f", such as {', '.join(self.missed)}" if self.missed else ""
+            texts.append(f"it does not see what is between {low:.3g} and {high:.3g} m high{names}")
+        if self.above is not None:
+            low, high = self.above
+            no = "it does not see" if self.below is None else "nor"
+            texts.append(f"{no} what hangs between {low:.3g} and {high:.3g} m, such as a table's top")
+        if self.field_of_view < 2.0 * math.pi - 1e-6:
+            texts.append(f"it covers {math.degrees(self.field_of_view):.0f}°")
+        return "; ".join(texts)
+
+
+def view_of_lidars(robot: Robot) -> tuple[LidarView, ...]:
+    """What each of a robot's lidars cannot see. Heights are those on a level floor."""
+    return tuple(_view(name, lidar, robot) for name, lidar in robot.lidars.items())
+
+
+def _view(name: str, lidar: Lidar, robot: Robot) -> LidarView:
+    under, top, height = robot.body.clearance, robot.body.height, lidar.z
+    return LidarView(
+        name,
+        height,
+        (under, height) if under < height else None,
+        (height, top) if height < top else None,
+        tuple(thing for thing, end in THINGS if under < end < height),
+        lidar.fov,
+    )
