@@ -14,6 +14,7 @@ from docstring_parser import parse_from_object
 from pydantic import BaseModel
 
 _WIDTH = 96
+_BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
 
 
 def describe_fields(model: type[BaseModel]) -> dict[str, str]:
@@ -37,7 +38,23 @@ def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
         for field, text in describe_fields(kinds[name]).items():
             if text:
                 part["properties"][field]["description"] = text
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": title}
+    return _with_plain_bounds({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": title})
+
+
+def _with_plain_bounds(schema: Any) -> Any:
+    """The schema with whole bounds as integers.
+
+    Python takes `Annotated[float, Ge(0)]` and `Annotated[float, Ge(0.0)]` for one type, and keeps the one that was made
+    first: which of the two a schema shows would depend on what was imported before.
+    """
+    if isinstance(schema, list):
+        return [_with_plain_bounds(part) for part in cast("Sequence[Any]", schema)]
+    if not isinstance(schema, dict):
+        return schema
+    return {
+        key: int(part) if key in _BOUNDS and isinstance(part, float) and part.is_integer() else _with_plain_bounds(part)
+        for key, part in cast("Mapping[str, Any]", schema).items()
+    }
 
 
 def models_in(model: type[BaseModel]) -> list[type[BaseModel]]:
