@@ -39,6 +39,16 @@ class WorldOutline:
         self._segments = np.vstack(segments)
         self._discs = np.array(discs).reshape(-1, 3)
 
+    @property
+    def segments(self) -> FloatArray:
+        """Straight edges (x0, y0, x1, y1) [m], shape (S, 4)."""
+        return self._segments
+
+    @property
+    def discs(self) -> FloatArray:
+        """Circles (x, y, radius) [m], shape (D, 3)."""
+        return self._discs
+
     def cast_quickly(self, x: float, y: float, angles: FloatArray, reach: float) -> FloatArray:
         """Same as `cast`, with the compiled kernels; `angles` are evenly spaced and ascending."""
         count = len(angles)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import WorldError
+from trundle.footprint import Footprint
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot
 from trundle.sim.convex import take_apart
@@ -59,13 +62,22 @@ class FootprintChecker:
     """
 
     def __init__(self, world: World, robot: Robot) -> None:
-        self._footprint = robot.planar
-        low, high = robot.body.clearance, robot.body.height
-        pieces = take_apart(world.solids, ceiling=high)
+        self._take(world.solids, robot.planar, robot.body.clearance, robot.body.height)
+
+    @classmethod
+    def of(cls, solids: Sequence[Solid], footprint: Footprint, low: float, high: float) -> Self:
+        """Create for any footprint, from one height to another [m]."""
+        checker = object.__new__(cls)
+        checker._take(solids, footprint, low, high)
+        return checker
+
+    def _take(self, solids: Sequence[Solid], footprint: Footprint, low: float, high: float) -> None:
+        self._footprint = footprint
+        pieces = take_apart(solids, ceiling=high)
         self._names: list[str] = []
         self._sections: list[Polygon | Disc] = []
         self._fields: list[CellField] = []
-        for solid in world.solids:
+        for solid in solids:
             if isinstance(solid.shape, OccupancyCells):
                 base = solid.pose.position[2]
                 if base < high and base + solid.shape.height > low:

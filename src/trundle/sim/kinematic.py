@@ -13,8 +13,9 @@ from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.beams import WorldOutline
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.movers import MoverField, MoverOutline
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import RobotState
+from trundle.sim.simulator import Contact, RobotState
 from trundle.worlds import World
 
 TIMESTEP = 0.005
@@ -47,11 +48,15 @@ class KinematicSimulator:
         self._timestep = timestep
         self._ramp = CommandRamp(robot, timestep)
         self._footprint = FootprintChecker(world, robot)
+        self._movers = MoverField(world, robot) if world.movers else None
         self._outlines: dict[float, WorldOutline] = {}
+        self._mover_outlines: dict[float, MoverOutline] = {}
         self._lidars = LidarSet(robot, lidar, self._cast)
         for height in self._lidars.heights:
             if height not in self._outlines:
                 self._outlines[height] = WorldOutline(world, height)
+                if self._movers is not None:
+                    self._mover_outlines[height] = MoverOutline(self._movers, height)
         self._closed = False
         self.reset(Pose2D(0.0, 0.0))
 
@@ -74,7 +79,10 @@ class KinematicSimulator:
         self._steps = 0
         self._pose = pose.as_tuple()
         self._wheels = (0.0, 0.0)
-        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), since=-1.0)
+        if self._movers is not None:
+            self._movers.reset(seed, pose)
+        touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
+        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), touched, since=-1.0)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the timestep, with a commanded twist.
@@ -94,9 +102,10 @@ class KinematicSimulator:
             left += motion.left * self._timestep
             right += motion.right * self._timestep
             poses.append((x, y, yaw))
+        touched = self._pass_movers(poses, [motion.v for motion in motions])
         self._pose, self._wheels = (x, y, yaw), (left, right)
         self._steps += len(motions)
-        return self._state(motions[-1], np.array(poses), since)
+        return self._state(motions[-1], np.array(poses), touched, since)
 
     def close(self) -> None:
         """Close it; closing twice does nothing."""
@@ -113,9 +122,24 @@ class KinematicSimulator:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
 
     def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
-        return self._outlines[z].cast(x, y, angles, reach)
+        ranges = self._outlines[z].cast(x, y, angles, reach)
+        if self._movers is not None:
+            np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
+        return ranges
 
-    def _state(self, motion: Motion, poses: FloatArray, since: float) -> RobotState:
+    def _pass_movers(self, poses: list[tuple[float, float, float]], speeds: list[float]) -> dict[str, Contact]:
+        """Move the movers along with the robot, and find the first contact with each of them."""
+        field, touched = self._movers, dict[str, Contact]()
+        if field is None:
+            return touched
+        for index, (place, v) in enumerate(zip(poses, speeds, strict=True)):
+            pose = Pose2D(place[0], place[1], math.remainder(place[2], math.tau))
+            field.advance((self._steps + index + 1) * self._timestep, lambda at=(pose, v): at)
+            for contact in field.touching(pose):
+                touched.setdefault(contact.other, contact)
+        return touched
+
+    def _state(self, motion: Motion, poses: FloatArray, touched: dict[str, Contact], since: float) -> RobotState:
         time = self._steps * self._timestep
         pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
         return RobotState(
@@ -125,6 +149,7 @@ class KinematicSimulator:
             wheel_positions=WheelSpeeds(*self._wheels),
             wheel_speeds=WheelSpeeds(motion.left, motion.right),
             odometry=pose,
-            contacts=self._footprint.find(poses),
+            contacts=(*self._footprint.find(poses), *touched.values()),
             scans=self._lidars.scan(pose, since, time),
+            movers=() if self._movers is None else self._movers.states(),
         )

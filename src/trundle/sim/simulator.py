@@ -48,6 +48,7 @@ class MoverState:
         pose: Pose of its frame, map frame.
         vx, vy: Velocity, map frame [m/s].
         w: Speed of rotation [rad/s], positive to the left.
+        outline: Its convex outline on the floor [m], in its frame, counter-clockwise.
     """
 
     name: str
@@ -55,6 +56,7 @@ class MoverState:
     vx: float = 0.0
     vy: float = 0.0
     w: float = 0.0
+    outline: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

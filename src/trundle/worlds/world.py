@@ -1,4 +1,4 @@
-"""`World`: named solids on a floor at z = 0."""
+"""`World`: named solids on a floor at z = 0, and what moves among them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from trundle.geometry import FloatArray
 from trundle.maps import OccupancyGrid
 from trundle.registry import Registry
 from trundle.solids import Solid, solids_bounds
+from trundle.values import check_kind
+from trundle.worlds.movers import Crowd, Mover
 from trundle.worlds.options import Unknown
 
 WORLDS: Registry[World] = Registry(
@@ -33,7 +35,7 @@ WORLDS: Registry[World] = Registry(
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """Solids on a floor. The floor is the plane z = 0 of the map frame; only the robot moves.
+    """Solids on a floor, the plane z = 0 of the map frame. Besides the robot only the movers move.
 
     Attributes:
         name: For messages, pictures and folder names.
@@ -41,23 +43,33 @@ class World:
         seeds: Points (x, y) [m] that are known to be free and reachable, where a map's flood fill may start.
         ground_z: Height [m] of the infinite ground plane that its file declares, the lowest possible floor; None if the
             file declares none. If it is not 0, `worlds.floors.lower_world` moves it there.
+        movers: What moves on the floor: `Mover`s and `Crowd`s. Maps leave them out. Names are unique among movers, the
+            members of crowds and solids.
 
     Raises:
-        WorldError: If two solids have the same name.
+        WorldError: If two solids or movers have the same name.
     """
 
     name: str
     solids: tuple[Solid, ...]
     seeds: tuple[tuple[float, float], ...] = ()
     ground_z: float | None = None
+    movers: tuple[Mover | Crowd, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "solids", tuple(self.solids))
+        object.__setattr__(self, "movers", tuple(self.movers))
         seen: set[str] = set()
         for solid in self.solids:
             if solid.name in seen:
                 raise WorldError(f"world {self.name!r} has two solids named {solid.name!r}")
             seen.add(solid.name)
+        for mover in self.movers:
+            check_kind(mover, (Mover, Crowd), f"a mover of the world {self.name!r}", "see trundle.worlds.movers")
+            for name in mover.members if isinstance(mover, Crowd) else (mover.name,):
+                if name in seen:
+                    raise WorldError(f"world {self.name!r} has two solids or movers named {name!r}")
+                seen.add(name)
 
     @classmethod
     def generate(cls, name: str, /, *, seed: int = 0, exclude: str | Sequence[str] = (), **options: Any) -> World:
@@ -165,7 +177,9 @@ class World:
         low, high = self.bounds
         wide, deep, tall = (f"{side:.4g}" for side in high - low)
         count = len(self.solids)
-        return f"{count} solid{'' if count == 1 else 's'}, {wide} x {deep} x {tall} m"
+        moving = sum(mover.count if isinstance(mover, Crowd) else 1 for mover in self.movers)
+        movers = f", {moving} mover{'' if moving == 1 else 's'}" if moving else ""
+        return f"{count} solid{'' if count == 1 else 's'}{movers}, {wide} x {deep} x {tall} m"
 
     def _repr_png_(self) -> bytes:
         """Show a picture from above in notebooks, with north up and without solids that start above 2 m."""

@@ -65,7 +65,7 @@ class IsaacSimulator:
     Raises:
         InputError: If there is no Isaac Sim, an option is out of range, or assets are missing.
         UnknownNameError: If there is no such environment.
-        WorldError: If the stage cannot be opened, or is not in metres with z up.
+        WorldError: If the world has movers, or the stage cannot be opened, or is not in metres with z up.
         RobotError: If the robot's USD lacks the joints of its wheels.
         SimulationError: If Isaac Sim does not start.
     """
@@ -92,6 +92,11 @@ class IsaacSimulator:
             raise RobotError(
                 f"the robot {robot.name!r} has several wheels per side, backend isaac supports one; use backend mujoco "
                 "or kinematic"
+            )
+        if world.movers:
+            raise WorldError(
+                f"the world {world.name!r} has movers, and backend isaac has none yet; use backend mujoco or "
+                "kinematic, or a world without movers"
             )
         # Check everything that does not need Isaac Sim before its start, which takes a minute.
         scene = None if environment is None else (environment, environment_path(environment))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import mujoco
 
 from trundle.sim.cells import CellNames
@@ -17,10 +19,12 @@ class ContactReader:
     Args:
         model: The compiled world and robot.
         world: The world that the model was built from.
+        movers: Names of the movers by their geoms.
     """
 
-    def __init__(self, model: mujoco.MjModel, world: World) -> None:
+    def __init__(self, model: mujoco.MjModel, world: World, movers: Mapping[int, str]) -> None:
         self._model = model
+        self._movers = movers
         self._floor = model.geom(FLOOR).id
         self._cells = CellNames(world)
 
@@ -30,8 +34,8 @@ class ContactReader:
         for index, pair in enumerate(pairs):
             if self._floor in pair:
                 continue
-            own, other = sorted(pair, key=lambda geom: self._model.geom_bodyid[geom] == 0)
+            own, other = sorted(pair, key=lambda geom: geom in self._movers or self._model.geom_bodyid[geom] == 0)
             x, y, _ = data.contact.pos[index].tolist()
             part = part_of(self._model.geom(own).name)
-            name = self._cells.name(solid_of(self._model.geom(other).name), x, y)
+            name = self._movers.get(other) or self._cells.name(solid_of(self._model.geom(other).name), x, y)
             touched.setdefault((part, name), Contact(part, name, x, y))

@@ -6,11 +6,13 @@ while the robot speeds up, and one floor plane keeps wheels from bouncing on sea
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mujoco
 
 from trundle.robots import Robot
 from trundle.sim.mujoco.robot_parts import add_robot
-from trundle.sim.mujoco.world_parts import add_floor, add_solids
+from trundle.sim.mujoco.world_parts import add_floor, add_movers, add_solids
 from trundle.worlds import World
 
 TIMESTEP = 0.005
@@ -26,9 +28,9 @@ _ROOM_ABOVE = 0.1
 def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks: bool = True) -> mujoco.MjSpec:
     """Compose a world and a robot; the robot's base_link starts at the origin, on the floor, facing x.
 
-    Names of geoms: a solid's geom has the solid's name, the floor is `world:floor`, the robot's
-    start with `robot:` (`robot:chassis`, `robot:wheel_left`, `robot:caster_0`, …). Geom groups: 0 world, 1 blocked
-    cells, 2 the robot's visuals, 3 hidden colliders: the robot's, and pieces of meshes.
+    Names of geoms: a solid's geom has the solid's name, the floor is `world:floor`, those of movers start with
+    `mover:`, and the robot's with `robot:` (`robot:chassis`, `robot:wheel_left`, `robot:caster_0`, …). Geom groups: 0
+    world, 1 blocked cells, 2 the robot's visuals, 3 hidden colliders: the robot's, and pieces of meshes.
 
     Args:
         world: The world.
@@ -42,6 +44,7 @@ def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks:
     spec = _empty_spec(f"{robot.name} in {world.name}", timestep)
     add_floor(spec)
     add_solids(spec, world, ceiling=robot.body.height + HEADROOM)
+    add_movers(spec, world, ceiling=robot.body.height + HEADROOM)
     add_robot(spec, robot, looks=looks)
     return spec
 
@@ -58,7 +61,7 @@ def robot_spec(robot: Robot, *, floor: bool = False, timestep: float = TIMESTEP,
 def within_reach(world: World, robot: Robot) -> World:
     """Leave out solids entirely above the robot: they cannot be touched, and each costs time at every step."""
     top = robot.body.height + _ROOM_ABOVE
-    return World(world.name, tuple(solid for solid in world.solids if solid.bounds()[0][2] < top), world.seeds)
+    return replace(world, solids=tuple(solid for solid in world.solids if solid.bounds()[0][2] < top))
 
 
 def _empty_spec(name: str, timestep: float) -> mujoco.MjSpec:

@@ -17,8 +17,10 @@ from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
 from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
+from trundle.sim.movers import MoverField, MoverOutline
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
+from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState
@@ -92,12 +94,16 @@ class MujocoSimulator:
         self._ramp = CommandRamp(robot, timestep)
         self._feed_forward = FeedForward.of(self.model, robot)
         scale_robot(self.model, mass=mass, friction=friction)
-        self._contacts = ContactReader(self.model, world)
+        self._movers = MoverBodies(self.model, self.data, MoverField(world, robot)) if world.movers else None
+        self._contacts = ContactReader(self.model, world, self._movers.names if self._movers else {})
         self._outlines: dict[float, WorldOutline] = {}
+        self._mover_outlines: dict[float, MoverOutline] = {}
         self._lidars = LidarSet(robot, lidar, self._cast)
         for height in self._lidars.heights:
             if height not in self._outlines:
                 self._outlines[height] = WorldOutline(world, height)
+                if self._movers is not None:
+                    self._mover_outlines[height] = MoverOutline(self._movers.field, height)
         self._closed = False
         self.reset(Pose2D(0.0, 0.0))
 
@@ -125,6 +131,8 @@ class MujocoSimulator:
         turned = np.empty(4)
         mujoco.mju_mulQuat(turned, np.array([math.cos(half), 0.0, 0.0, math.sin(half)]), self._rest[3:7])
         self.data.qpos[3:7] = turned
+        if self._movers is not None:
+            self._movers.reset(seed, pose)
         mujoco.mj_forward(self.model, self.data)
         self._ramp.reset()
         self._lidars.reset(seed)
@@ -157,6 +165,9 @@ class MujocoSimulator:
         several = len(control) > 2  # passive wheels per side, which only rotate along
         angles: list[tuple[float, float]] = [(qpos[left_address], qpos[right_address])]
         steady = False
+        movers, timestep, done = self._movers, self._timestep, self._steps
+        if movers is not None:
+            movers.set_speeds()
         for motion in motions:
             if motion is not commanded or not steady:
                 free = drive.free(commanded, motion)
@@ -167,10 +178,18 @@ class MujocoSimulator:
             control[1] = drive.held(free[1], commanded.right, qvel[right_speed])
             commanded = motion
             step(model, data)
+            if movers is not None:
+                done += 1
+                movers.advance(done * timestep)
             angles.append((qpos[left_address], qpos[right_address]))
             # The floor is geom 0, and a plane comes first in its contacts: any other index is a collision.
             if any(contact.geom1.tolist()):
                 self._contacts.read(data, touched)
+                if movers is not None:
+                    movers.let_pass()
+        if movers is not None:
+            for each in movers.passing_contacts():
+                touched.setdefault((each.part, each.other), each)
         self._commanded = commanded
         self._steps += len(motions)
         self._integrate_odometry(angles)
@@ -189,7 +208,10 @@ class MujocoSimulator:
 
     def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
         # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
-        return self._outlines[z].cast_quickly(x, y, angles, reach)
+        ranges = self._outlines[z].cast_quickly(x, y, angles, reach)
+        if self._movers is not None:
+            np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
+        return ranges
 
     def _check_open(self) -> None:
         if self._closed:
@@ -229,6 +251,7 @@ class MujocoSimulator:
             odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
             contacts=contacts,
             scans=scans,
+            movers=() if self._movers is None else self._movers.field.states(),
         )
 
 

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose3D
 from trundle.sim.convex import FLOOR_TOP, Pieces, take_apart
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
 from trundle.worlds import World
 from trundle.worlds.mjcf import PIECE
+from trundle.worlds.movers import Mover
+from trundle.worlds.movers.crowd import each_body
 
 FLOOR = "world:floor"
+MOVER = "mover:"
+"""Names of the bodies and geoms of movers begin with this."""
+
+_MOVER_PRIORITY = 10  # their contacts are theirs, not those of the robot's geoms
+_MOVER_SOLREF = (0.01, 1.0)  # stiff: they push by overlapping
+_MOVER_FRICTION = (0.2, 0.005, 0.0001)  # so little that wheels do not climb them
+_OUT_OF_SIGHT = -100.0  # height of a crowd's members before they are placed [m]
+
 GROUP_WORLD = 0
 GROUP_CELLS = 1
 """Blocked cells have their own geom group, so that rays can ignore the slopes of their height field."""
@@ -74,34 +86,60 @@ def add_solids(spec: mujoco.MjSpec, world: World, *, ceiling: float = math.inf) 
         world: The world.
         ceiling: Height [m] above which meshes do not collide.
     """
-    if not world.solids:
+    _add_to(spec, spec.worldbody, world.solids, ceiling)
+
+
+def add_movers(spec: mujoco.MjSpec, world: World, *, ceiling: float = math.inf) -> None:
+    """Add a world's movers, each as a mocap body `mover:NAME` whose geoms are `mover:NAME/PART`.
+
+    A mover stands where it is at time 0, the members of a crowd out of sight until they are placed.
+
+    Args:
+        spec: The model to add to.
+        world: The world.
+        ceiling: Height [m] above which meshes do not collide.
+    """
+    places = {mover.name: mover.motion.at(0.0).pose for mover in world.movers if isinstance(mover, Mover)}
+    for name, parts in each_body(world.movers):
+        body = spec.worldbody.add_body(name=f"{MOVER}{name}", mocap=True)
+        pose = places.get(name)
+        body.pos = (0.0, 0.0, _OUT_OF_SIGHT) if pose is None else (pose.x, pose.y, 0.0)
+        body.quat = (1.0, 0.0, 0.0, 0.0) if pose is None else Pose3D.planar(pose.x, pose.y, yaw=pose.yaw).quaternion
+        _add_to(spec, body, [replace(part, name=f"{MOVER}{name}/{part.name}") for part in parts], ceiling)
+        for geom in body.geoms:
+            geom.priority, geom.solref, geom.friction = _MOVER_PRIORITY, _MOVER_SOLREF, _MOVER_FRICTION
+
+
+def _add_to(spec: mujoco.MjSpec, body: mujoco.MjsBody, solids: Sequence[Solid], ceiling: float) -> None:
+    """Add solids to a body, in its frame."""
+    if not solids:
         return
-    pieces = take_apart(world.solids, ceiling=ceiling)
-    tops = solids_bounds(world.solids)[1][:, 2].tolist()
-    for solid, top in zip(world.solids, tops, strict=True):
-        geom = _add_solid(spec, solid)
+    pieces = take_apart(solids, ceiling=ceiling)
+    tops = solids_bounds(solids)[1][:, 2].tolist()
+    for solid, top in zip(solids, tops, strict=True):
+        geom = _add_solid(spec, body, solid)
         if solid.name in pieces and not pieces[solid.name].whole:
             geom.conaffinity = 0
-            _add_pieces(spec, solid.name, pieces[solid.name])
+            _add_pieces(spec, body, solid.name, pieces[solid.name])
         elif top <= FLOOR_TOP:
             geom.conaffinity = 0
 
 
-def _add_solid(spec: mujoco.MjSpec, solid: Solid) -> mujoco.MjsGeom:
+def _add_solid(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> mujoco.MjsGeom:
     match solid.shape:
         case Box(size):
-            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_BOX, [edge / 2.0 for edge in size])
+            return _add_geom(body, solid, mujoco.mjtGeom.mjGEOM_BOX, [edge / 2.0 for edge in size])
         case Cylinder(radius, length):
-            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2.0, 0.0])
+            return _add_geom(body, solid, mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2.0, 0.0])
         case Sphere(radius):
-            return _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0.0, 0.0])
+            return _add_geom(body, solid, mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0.0, 0.0])
         case Mesh(vertices, faces):
             _add_mesh(spec, solid.name, vertices, faces)
-            geom = _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_MESH, [0.0, 0.0, 0.0])
+            geom = _add_geom(body, solid, mujoco.mjtGeom.mjGEOM_MESH, [0.0, 0.0, 0.0])
             geom.meshname = solid.name
             return geom
         case OccupancyCells() as cells:
-            return _add_cells(spec, solid, cells)
+            return _add_cells(spec, body, solid, cells)
 
 
 def _add_mesh(spec: mujoco.MjSpec, name: str, vertices: FloatArray, faces: npt.NDArray[np.int32] | None = None) -> None:
@@ -117,11 +155,11 @@ def at_least_four(vertices: FloatArray) -> FloatArray:
     return np.vstack([vertices, np.repeat(vertices[:1], missing, axis=0)])
 
 
-def _add_pieces(spec: mujoco.MjSpec, name: str, pieces: Pieces) -> None:
+def _add_pieces(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, pieces: Pieces) -> None:
     first_box = len(pieces.hulls) - pieces.boxes
     for index, (corners, _) in enumerate(pieces.hulls):
         piece = f"{name}{PIECE}{index}"
-        geom = spec.worldbody.add_geom(name=piece, contype=0, conaffinity=SOLIDS_TYPE, group=GROUP_PIECES)
+        geom = body.add_geom(name=piece, contype=0, conaffinity=SOLIDS_TYPE, group=GROUP_PIECES)
         if index < first_box:
             _add_mesh(spec, piece, corners)
             geom.type = mujoco.mjtGeom.mjGEOM_MESH
@@ -141,7 +179,7 @@ def cell_heights(cells: OccupancyCells) -> npt.NDArray[np.float32]:
     return np.pad(cells.blocked, 1).astype(np.float32)
 
 
-def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> mujoco.MjsGeom:
+def _add_cells(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid, cells: OccupancyCells) -> mujoco.MjsGeom:
     rows, cols = cells.blocked.shape
     heights = cell_heights(cells)
     half = ((cols + 1) * cells.resolution / 2.0, (rows + 1) * cells.resolution / 2.0)
@@ -153,15 +191,15 @@ def _add_cells(spec: mujoco.MjSpec, solid: Solid, cells: OccupancyCells) -> mujo
         userdata=heights.ravel(),
     )
     middle = (cols * cells.resolution / 2.0, rows * cells.resolution / 2.0, -cells.height)
-    geom = _add_geom(spec, solid, mujoco.mjtGeom.mjGEOM_HFIELD, [0.0, 0.0, 0.0])
+    geom = _add_geom(body, solid, mujoco.mjtGeom.mjGEOM_HFIELD, [0.0, 0.0, 0.0])
     geom.pos = solid.pose.transform_points([middle])[0]
     geom.hfieldname = solid.name
     geom.group = GROUP_CELLS
     return geom
 
 
-def _add_geom(spec: mujoco.MjSpec, solid: Solid, kind: mujoco.mjtGeom, size: list[float]) -> mujoco.MjsGeom:
-    return spec.worldbody.add_geom(
+def _add_geom(body: mujoco.MjsBody, solid: Solid, kind: mujoco.mjtGeom, size: list[float]) -> mujoco.MjsGeom:
+    return body.add_geom(
         name=solid.name,
         type=kind,
         size=size,

@@ -1,0 +1,119 @@
+"""What members of a crowd do not do, whatever pushes them: run into each other, or into a robot that they see."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray
+
+_MARGIN = 0.5  # kept from the robot [m]
+_LOOK_S = 1.5  # and from where it is about to be
+
+
+class MovingDisc(Protocol):
+    """A disc that moves: position [m], velocity [m/s] and radius [m]."""
+
+    @property
+    def x(self) -> float:
+        """[m]."""
+        ...
+
+    @property
+    def y(self) -> float:
+        """[m]."""
+        ...
+
+    @property
+    def vx(self) -> float:
+        """[m/s]."""
+        ...
+
+    @property
+    def vy(self) -> float:
+        """[m/s]."""
+        ...
+
+    @property
+    def radius(self) -> float:
+        """[m]."""
+        ...
+
+
+def give_way(
+    points: FloatArray,
+    velocities: FloatArray,
+    radii: FloatArray,
+    sees: npt.NDArray[np.bool_],
+    robot: MovingDisc,
+    dt: float,
+) -> FloatArray:
+    """Velocities without what leads into the robot, or into where it is about to be [m/s], shape (N, 2).
+
+    Around the straight line that the robot drives in the next 1.5 s nobody comes nearer than 0.5 m; who is nearer
+    already does not approach it.
+    """
+    start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
+    away, _ = _from_line(points, start, along)
+    inward = np.minimum(0.0, (velocities * away).sum(axis=1))
+    stops = sees & enters_way(points, points + velocities * dt, radii, robot)
+    return np.where(stops[:, None], velocities - inward[:, None] * away, velocities)
+
+
+def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot: MovingDisc) -> npt.NDArray[np.bool_]:
+    """Who would come nearer to the robot, or to where it is about to be, than allowed; shape (N,)."""
+    start, along = np.array([robot.x, robot.y]), np.array([robot.vx, robot.vy]) * _LOOK_S
+    _, gap = _from_line(points, start, along)
+    _, then = _from_line(reached, start, along)
+    return (then < radii + robot.radius + _MARGIN) & (then < gap - 1e-12)
+
+
+def _from_line(points: FloatArray, start: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Directions from a straight line to points, and their distances from it [m]."""
+    share = np.clip((points - start) @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
+    offset = points - (start + share[:, None] * along)
+    distance = np.hypot(offset[:, 0], offset[:, 1])
+    return offset / np.maximum(distance, 1e-9)[:, None], distance
+
+
+def keep_apart(points: FloatArray, reached: FloatArray, others: FloatArray, radii: FloatArray) -> FloatArray:
+    """Where they get without overlapping anyone [m]: past who is in the way, or nowhere.
+
+    Args:
+        points: Where they are, shape (N, 2).
+        reached: Where they would get, shape (N, 2).
+        others: Where everyone is, shape (M, 2); the first N are they.
+        radii: Of everyone [m], shape (M,).
+    """
+    count = len(points)
+    least = radii[:count, None] + radii
+    offset = points[:, None] - others
+    now = np.sqrt((offset**2).sum(axis=2))
+    away = offset / np.maximum(now, 1e-9)[..., None]
+    slid = False
+    for _ in range(3):
+        closer = _approaches(reached, np.vstack([reached, others[count:]]), now, least)
+        closer |= _approaches(reached, others, now, least)
+        stopped = np.asarray(closer.any(axis=1))
+        if not stopped.any():
+            break
+        if not slid:  # Past the nearest one in the way; then those who still approach someone stay.
+            nearest = np.where(closer, now - least, np.inf).argmin(axis=1)
+            direction = away[np.arange(count), nearest]
+            inward = np.minimum(0.0, ((reached - points) * direction).sum(axis=1))
+            reached = np.where(stopped[:, None], reached - inward[:, None] * direction, reached)
+            slid = True
+        else:
+            reached = np.where(stopped[:, None], points, reached)
+    return reached
+
+
+def _approaches(reached: FloatArray, others: FloatArray, now: FloatArray, least: FloatArray) -> npt.NDArray[np.bool_]:
+    """Who would overlap whom, and be nearer than now; shape (N, M)."""
+    offset = reached[:, None] - others
+    then = np.sqrt((offset**2).sum(axis=2))
+    overlap = (then < least) & (then < now - 1e-12)
+    np.fill_diagonal(overlap, False)
+    return overlap
