@@ -17,6 +17,7 @@ from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 from trundle.values import first_names
 
 if TYPE_CHECKING:
+    from trundle.geometry import Pose2D
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
@@ -115,18 +116,17 @@ def drive(
         simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
         claim = stack.enter_context(FolderClaim(out, "drive", overwrite=overwrite))
-        log.add(simulator.reset(pose, seed=seed))
         try:
             if not teleop:
-                for v, w, seconds in commands:
-                    _drive_for(simulator, log, v, w, seconds, window)
+                _drive_commands(simulator, pose, commands, log, window, seed=seed)
             elif window is None:
-                drive_by_keys(simulator, log, TextMap(place, machine, pose), period_s=PERIOD_S)
+                drive_by_keys(simulator, pose, log, TextMap(place, machine, pose), period_s=PERIOD_S, seed=seed)
             else:
-                drive_in_window(simulator, log, window, period_s=PERIOD_S)
+                drive_in_window(simulator, pose, log, window, period_s=PERIOD_S, seed=seed)
         finally:
-            with claim.replacing():
-                log.save(claim.path / "drive.csv")
+            if len(log):
+                with claim.replacing():
+                    log.save(claim.path / "drive.csv")
         # Before the simulator is closed: closing Isaac Sim may end the process.
         report = _report_drive if teleop else _report_commands
         report(log, claim.path, json=json)
@@ -143,23 +143,32 @@ def parse_command(text: str) -> tuple[float, float, float]:
     return v, w, seconds
 
 
-def _drive_for(
-    simulator: Simulator, log: DriveLog, v: float, w: float, seconds: float, window: NativeWindow | None
+def _drive_commands(
+    simulator: Simulator,
+    start: Pose2D,
+    commands: list[tuple[float, float, float]],
+    log: DriveLog,
+    window: NativeWindow | None,
+    *,
+    seed: int,
 ) -> None:
-    from trundle.geometry import Twist2D
+    from trundle.mission import Session
+    from trundle.navigation import CommandScript
 
-    twist = Twist2D(v, w)
-    log.begin(v, w, seconds)
-    began = time.monotonic()
-    left = seconds
-    while left > 1e-9:
-        period = min(PERIOD_S, left)
-        state = simulator.step(twist, period)
-        log.add(state, twist)
-        left -= period
+    script = CommandScript(commands, period_s=PERIOD_S)
+    session = Session(simulator, script, start, monitor=False, seed=seed, stop_on_contact=False, measure=None)
+    log.add(session.state)
+    leg, began = -1, time.monotonic()
+    while (step := session.step()) is not None:
+        if script.index != leg:
+            leg = script.index
+            log.begin(*commands[leg])
+        log.add(step.state, step.sent)
         if window is not None:
-            window.show(state.pose, state.wheel_positions)
-            time.sleep(max(0.0, began + seconds - left - time.monotonic()))
+            window.show(step.state.pose, step.state.wheel_positions)
+            time.sleep(max(0.0, began + step.state.time - time.monotonic()))
+    if session.error is not None:
+        raise session.error
 
 
 def _report_drive(log: DriveLog, folder: Path, *, json: bool) -> None:

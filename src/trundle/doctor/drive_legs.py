@@ -9,6 +9,8 @@ import numpy as np
 
 from trundle.doctor.wheel_fit import Travel, Wheel
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.mission import Session
+from trundle.navigation import CommandScript
 from trundle.robots import DifferentialDrive, Limits
 from trundle.sim import RobotState, Simulator
 
@@ -73,25 +75,24 @@ def _ramp_time(limits: Limits, target: Twist2D, *, hard: bool) -> float:
 
 def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, target: Twist2D, *, hard: bool) -> Leg:
     ramp = _ramp_time(simulator.robot.limits, target, hard=hard)
-    simulator.reset(pose)
-    states: list[RobotState] = []
-    touched: set[str] = set()
+    commands: list[tuple[float, float, float]] = []
 
     def drive_on(seconds: float, *, share: float | None) -> int:
-        """Drive for some seconds at a share of the target, ramped if None; return the last index."""
+        """Command some seconds at a share of the target, ramped if None; return the index of the last period."""
         steps = math.ceil(seconds / PERIOD - 1e-9)
         for step in range(1, steps + 1):
             part = min(1.0, step * PERIOD / ramp) if share is None else share
-            commanded = drive.wheel_speeds(Twist2D(part * target.v, part * target.w))
-            states.append(simulator.step(simulator.robot.drive.twist(commanded), PERIOD))
-            touched.update(contact.other for contact in states[-1].contacts)
-        return len(states) - 1
+            twist = simulator.robot.drive.twist(drive.wheel_speeds(Twist2D(part * target.v, part * target.w)))
+            commands.append((twist.v, twist.w, PERIOD))
+        return len(commands) - 1
 
     rest = drive_on(_STANDSTILL_S, share=0.0)
     drive_on(ramp, share=None)
     # The start includes one second at constant command: wheels that spin still lose travel there.
     settled = drive_on(_SETTLE_S, share=1.0)
     end = drive_on(_CRUISE_S, share=1.0)
+    states = _drive_commands(simulator, pose, commands)
+    touched = {contact.other for state in states for contact in state.contacts}
     cruise = _travel(states[settled : end + 1])
     # With a very wrong configuration the simulator clamps the twist to the robot's limits: that is not a wheel fault.
     robot = simulator.robot
@@ -105,6 +106,18 @@ def _drive_leg(simulator: Simulator, drive: DifferentialDrive, pose: Pose2D, tar
         (abs(cruise.left) + abs(cruise.right)) / expected,
         frozenset(touched),
     )
+
+
+def _drive_commands(simulator: Simulator, pose: Pose2D, commands: list[tuple[float, float, float]]) -> list[RobotState]:
+    """The state at the end of every command's period."""
+    script = CommandScript(commands, period_s=PERIOD)
+    session = Session(simulator, script, pose, monitor=False, stop_on_contact=False, measure=None)
+    states: list[RobotState] = []
+    while (step := session.step()) is not None:
+        states.append(step.state)
+    if session.error is not None:
+        raise session.error
+    return states
 
 
 def _travel(states: list[RobotState]) -> Travel:

@@ -51,6 +51,9 @@ class DriveLog:
         self._ends: list[RobotState] = []
         self._states: list[RobotState] = []
 
+    def __len__(self) -> int:
+        return len(self._rows)
+
     def begin(self, v: float, w: float, seconds: float) -> None:
         """Start a leg that is commanded v [m/s], w [rad/s] for some seconds."""
         self._legs.append((v, w, seconds, set()))

@@ -1,0 +1,359 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import trundle
+from trundle.errors import InputError, ScenarioError, UnknownNameError
+from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.mission import Episode, Outcome, Session, Trajectory, run
+from trundle.navigation import CommandScript, Latency, NavigationStatus
+from trundle.observation import Estimate, Scan
+from trundle.record.run_folder import RunFolder
+from trundle.sim import Contact, MoverState
+from trundle.sim.kinematic import KinematicSimulator
+from trundle.solids import Box, Solid
+from trundle.worlds import World
+
+GOAL = (3.0, 4.5)
+FORWARD = [(0.4, 0.0, 2.0)]
+
+
+def steps_of(session):
+    steps = []
+    while (step := session.step()) is not None:
+        steps.append(step)
+    return steps
+
+
+def touch(sim, when, *, name="person", mover=True):
+    """Let a simulator report a contact where `when(state)`."""
+
+    def changed(state):
+        movers = (MoverState(name, Pose2D(0.0, 0.0)),) if mover else ()
+        contacts = (Contact("chassis", name, 1.0, 2.0),) if when(state) else ()
+        return replace(state, movers=movers, contacts=contacts)
+
+    step, reset = sim.step, sim.reset
+    sim.step = lambda command, dt: changed(step(command, dt))
+    sim.reset = lambda pose, *, seed=0: changed(reset(pose, seed=seed))
+    return sim
+
+
+class Drifting:
+    """A localizer that believes to be ahead of the truth by some metres along x."""
+
+    def __init__(self, ahead_m, sim):
+        self.ahead_m, self.sim = ahead_m, sim
+
+    def reset(self, pose, *, seed=0):
+        self.begin, self.seed = pose, seed
+
+    def update(self, observation):
+        pose = self.begin @ observation.odometry
+        return Estimate(observation.time, Pose2D(pose.x + self.ahead_m, pose.y, pose.yaw))
+
+
+# Stepping -------------------------------------------------------------------------------------------------------------
+
+
+def test_stepping_a_session_is_a_run(make_sim, navigator, start):
+    expected = run(make_sim(), navigator, start, GOAL)
+    with trundle.Session(make_sim(), navigator, start, GOAL) as session:
+        assert (session.time, session.outcome, session.message) == (0.0, None, "")
+        first = session.step()
+        assert (first.index, session.time, first.state.time) == (1, navigator.dt, navigator.dt)
+        steps = [first, *steps_of(session)]
+    episode = session.finish()
+    assert session.step() is None
+    assert episode is session.finish()
+    assert session.outcome is episode.outcome is Outcome.ARRIVED
+    assert len(steps) == len(episode.trajectory) - 1
+    for name in Trajectory.columns():
+        np.testing.assert_array_equal(getattr(episode.trajectory, name), getattr(expected.trajectory, name))
+
+
+def test_a_step_has_what_the_agent_gets_and_does(make_sim, navigator, start):
+    session = Session(make_sim(), navigator, start, GOAL)
+    step = session.step()
+    assert step.observation.time == step.estimate.time == step.state.time
+    assert step.observation.odometry == step.state.odometry
+    assert step.estimate.pose == step.state.pose
+    assert step.costmap is navigator.costmap
+    assert step.sent is step.command
+    assert (step.scans, step.movers, step.monitor) == ((), (), None)
+
+
+def test_a_session_that_is_left_early_is_aborted(make_sim, navigator, start):
+    with Session(make_sim(), navigator, start, GOAL) as session:
+        session.step()
+    assert session.outcome is Outcome.ABORTED
+    assert "ended from outside" in session.finish().message
+    assert session.error is None
+
+
+def test_what_aborts_a_session_can_be_seen(make_sim, navigator, start):
+    session = Session(make_sim(breaks_at=0.2), navigator, start, GOAL)
+    steps_of(session)
+    assert session.outcome is Outcome.ABORTED
+    assert "left the world" in str(session.error)
+
+
+def test_the_agent_and_the_localizer_get_the_seed(make_sim, carter, start):
+    class Seeded(CommandScript):
+        def reset(self, *, seed=0):
+            super().reset()
+            self.seed = seed
+
+    sim = make_sim()
+    script, localizer = Seeded(FORWARD), Drifting(0.0, sim)
+    Session(sim, script, start, localizer=localizer, seed=11)
+    assert (script.seed, localizer.seed, sim.seeds) == (11, 11, [11])
+
+
+# Agents ---------------------------------------------------------------------------------------------------------------
+
+
+def test_an_agent_without_a_goal_drives_until_it_is_finished(make_sim, start, tmp_path):
+    with RunFolder(tmp_path / "run", video=False) as folder:
+        episode = run(make_sim(), CommandScript(FORWARD), start, None, observers=[folder])
+    assert episode.observer_errors == ()
+    assert episode.outcome is Outcome.FINISHED
+    assert (episode.goals, episode.goals_reached, episode.planner) == ((), 0, "none")
+    assert episode.controller == "CommandScript"
+    assert episode.trajectory.x[-1] == pytest.approx(start.x + 0.8)
+    assert (episode.metrics.min_clearance_m, episode.metrics.measured_on) == (None, "nothing")
+    again = Episode.load(tmp_path / "run")
+    assert again.metrics == episode.metrics
+    assert again.time_limit_s == math.inf
+    assert (tmp_path / "run" / "overlay.png").is_file()
+
+
+def test_an_agent_without_a_goal_can_be_limited_in_time(make_sim, start):
+    episode = run(make_sim(), CommandScript(FORWARD), start, None, time_limit_s=1.0)
+    assert episode.outcome is Outcome.TIMED_OUT
+    assert episode.metrics.time_s == pytest.approx(1.0)
+
+
+def test_a_script_with_a_goal_is_finished_beside_it(make_sim, start):
+    assert run(make_sim(), CommandScript(FORWARD), start, GOAL).outcome is Outcome.FINISHED
+
+
+def test_periods_may_differ_in_length(make_sim, start):
+    episode = run(make_sim(), CommandScript([(0.4, 0.0, 0.12)]), start, None)
+    assert np.diff(episode.trajectory.time).tolist() == pytest.approx([0.05, 0.05, 0.02])
+
+
+def test_a_navigator_needs_a_goal(make_sim, navigator, start):
+    with pytest.raises(ScenarioError, match="a goal is"):
+        Session(make_sim(), navigator, start)
+
+
+def test_an_agent_that_claims_to_have_arrived_must_be_there(make_sim, start):
+    class Claiming(CommandScript):
+        def update(self, observation, estimate):
+            self.status = NavigationStatus.ARRIVED
+            return Twist2D()
+
+    assert run(make_sim(), Claiming([]), start, GOAL).outcome is Outcome.STUCK
+    assert run(make_sim(), Claiming([]), start, start).outcome is Outcome.ARRIVED
+    assert run(make_sim(), Claiming([]), start, None).outcome is Outcome.FINISHED
+
+
+# Localizers -----------------------------------------------------------------------------------------------------------
+
+
+def test_exact_odometry_drives_as_the_truth_does(make_sim, navigator, start):
+    episode = run(make_sim(), navigator, start, GOAL, localizer="odometry")
+    assert episode.outcome is Outcome.ARRIVED
+    assert episode.metrics.position_error_m == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(episode.trajectory.estimates, episode.trajectory.poses, atol=1e-9)
+
+
+def test_a_goal_that_is_reached_only_by_the_estimate_is_not_reached(make_sim, navigator, start):
+    sim = make_sim()
+    episode = run(sim, navigator, start, GOAL, localizer=Drifting(-0.5, sim))
+    assert episode.outcome is Outcome.ARRIVED_BY_ESTIMATE
+    assert not episode.arrived
+    assert episode.metrics.position_error_m == pytest.approx(0.5)
+    assert episode.metrics.spl == 0.0
+    assert "0.50 m from where the robot is" in episode.message
+    np.testing.assert_allclose(episode.trajectory.estimate_x, episode.trajectory.x - 0.5)
+
+
+def test_a_goal_within_the_error_is_reached(make_sim, navigator, start):
+    sim = make_sim()
+    episode = run(sim, navigator, start, GOAL, localizer=Drifting(0.01, sim))
+    assert episode.outcome is Outcome.ARRIVED
+    assert episode.metrics.position_error_m == pytest.approx(0.01)
+
+
+def test_an_unknown_localizer_is_refused(make_sim, navigator, start):
+    with pytest.raises(UnknownNameError, match="odometry"):
+        Session(make_sim(), navigator, start, GOAL, localizer="odometri")
+
+
+# Latency --------------------------------------------------------------------------------------------------------------
+
+
+class Listening(CommandScript):
+    """Keeps when it got scans of which time, and its latency."""
+
+    def reset(self, *, seed=0):
+        super().reset()
+        self.heard = []
+
+    def set_latency(self, latency):
+        self.latency = latency
+
+    def update(self, observation, estimate):
+        self.heard += [(round(observation.time, 3), round(scan.time, 3)) for scan in observation.scans]
+        return super().update(observation, estimate)
+
+
+def test_scans_arrive_late_with_their_own_time(carter, start):
+    agent, latency = Listening(FORWARD), Latency(scan_age_s=0.12)
+    with KinematicSimulator(World("empty", ()), carter, lidar=["front"]) as sim:
+        run(sim, agent, start, None, latency=latency, monitor=False)
+    assert agent.latency is latency
+    assert len(agent.heard) > 30
+    assert all(0.12 - 1e-9 <= now - measured <= 0.12 + 0.05 for now, measured in agent.heard)
+    assert [measured for _, measured in agent.heard] == sorted({measured for _, measured in agent.heard})
+
+
+def test_commands_arrive_late(carter, start):
+    script = CommandScript([(0.4, 0.0, 1.0)])
+    with KinematicSimulator(World("empty", ()), carter) as sim:
+        punctual = run(sim, script, start, None).trajectory
+        late = run(sim, script, start, None, latency=Latency(command_delay_s=0.2)).trajectory
+    np.testing.assert_array_equal(late.x[:5], start.x)
+    np.testing.assert_allclose(late.x[4:], punctual.x[:-4])
+
+
+def test_a_latency_is_a_latency(make_sim, navigator, start):
+    with pytest.raises(InputError, match="a run's latency"):
+        Session(make_sim(), navigator, start, GOAL, latency=0.1)
+
+
+# Contacts -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_mover_that_runs_into_a_standing_robot_does_not_end_the_run(make_sim, start):
+    waits = [(0.0, 0.0, 1.0), (0.4, 0.0, 1.0)]
+    sim = touch(make_sim(), lambda state: 0.3 < state.time < 0.6)
+    episode = run(sim, CommandScript(waits), start, None)
+    assert episode.outcome is Outcome.FINISHED
+    assert episode.metrics.standing_contacts == ("person",)
+    assert episode.metrics.contacts == ()
+
+
+def test_a_touch_that_began_while_the_robot_stood_stays_one(make_sim, start):
+    waits = [(0.0, 0.0, 0.5), (0.4, 0.0, 1.0)]
+    episode = run(touch(make_sim(), lambda state: 0.3 < state.time < 0.8), CommandScript(waits), start, None)
+    assert (episode.metrics.contacts, episode.metrics.standing_contacts) == ((), ("person",))
+
+
+def test_a_mover_that_a_moving_robot_touches_is_a_collision(make_sim, start):
+    episode = run(touch(make_sim(), lambda state: state.time > 0.3), CommandScript(FORWARD), start, None)
+    assert episode.outcome is Outcome.COLLIDED
+    assert (episode.metrics.contacts, episode.metrics.standing_contacts) == (("person",), ())
+    assert "the chassis touches person" in episode.message
+
+
+def test_a_second_touch_counts_for_itself(make_sim, start):
+    waits = [(0.0, 0.0, 0.5), (0.4, 0.0, 2.0)]
+    sim = touch(make_sim(), lambda state: 0.2 < state.time < 0.4 or state.time > 1.0)
+    episode = run(sim, CommandScript(waits), start, None)
+    assert episode.outcome is Outcome.COLLIDED
+    assert (episode.metrics.contacts, episode.metrics.standing_contacts) == (("person",), ("person",))
+
+
+def test_a_solid_that_a_standing_robot_touches_is_a_collision(make_sim, start):
+    sim = touch(make_sim(), lambda state: state.time > 0.3, name="rack", mover=False)
+    episode = run(sim, CommandScript([(0.0, 0.0, 1.0)]), start, None)
+    assert episode.metrics.contacts == ("rack",)
+
+
+@pytest.mark.parametrize(("height", "lidar", "unseen"), [(0.3, True, ("box",)), (0.9, True, ()), (0.3, False, ())])
+def test_contacts_that_no_lidar_could_see_are_named(carter, height, lidar, unseen):
+    box = Solid("box", Box((0.2, 2.0, height)), Pose3D((1.5, 0.0, height / 2.0)))
+    with KinematicSimulator(World("boxes", (box,)), carter, lidar=lidar) as sim:
+        episode = run(sim, CommandScript([(0.8, 0.0, 3.0)]), (0.0, 0.0), None, monitor=False)
+    assert episode.metrics.contacts == ("box",)
+    assert episode.metrics.unseen_contacts == unseen
+
+
+# Collision monitors ---------------------------------------------------------------------------------------------------
+
+
+class Report:
+    def __init__(self, command, action):
+        self.command, self.action = command, action
+
+
+class Blinking:
+    """Stops the robot in every other half second."""
+
+    def reset(self):
+        self.times = []
+
+    def check(self, command, twist, scans, time, odometry):
+        self.times.append(time)
+        return Report(Twist2D(), "stop") if time % 1.0 >= 0.5 else Report(command, "none")
+
+
+def test_every_command_passes_the_monitor(make_sim, start):
+    monitor = Blinking()
+    session = Session(make_sim(), CommandScript([(0.4, 0.0, 3.0)]), start, monitor=monitor)
+    steps = steps_of(session)
+    episode = session.finish()
+    assert monitor.times == pytest.approx(np.arange(60) * 0.05)
+    assert {step.monitor.action for step in steps if step.sent != step.command} == {"stop"}
+    assert all(step.command == Twist2D(0.4, 0.0) for step in steps)
+    assert episode.metrics.monitor_stops == 3
+    np.testing.assert_array_equal(episode.trajectory.commanded_v[1:], [step.sent.v for step in steps])
+
+
+def test_scans_bring_a_monitor_unless_it_is_switched_off(carter):
+    wall = Solid("wall", Box((0.2, 4.0, 1.0)), Pose3D((2.5, 0.0, 0.5)))
+    script = CommandScript([(0.8, 0.0, 6.0)])
+    with KinematicSimulator(World("wall", (wall,)), carter, lidar=True) as sim:
+        watched = run(sim, script, (0.0, 0.0), None)
+        blind = run(sim, script, (0.0, 0.0), None, monitor=False)
+    assert watched.outcome is Outcome.FINISHED
+    assert watched.metrics.monitor_stops is not None
+    assert blind.metrics.contacts == ("wall",)
+    assert blind.metrics.monitor_stops is None
+
+
+def test_without_scans_there_is_no_monitor_unless_asked_for(make_sim, start):
+    assert run(make_sim(), CommandScript(FORWARD), start, None).metrics.monitor_stops is None
+    asked = run(make_sim(), CommandScript(FORWARD), start, None, monitor=True)
+    assert asked.metrics.monitor_stops == 1  # no lidar sends anything
+
+
+# Scans ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_second_goal_is_set_at_the_same_time_without_the_scans_again(carter, navigator, start):
+    seen = []
+    update = navigator.update
+
+    def watch(observation, estimate):
+        seen.append((observation.time, len(observation.scans)))
+        return update(observation, estimate)
+
+    navigator.update = watch
+    with KinematicSimulator(World("empty", ()), carter, lidar=["front"]) as sim:
+        run(sim, navigator, start, [(1.6, 1.5), (1.7, 1.5)], monitor=False)
+    assert seen[0] == (0.0, 1)
+    assert seen[1] == (0.0, 0)
+
+
+def test_scans_are_in_the_step_that_brings_them(carter, start):
+    with KinematicSimulator(World("empty", ()), carter, lidar=["front"]) as sim:
+        session = Session(sim, CommandScript(FORWARD), start, monitor=False)
+        step = session.step()
+    assert step.scans == step.state.scans
+    assert isinstance(step.scans[0], Scan)
