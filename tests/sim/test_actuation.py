@@ -3,13 +3,12 @@ import math
 import pytest
 
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Pose3D, Twist2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.mission import Scenario
 from trundle.robots import Robot
 from trundle.sim.actuation import Actuation
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
-from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 EMPTY = World("empty", ())
@@ -46,39 +45,6 @@ def test_a_wider_track_turns_less_than_commanded():
     assert state.odometry.yaw == pytest.approx(1.1 * state.pose.yaw)
 
 
-@pytest.mark.parametrize("latency", [0.02, 0.05, 0.12, 0.3])
-@pytest.mark.parametrize("kind", [KinematicSimulator, MujocoSimulator])
-def test_latency_shifts_the_run_in_time(kind, latency):
-    with kind(EMPTY, CARTER) as exact, Actuation(latency_s=latency).simulate(kind(EMPTY, CARTER)) as late:
-        punctual = drive(exact, Twist2D(0.6, 0.3), 80)
-        delayed = drive(late, Twist2D(0.6, 0.3), 80)
-    shift = Pose2D(punctual[-1].twist.v * latency, 0.0)
-    behind = delayed[-1].pose
-    assert [state.time for state in delayed] == pytest.approx([state.time for state in punctual])
-    assert delayed[0].pose == delayed[math.floor(latency / DT)].pose or kind is MujocoSimulator
-    assert behind.distance_to(punctual[-1].pose) == pytest.approx(shift.x, abs=0.01)
-
-
-def test_a_reset_forgets_commands_that_are_on_their_way():
-    with Actuation(latency_s=0.2).simulate(KinematicSimulator(EMPTY, CARTER)) as sim:
-        drive(sim, Twist2D(0.5, 0.0), 2)
-        sim.reset(Pose2D(1.0, 0.0))
-        for _ in range(10):
-            state = sim.step(Twist2D(), DT)
-    assert state.pose == Pose2D(1.0, 0.0)
-
-
-def test_contacts_of_all_parts_of_a_period_are_reported():
-    wall = World("wall", (Solid("wall", Box((0.1, 4.0, 1.0)), Pose3D((0.9, 0.0, 0.5))),))
-    with Actuation(latency_s=0.03).simulate(KinematicSimulator(wall, CARTER)) as sim:
-        touched = [state.contacts for state in drive(sim, Twist2D(0.5, 0.0))]
-    with KinematicSimulator(wall, CARTER) as exact:
-        expected = [state.contacts for state in drive(exact, Twist2D(0.5, 0.0))]
-    first, reference = (next(k for k, each in enumerate(some) if each) for some in (touched, expected))
-    assert first in (reference, reference + 1)
-    assert {contact.other for contact in touched[first]} == {"wall"}
-
-
 def test_a_heavier_robot_takes_longer_to_reach_its_speed():
     def speed(mass, periods=4):
         with MujocoSimulator(EMPTY, CARTER, mass=mass) as sim:
@@ -107,7 +73,7 @@ def test_implausible_factors_are_refused(option):
         MujocoSimulator(EMPTY, CARTER, **option)
 
 
-@pytest.mark.parametrize("option", [{"latency_s": -0.1}, {"latency_s": 60.0}, {"wheel_radius": 0.0}, {"track": 1.0}])
+@pytest.mark.parametrize("option", [{"wheel_radius": 0.0}, {"track_width": 3.0}, {"track": 1.0}, {"latency_s": 0.1}])
 def test_implausible_actuation_is_refused(option):
     with pytest.raises(InputError, match=next(iter(option))):
         Actuation(**option)
@@ -117,10 +83,23 @@ def test_a_scenario_carries_the_actuation(tmp_path):
     scenario = Scenario.make(
         world="corridors",
         backend="kinematic",
-        actuation={"wheel_radius": 1.03, "latency_s": 0.1},
+        actuation={"wheel_radius": 1.03},
+        latency={"command_delay_s": 0.1},
     )
     scenario.save(tmp_path / "scenario.yaml")
     again = Scenario.load(tmp_path / "scenario.yaml")
     assert again == scenario
     with scenario.build() as mission, again.build() as repeated:
         assert mission.run().metrics.time_s == repeated.run().metrics.time_s
+
+
+def test_a_scenario_of_an_older_version_has_its_latency_in_the_actuation():
+    scenario = Scenario.make(world="corridors", actuation={"wheel_radius": 1.03, "latency_s": 0.1})
+    assert scenario == Scenario.make(
+        world="corridors", actuation={"wheel_radius": 1.03}, latency={"command_delay_s": 0.1}
+    )
+    assert Scenario.make(world="corridors", actuation={"latency_s": 0.1}).actuation is None
+    with pytest.raises(InputError, match="latency_s"):
+        Scenario.make(world="corridors", actuation={"latency_s": 0.1}, latency={"scan_age_s": 0.1})
+    with pytest.raises(InputError, match="at most 2"):
+        Scenario.make(world="corridors", actuation={"latency_s": 60.0})

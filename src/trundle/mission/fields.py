@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -12,7 +12,7 @@ from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
 from trundle.mission.unmapped import Unmapped
-from trundle.navigation import NavigatorSettings
+from trundle.navigation import Latency, NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
@@ -62,6 +62,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
         backend: Simulator, likewise.
         actuation: How the robot's motion differs from what its software believes; none means not at all.
+        latency: How late scans and commands arrive; none means not at all.
         odometry: How far its odometry is from its motion; none means not at all.
         lidar: Which of the robot's lidars are simulated: all (true), none (false), or a list of names. With them it
             senses obstacles that are not on its map.
@@ -90,11 +91,26 @@ class ScenarioFields(CostmapSettings, RunSettings):
     unmapped: Unmapped | None = None
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
     actuation: Actuation | None = None
+    latency: Latency | None = None
     odometry: OdometryErrors | None = None
     lidar: LidarNames = False
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _move_latency(cls, given: Any) -> Any:
+        """Take `actuation: {latency_s: …}` of older versions as `latency: {command_delay_s: …}`."""
+        if not isinstance(given, dict):
+            return given
+        values = cast("dict[str, Any]", given)
+        actuation = values.get("actuation")
+        if not isinstance(actuation, dict) or "latency_s" not in actuation or values.get("latency") is not None:
+            return values
+        actuation = dict(cast("dict[str, Any]", actuation))
+        latency = {"command_delay_s": actuation.pop("latency_s")}
+        return {**values, "latency": latency, "actuation": actuation or None}
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -18,7 +18,7 @@ def run(
     sim: Simulator,
     navigator: Agent,
     start: Pose2D | Sequence[float],
-    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]],
+    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None,
     *,
     time_limit_s: float | None = None,
     observers: Sequence[Observer] = (),
@@ -37,7 +37,8 @@ def run(
         sim: What moves the robot.
         navigator: What drives it, a navigator or another agent; a goal that it has is replaced.
         start: The start: a pose, (x, y) or (x, y, yaw); map frame.
-        goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these.
+        goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these. None for an agent without a
+            goal, which drives until it is FINISHED.
         time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
             what the planned paths take at the robot's top speed, or at what a speed mask allows.
         observers: Notified in this order.
@@ -78,7 +79,7 @@ def run_measured(
     sim: Simulator,
     navigator: Agent,
     start: Pose2D | Sequence[float],
-    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]],
+    goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None,
     *,
     time_limit_s: float | None = None,
     observers: Sequence[Observer] = (),

@@ -242,6 +242,7 @@ class Mission(Setting):
             seed=self.scenario.seed,
             stop_on_contact=stop_on_contact,
             name=self.scenario.title,
+            latency=self.scenario.latency,
         )
 
     def close(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import replace
 from typing import Annotated, Self
 
@@ -11,29 +10,24 @@ from pydantic import Field
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.robots import Robot
-from trundle.sim.simulator import Contact, RobotState, Simulator, world_of
+from trundle.sim.simulator import RobotState, Simulator, world_of
 from trundle.worlds import World
-
-_TICK_S = 0.005
-"""Latencies are multiples of this [s], the length of a physics step."""
 
 _Factor = Annotated[float, Field(ge=0.5, le=2.0)]
 
 
 class Actuation(Config):
-    """How the robot's motion differs from what its software believes: `{wheel_radius: 1.02, latency_s: 0.1}`.
+    """How the robot's motion differs from what its software believes: `{wheel_radius: 1.02, track_width: 0.98}`.
 
     Attributes:
         wheel_radius: True wheel radius over the one that the robot's software believes, 0.5 to 2: at 1.02 it drives 2 %
             faster than commanded, and its odometry counts 2 % too little.
         track_width: True distance between the wheels over the believed one, 0.5 to 2: at 1.02 it turns 2 % less than
             commanded.
-        latency_s: Time [s] from a command until the wheels receive it, rounded to 5 ms; at most 2.
     """
 
     wheel_radius: _Factor = 1.0
     track_width: _Factor = 1.0
-    latency_s: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
 
     def simulate(self, sim: Simulator) -> Simulator:
         """Wrap a simulator so that its robot moves so; the simulator itself where there is no difference."""
@@ -41,7 +35,7 @@ class Actuation(Config):
 
 
 class ActuatedSimulator:
-    """A simulator whose robot has other wheels than its software believes, and receives its commands late.
+    """A simulator whose robot has other wheels than its software believes.
 
     The simulated robot is the true one. Commands are turned into wheel speeds with the believed radius and track, as a
     robot's firmware does, and the odometry is integrated with them.
@@ -54,9 +48,6 @@ class ActuatedSimulator:
     def __init__(self, sim: Simulator, actuation: Actuation) -> None:
         self._sim = sim
         self._actuation = actuation
-        self._ticks = round(actuation.latency_s / _TICK_S)
-        self._pending: deque[tuple[int, Twist2D]] = deque()
-        self._command = Twist2D()
         self._odometry = Pose2D(0.0, 0.0)
         self._wheels = (0.0, 0.0)
 
@@ -76,30 +67,18 @@ class ActuatedSimulator:
         return self._sim
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
-        """Put the robot at rest at `pose` (map frame), with no command on its way."""
+        """Put the robot at rest at `pose` (map frame)."""
         state = self._sim.reset(pose, seed=seed)
-        self._pending.clear()
-        self._command = Twist2D()
         self._odometry = state.odometry
         self._wheels = (state.wheel_positions.left, state.wheel_positions.right)
         return state
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
-        """Drive one control period; see `Simulator.step`. Commands of earlier periods arrive within it."""
-        period = round(dt / _TICK_S)
-        self._pending.append((self._ticks, command))
-        states: list[RobotState] = []
-        done = 0
-        while self._pending and self._pending[0][0] < period:
-            due, arrived = self._pending.popleft()
-            if due > done:
-                states.append(self._advance((due - done) * _TICK_S))
-                done = due
-            self._command = arrived
-        rest = (period - done) * _TICK_S if states else dt
-        states.append(self._advance(rest))
-        self._pending = deque((due - period, waiting) for due, waiting in self._pending)
-        return replace(_join(states), odometry=self._odometry)
+        """Drive one control period; see `Simulator.step`."""
+        radius, track = self._actuation.wheel_radius, self._actuation.track_width
+        state = self._sim.step(Twist2D(command.v * radius, command.w * radius / track), dt)
+        self._count(state)
+        return replace(state, odometry=self._odometry)
 
     def close(self) -> None:
         """Close the simulator."""
@@ -110,12 +89,6 @@ class ActuatedSimulator:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _advance(self, dt: float) -> RobotState:
-        radius, track = self._actuation.wheel_radius, self._actuation.track_width
-        state = self._sim.step(Twist2D(self._command.v * radius, self._command.w * radius / track), dt)
-        self._count(state)
-        return state
 
     def _count(self, state: RobotState) -> None:
         """Integrate the odometry with the believed wheels."""
@@ -128,18 +101,3 @@ class ActuatedSimulator:
         here = self._odometry
         x, y, yaw = integrate_twist(here.x, here.y, here.yaw, (left + right) / 2.0, (right - left) / track, 1.0)
         self._odometry = Pose2D(float(x), float(y), wrap_angle(float(yaw)))
-
-
-def _join(states: list[RobotState]) -> RobotState:
-    """The last of some states, with the contacts and scans of all."""
-    if len(states) == 1:
-        return states[0]
-    contacts: dict[tuple[str, str], Contact] = {}
-    for state in states:
-        for contact in state.contacts:
-            contacts.setdefault((contact.part, contact.other), contact)
-    return replace(
-        states[-1],
-        contacts=tuple(contacts.values()),
-        scans=tuple(scan for state in states for scan in state.scans),
-    )

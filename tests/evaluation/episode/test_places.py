@@ -51,7 +51,7 @@ def test_a_simulator_serves_again_where_its_backend_is_the_same(backend):
     first = kept.simulator(scenario(backend=backend))
     kept.release(first)
     assert kept.simulator(scenario(backend=backend)) is first
-    late = kept.simulator(scenario(backend=backend, actuation={"latency_s": 0.1}))
+    late = kept.simulator(scenario(backend=backend, actuation={"wheel_radius": 1.02}))
     assert late.inner is first
     kept.release(late)
     other = kept.simulator(scenario(backend={"name": backend, "options": {"timestep": 0.01}}))

@@ -62,7 +62,7 @@ require: success>=0.99
     assert (last.world, last.seed, last.missions.ends) == ("quiet office", 499, "tight")
     assert last.scenario.world.seed == 3
     assert first.scenario.world.seed is None
-    assert first.scenario.actuation.latency_s == 0.1
+    assert first.scenario.latency.command_delay_s == 0.1
     assert first.scenario.actuation.wheel_radius == first.vary["wheel_radius"] != 1.0
 
 

@@ -54,7 +54,7 @@ def test_drawn_values_become_part_of_the_scenario():
     scenario = Scenario.make(world="warehouse", backend={"name": "mujoco", "options": {"lidar": True}})
     varied = apply(scenario, {"friction": 0.6, "track": 1.1, "latency_s": 0.1, "start_pose.x": 1.0})
     assert varied.backend.options == {"lidar": True, "friction": 0.6}
-    assert (varied.actuation.track_width, varied.actuation.latency_s) == (1.1, 0.1)
+    assert (varied.actuation.track_width, varied.latency.command_delay_s) == (1.1, 0.1)
     assert varied.start is None
     assert apply(scenario, {}) == scenario
 

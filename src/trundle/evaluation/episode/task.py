@@ -194,6 +194,7 @@ class EpisodeTask:
                 time_limit_s=scenario.time_limit_s,
                 seed=scenario.seed,
                 name=scenario.title,
+                latency=scenario.latency,
                 measure=measure,
             )
         except PlanningError as error:  # the robot cannot stand at an end of the mission

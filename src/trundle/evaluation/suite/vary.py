@@ -13,6 +13,7 @@ from trundle.errors import InputError
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.mission import Scenario
+from trundle.navigation import Latency
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
 
@@ -155,7 +156,9 @@ def draw(value: Varied, rng: np.random.Generator) -> float:
 _OPTIONS = ("friction", "mass")
 """Options of the backend mujoco."""
 
-_ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width", "latency_s": "latency_s"}
+_ACTUATION = {"wheel_radius": "wheel_radius", "track": "track_width"}
+
+_LATENCY = {"latency_s": "command_delay_s"}
 
 _ODOMETRY = {f"odometry_{field}": field for field in OdometryErrors.model_fields}
 
@@ -169,6 +172,7 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     options = {name: drawn[name] for name in _OPTIONS if name in drawn}
     actuation = {field: drawn[name] for name, field in _ACTUATION.items() if name in drawn}
     odometry = {field: drawn[name] for name, field in _ODOMETRY.items() if name in drawn}
+    latency = {field: drawn[name] for name, field in _LATENCY.items() if name in drawn}
     backend = scenario.backend
     if options:
         if backend.name != "mujoco":
@@ -179,9 +183,17 @@ def apply(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     update = {
         "backend": backend,
         "actuation": Actuation(**actuation) if actuation else scenario.actuation,
+        "latency": _delay(scenario.latency, latency),
         "odometry": _put(scenario.odometry, odometry),
     }
     return scenario.model_copy(update=update)
+
+
+def _delay(latency: Latency | None, drawn: Mapping[str, float]) -> Latency | None:
+    """Latencies with drawn values in place of those that were given."""
+    if not drawn:
+        return latency
+    return Latency(**{**({} if latency is None else latency.model_dump()), **drawn})
 
 
 def _put(errors: OdometryErrors | None, drawn: Mapping[str, float]) -> OdometryErrors | None:
