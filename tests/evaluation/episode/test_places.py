@@ -48,13 +48,13 @@ def test_the_places_used_last_are_kept():
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
 def test_a_simulator_serves_again_where_its_backend_is_the_same(backend):
     kept = Places().get(scenario())
-    first = kept.simulator(scenario(backend=backend))
+    first = kept.simulator(scenario(backend=backend), kept.place.world)
     kept.release(first)
-    assert kept.simulator(scenario(backend=backend)) is first
-    late = kept.simulator(scenario(backend=backend, actuation={"wheel_radius": 1.02}))
+    assert kept.simulator(scenario(backend=backend), kept.place.world) is first
+    late = kept.simulator(scenario(backend=backend, actuation={"wheel_radius": 1.02}), kept.place.world)
     assert late.inner is first
     kept.release(late)
-    other = kept.simulator(scenario(backend={"name": backend, "options": {"timestep": 0.01}}))
+    other = kept.simulator(scenario(backend={"name": backend, "options": {"timestep": 0.01}}), kept.place.world)
     assert other is not first
     assert world_of(first) is kept.place.world
 
