@@ -1,13 +1,16 @@
-"""`nearest_free_pose`: where a robot can stand near a pose that something occupies."""
+"""Where a robot can stand near a pose that something occupies: `nearest_free_pose`, and `free_ends` of a plan."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.geometry import Pose2D
+from trundle.errors import BlockedPoseError
+from trundle.geometry import Goal, Pose2D
 
 _STEP_M = 0.05
+_START_OFF_M = 0.15
+_STOPS_WITHIN_M = 0.05
 _YAWS = np.arange(16) * (np.pi / 8.0)
 
 
@@ -35,3 +38,38 @@ def nearest_free_pose(costmap: Costmap, pose: Pose2D, within_m: float, *, any_ya
         if len(free):
             return Pose2D(float(x[index]), float(y[index]), float(yaws[free[0]]))
     return None
+
+
+def free_ends(
+    costmap: Costmap, static: Costmap | None, start: Pose2D, goal: Goal, tolerance_m: float
+) -> tuple[Pose2D, Pose2D]:
+    """Where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
+
+    Args:
+        costmap: With what was sensed.
+        static: Without that; None without a map. A goal that is occupied there is left to the planner.
+        start: Where the robot is, map frame.
+        goal: The goal.
+        tolerance_m: How far from the goal the robot may stop [m].
+
+    Raises:
+        BlockedPoseError: If the goal is occupied by something that is not on the map.
+    """
+    if costmap.footprint_collides(start.as_tuple())[0]:
+        start = nearest_free_pose(costmap, start, _START_OFF_M) or start
+    if not _is_occupied(costmap, goal) or (static is not None and _is_occupied(static, goal)):
+        return start, goal.pose
+    found = nearest_free_pose(costmap, goal.pose, max(0.0, tolerance_m - _STOPS_WITHIN_M), any_yaw=goal.yaw_free)
+    if found is None:
+        raise BlockedPoseError(
+            f"the goal ({goal.pose.x:.2f}, {goal.pose.y:.2f}) is occupied by something that is not on the map, and the "
+            f"robot does not fit anywhere within the tolerance of {tolerance_m:g} m; clear it, or choose another goal",
+            pose=goal.pose.as_tuple(),
+        )
+    return start, found
+
+
+def _is_occupied(costmap: Costmap, goal: Goal) -> bool:
+    if goal.yaw_free:
+        return int(costmap.cost_at(goal.pose.x, goal.pose.y)) >= INSCRIBED
+    return bool(costmap.footprint_collides(goal.pose.as_tuple())[0])

@@ -6,15 +6,18 @@ import numbers
 import os
 import warnings
 from collections.abc import Sequence
-from typing import cast
+from typing import Any, TypeVar, cast
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
+from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
 from trundle.values import as_sequence, check_kind, is_finite_number
+
+_Made = TypeVar("_Made")
 
 _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
 
@@ -98,3 +101,10 @@ def credible_twist(twist: object, robot: Robot) -> Twist2D:
         stacklevel=3,
     )
     return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))
+
+
+def split_choice(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:
+    """The name for reports, the name or object that it is made from, and the options."""
+    if isinstance(given, Choice):
+        return given.name, given.name, dict(given.options)
+    return given if isinstance(given, str) else type(given).__name__, given, {}

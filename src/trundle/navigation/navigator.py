@@ -7,11 +7,11 @@ import os
 import time as clock
 from collections.abc import Sequence
 from types import NoneType
-from typing import Any, Literal, TypeVar, cast, overload
+from typing import Literal, cast, overload
 
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
-from trundle.costmap import INSCRIBED, Costmap, CostmapSettings
+from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import BlockedPoseError, InputError, NoValidControlError, PlanningError, PlanningStoppedError
 from trundle.files.choice import Choice
@@ -19,10 +19,10 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.free_pose import nearest_free_pose
-from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose
+from trundle.navigation.free_pose import free_ends
+from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
 from trundle.navigation.obstacle_watch import ObstacleWatch
-from trundle.navigation.planning_tries import PlanningTries
+from trundle.navigation.planning_tries import PlanningTries, timed_out
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.settings import NavigatorSettings
@@ -36,9 +36,6 @@ from trundle.robots import Robot
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
-_START_OFF_M = 0.15
-_JUMP_M = 1.0
-_Made = TypeVar("_Made")
 
 
 class Navigator:
@@ -123,13 +120,13 @@ class Navigator:
             if static is not None:
                 check_overlap(self.speed_mask.grid, static, self.speed_mask.name)
             self._limiter = SpeedLimiter(self.speed_mask, self.robot)
-        self.planner_name, planner, options = _split(planner)
+        self.planner_name, planner, options = split_choice(planner)
         self.planner = create_planner(planner, **options)
-        self.controller_name, controller, options = _split(controller)
+        self.controller_name, controller, options = split_choice(controller)
         self.controller = create_controller(controller, self.robot, **options)
         self.smoother: Smoother | None = None
         if smoother is not None:
-            _, smoother, options = _split(smoother)
+            _, smoother, options = split_choice(smoother)
             self.smoother = create_smoother(smoother, **options)
         self.goal_checker = self.settings.make_goal_checker()
         self.progress_checker = self.settings.make_progress_checker()
@@ -204,7 +201,6 @@ class Navigator:
         self.message = ""
         self._time = 0.0
         self._command = _STAND
-        self._last_pose: Pose2D | None = None
         self._obstacle.clear()
         self._sensed.begin()
         self._recovery.reset()
@@ -233,13 +229,16 @@ class Navigator:
         deadline_s = self._tries.deadline_s(twist)
         began = clock.perf_counter()
         try:
-            start, goal = self._free_ends(start, self._goal)
+            goal = self._goal.pose
+            if self._sensed.is_active:
+                tolerance = self.goal_checker.xy_tolerance
+                start, goal = free_ends(self.costmap, self._sensed.static, start, self._goal, tolerance)
             path = self.planner.plan(
                 self.costmap, start, goal, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
             )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         except PlanningStoppedError as error:
-            if _timed_out(error):
+            if timed_out(error):
                 self._tries.time_out(twist, self._time)
             raise
         finally:
@@ -247,35 +246,6 @@ class Navigator:
             self.planning_time_s += seconds
         self._tries.succeed(seconds)
         return FollowedPath(path, smooth)
-
-    def _free_ends(self, start: Pose2D, goal: Goal) -> tuple[Pose2D, Pose2D]:
-        """Where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
-
-        Raises:
-            BlockedPoseError: If the goal is occupied by something that is not on the map.
-        """
-        if not self._sensed.is_active:
-            return start, goal.pose
-        if self.costmap.footprint_collides(start.as_tuple())[0]:
-            start = nearest_free_pose(self.costmap, start, _START_OFF_M) or start
-        occupied, static = self._is_occupied(self.costmap, goal), self._sensed.static
-        if not occupied or (static is not None and self._is_occupied(static, goal)):
-            return start, goal.pose
-        tolerance = self.goal_checker.xy_tolerance
-        found = nearest_free_pose(self.costmap, goal.pose, max(0.0, tolerance - 0.05), any_yaw=goal.yaw_free)
-        if found is None:
-            raise BlockedPoseError(
-                f"the goal ({goal.pose.x:.2f}, {goal.pose.y:.2f}) is occupied by something that is not on the map, and "
-                f"the robot does not fit anywhere within the tolerance of {tolerance:g} m; clear it, or choose another",
-                pose=goal.pose.as_tuple(),
-            )
-        return start, found
-
-    @staticmethod
-    def _is_occupied(costmap: Costmap, goal: Goal) -> bool:
-        if goal.yaw_free:
-            return int(costmap.cost_at(goal.pose.x, goal.pose.y)) >= INSCRIBED
-        return bool(costmap.footprint_collides(goal.pose.as_tuple())[0])
 
     def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
@@ -349,17 +319,14 @@ class Navigator:
         goal = None if self._goal is None else self._goal.pose
         estimate = Estimate(now, pose) if estimate is None else estimate
         self.costmap = self._sensed.update(self.costmap, scans, estimate, goal)
-        last, self._last_pose = self._last_pose, pose
-        if last is None or not self._sensed.is_active:
-            return
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
-        jump_m = pose.distance_to(last) - fastest * max(0.0, now - self._time)
-        if jump_m > _JUMP_M and self._followed is not None:
+        jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time))
+        if jump_m is not None and self._followed is not None:
             self._followed = None
             self._recovery.reset()
             self._obstacle.clear()
             self.progress_checker.reset()
-            self.message = f"the pose jumped by {pose.distance_to(last):.1f} m: planning a new path"
+            self.message = f"the pose jumped by {jump_m:.1f} m: planning a new path"
 
     def _decide(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         if self._goal is None or self.status in FINAL:
@@ -480,7 +447,7 @@ class Navigator:
             followed = self._call_planner(pose, twist)
         except PlanningError as error:
             self.error = error
-            if not _timed_out(error):
+            if not timed_out(error):
                 self._tries.settle()
                 return False
             self.progress_checker.reset()
@@ -550,14 +517,3 @@ class Navigator:
         self._recovery.stop_backing_up()
         self._replan(pose, twist)
         return _STAND
-
-
-def _timed_out(error: PlanningError) -> bool:
-    return isinstance(error, PlanningStoppedError) and error.status == "timeout"
-
-
-def _split(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:
-    """The name for reports, the name or object that it is made from, and the options."""
-    if isinstance(given, Choice):
-        return given.name, given.name, dict(given.options)
-    return given if isinstance(given, str) else type(given).__name__, given, {}

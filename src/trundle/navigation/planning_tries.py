@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from trundle.errors import PlanningError, PlanningStoppedError
 from trundle.geometry import Twist2D
 from trundle.planning.cancellation import check_limits
 
@@ -93,6 +94,11 @@ class PlanningTries:
         """A plan was made in this time [s]."""
         self.settle()
         self._is_slow = self._deadline_s is not None and seconds > _MOVING_SHARE * self._deadline_s
+
+
+def timed_out(error: PlanningError) -> bool:
+    """Whether a plan was not done by its deadline, so that another try may find a path."""
+    return isinstance(error, PlanningStoppedError) and error.status == "timeout"
 
 
 def _moves(twist: Twist2D) -> bool:

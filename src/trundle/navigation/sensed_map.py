@@ -20,6 +20,7 @@ from trundle.robots import Robot
 
 RESOLUTION_M = 0.05
 _AROUND_M = 6.0
+_JUMP_M = 1.0
 
 
 class SensedMap:
@@ -64,10 +65,12 @@ class SensedMap:
         self._layered: LayeredCostmap | None = None
         self._waiting: tuple[Scan, ...] = ()
         self._time: float | None = None
+        self._last_pose: Pose2D | None = None
 
     def begin(self) -> None:
-        """Expect that the time may start over: there is a new goal."""
+        """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
+        self._last_pose = None
 
     @property
     def is_active(self) -> bool:
@@ -120,6 +123,14 @@ class SensedMap:
                 self._layered.require((goal.x, goal.y))
         self.costmap = self._layered.update(scans, estimate)
         return self.costmap
+
+    def jump(self, pose: Pose2D, driven_m: float) -> float | None:
+        """How far the robot's pose has moved since the last call [m], if that is 1 m more than it may have driven."""
+        last, self._last_pose = self._last_pose, pose
+        if last is None or not self.is_active:
+            return None
+        moved = pose.distance_to(last)
+        return moved if moved > driven_m + _JUMP_M else None
 
     def obstacle_near(self, x: float, y: float, within: float) -> tuple[float, float]:
         """The obstacle nearest to a point [m], map frame; the point itself where there is none so near."""
