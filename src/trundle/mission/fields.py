@@ -11,6 +11,7 @@ from trundle.costmap import CostmapSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
+from trundle.mission.movers import MoverChoice
 from trundle.mission.unmapped import Unmapped
 from trundle.navigation import Latency, NavigatorSettings
 from trundle.planning.planner import PLANNERS
@@ -60,6 +61,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
         unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
+        movers: What moves in the world besides the robot and what it has of its own: on a path, or crowds of people and
+            forklifts.
         backend: Simulator, likewise.
         actuation: How the robot's motion differs from what its software believes; none means not at all.
         latency: How late scans and commands arrive; none means not at all.
@@ -89,6 +92,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     )
     smoother: Annotated[Choice | None, takes_name(Choice)] = None
     unmapped: Unmapped | None = None
+    movers: tuple[MoverChoice, ...] = ()
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
     actuation: Actuation | None = None
     latency: Latency | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -56,6 +56,8 @@ def make_place(scenario: ScenarioFields) -> Place:
     """
     robot = Robot.load(scenario.robot)
     world, grid, floor_z = _make_world(scenario, robot)
+    if scenario.movers:
+        world = replace(world, movers=(*world.movers, *(choice.make() for choice in scenario.movers)))
     compat = scenario.compat
     return Place(
         world=world,
@@ -69,7 +71,7 @@ def make_place(scenario: ScenarioFields) -> Place:
 
 def place_key(scenario: ScenarioFields) -> str:
     """What `make_place` depends on, as JSON: scenarios of one key have one place."""
-    fields = ("map", "map_options", "compat", "keepout", "speed_mask", "robot", "resolution", "floor_z")
+    fields = ("map", "map_options", "compat", "keepout", "speed_mask", "robot", "resolution", "floor_z", "movers")
     key = scenario.model_dump(mode="json", include={"world", *fields})
     if scenario.world is None:
         key["unknown"] = _unknown(scenario)

@@ -31,6 +31,7 @@ from trundle.worlds.generators.props import (
     pallet,
     place,
 )
+from trundle.worlds.movers import Crowd
 from trundle.worlds.world import World
 
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
@@ -93,6 +94,10 @@ def generate_warehouse(
     clutter: float = 1.0,
     wall_height: float = 4.0,
     low_objects: bool = True,
+    forklifts: int = 0,
+    people: int = 0,
+    mover_speed: float = 1.2,
+    sees_robot: bool = True,
 ) -> World:
     """Generate a warehouse that Nova Carter can drive through everywhere.
 
@@ -106,6 +111,10 @@ def generate_warehouse(
         wall_height: [m].
         low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
             boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m.
+        forklifts: Number of forklifts that drive to random places, as a `Crowd` named `forklifts`; 0 to 100.
+        people: Number of people who walk to random places, as a `Crowd` named `people`; 0 to 100.
+        mover_speed: The fastest of them [m/s], 0.1 to 10.
+        sees_robot: Whether they stop for the robot and go around it.
 
     Raises:
         WorldError: If a value is out of range, or the floor has no room for two rows of racks with their aisles.
@@ -117,6 +126,16 @@ def generate_warehouse(
     clutter = check_number("warehouse", "clutter", clutter, 0.0, 3.0)
     wall_height = check_number("warehouse", "wall_height", wall_height, 0.7, 20.0)
     low_objects = check_flag("warehouse", "low_objects", low_objects)
+    sees_robot = check_flag("warehouse", "sees_robot", sees_robot)
+    mover_speed = check_number("warehouse", "mover_speed", mover_speed, 0.1, 10.0)
+    movers = tuple(
+        Crowd(name, count, kind, mover_speed, sees_robot)
+        for name, kind, count in (
+            ("forklifts", "forklift", check_whole("warehouse", "forklifts", forklifts, 0, 100)),
+            ("people", "person", check_whole("warehouse", "people", people, 0, 100)),
+        )
+        if count
+    )
     layout = _lay_out(check_size("warehouse", size, 1.0, MAX_SIZE), aisle_width)
     rng = np.random.default_rng(seed)
     solids = _walls(layout.floor, wall_height)
@@ -131,7 +150,7 @@ def generate_warehouse(
             solids += _guards(f"row_{number}", west, bays, south, depth, low_objects=low_objects)
     solids += _Clutter(layout, rng, low_objects=low_objects).scatter(clutter)
     seeds = (((layout.field.x1 + layout.floor.x1) / 2.0, 0.0),)
-    return World("warehouse", tuple(solids), seeds)
+    return World("warehouse", tuple(solids), seeds, movers=movers)
 
 
 def _run_length(bays: int) -> float:
