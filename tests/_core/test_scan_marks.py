@@ -63,6 +63,21 @@ def test_a_cell_that_a_scan_hits_is_not_cleared_by_its_other_beams():
     assert cells.evidence[0, 3] == NEUTRAL - MISS  # once, though three beams passed it
 
 
+def test_hits_behind_others_are_forgotten_unless_they_are_confirmed():
+    cells = Cells()
+    for _ in range(6):
+        cells.scan([0.0], [5.25])
+        for _ in range(3):
+            cells.scan([0.0], [4.25])
+    assert cells.marked == [[0, 4]]
+    for _ in range(2):
+        cells.scan([0.0], [5.25])
+    assert cells.marked == [[0, 4], [0, 5]]
+    for _ in range(20):
+        cells.scan([0.0], [4.25])
+    assert cells.marked == [[0, 4], [0, 5]]  # a mark stays until a beam passes through
+
+
 @pytest.mark.parametrize("reading", [math.nan, -math.inf, 0.2, 30.0])
 def test_readings_that_are_no_ranges_change_nothing(reading):
     cells = Cells()

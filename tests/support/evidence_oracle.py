@@ -50,6 +50,12 @@ def after_miss(byte, hit, miss):
     return level | (0 if level <= neutral else byte & MARKED)
 
 
+def after_shorter(byte, hit, miss):
+    """Behind a hit: what a cell had gathered on the way to a mark grows less."""
+    neutral = 1 + hit * miss
+    return byte if byte & MARKED or byte <= neutral else max(byte - miss, neutral)
+
+
 def kind(byte):
     """What others can see of a cell: whether it is marked, unseen, surely free, or something between."""
     return byte & MARKED, min(byte & LEVEL, 2)
@@ -94,7 +100,7 @@ def passed_cells(x0, y0, x1, y1):
 def mark_scan(grid, poses, angles, ranges, outline, limits, infinite_is_free, hit, miss, time):
     """What `_core.mark_scan` does to a grid, in place."""
     range_min, range_max, obstacle_min, obstacle_max, raytrace_min, raytrace_max = limits
-    passed, hits = set(), {}
+    passed, behind, hits = set(), set(), {}
     for i, (angle, reading) in enumerate(zip(angles.tolist(), ranges.tolist(), strict=True)):
         endless = reading == math.inf
         if (endless and not infinite_is_free) or (not endless and not range_min <= reading <= range_max):
@@ -114,6 +120,9 @@ def mark_scan(grid, poses, angles, ranges, outline, limits, infinite_is_free, hi
             cells = {(r, c) for r in floors(at[1]) for c in floors(at[0])}
             grid.uncertain |= cells if len(cells) > 1 else set()
             hits[math.floor(at[1]), math.floor(at[0])] = at
+            cells = {(r, c) for r in floors(at[1] + dy) for c in floors(at[0] + dx)}
+            grid.uncertain |= cells if len(cells) > 1 else set()
+            behind |= cells
     for (row, col), (x, y) in hits.items():
         if not grid.holds(row, col):
             continue
@@ -122,9 +131,10 @@ def mark_scan(grid, poses, angles, ranges, outline, limits, infinite_is_free, hi
         if not grid.evidence[row, col] & MARKED:
             grid.points[row, col] = int((x - col) * 256), int((y - row) * 256)
         grid.evidence[row, col] = after_hit(int(grid.evidence[row, col]), hit, miss)
-    for row, col in passed - set(hits):
-        if grid.holds(row, col):
-            grid.evidence[row, col] = after_miss(int(grid.evidence[row, col]), hit, miss)
+    for cells, change in ((passed - set(hits), after_miss), (behind - passed - set(hits), after_shorter)):
+        for row, col in cells:
+            if grid.holds(row, col):
+                grid.evidence[row, col] = change(int(grid.evidence[row, col]), hit, miss)
 
 
 def unmark_before(grid, before, hit, miss):

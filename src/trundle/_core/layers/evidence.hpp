@@ -17,6 +17,7 @@ namespace trundle {
 
 constexpr std::uint8_t kMarked = 128, kLevel = 127;
 constexpr std::int64_t kMostSteps = 63;
+constexpr double kSubcells = 256.0;  // per edge of a cell, in which the points of hits are kept
 constexpr double kFarthest = 1e11;  // cells from the origin; there, a double still resolves 1e-5 cells
 
 struct EvidenceRule {
@@ -51,9 +52,24 @@ struct CellBox {
   Rectangle as_rectangle() const { return {row, row_end, col, col_end}; }
 };
 
+// Whether a point lies in a convex outline, counter-clockwise, of so many corners x, y; in none if it has no corners.
+inline bool is_inside(const double *corners, std::size_t count, double x, double y) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double *a = corners + 2 * i, *b = corners + 2 * ((i + 1) % count);
+    if ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0.0) return false;
+  }
+  return count > 0;
+}
+
 inline void check_shapes(const Evidence &evidence, const HitPoints &points) {
   if (points.shape(0) != evidence.shape(0) || points.shape(1) != evidence.shape(1) || points.shape(2) != 2) {
     throw std::invalid_argument("the points of the evidence need its shape and 2");
+  }
+}
+
+inline void check_times(const Evidence &evidence, const HitTimes &times) {
+  if (times.shape(0) != evidence.shape(0) || times.shape(1) != evidence.shape(1)) {
+    throw std::invalid_argument("the times of the evidence need its shape");
   }
 }
 

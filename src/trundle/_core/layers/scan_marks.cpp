@@ -3,7 +3,9 @@
 // cleared by another beam of the same scan.
 //
 // A beam is drawn as in Bresenham's algorithm: one cell for each step along its longer axis, the one that it passes at
-// the middle of the step. The cell in which it ends is not passed.
+// the middle of the step. The cell in which it ends is not passed. The cell behind that one loses what hits it had
+// gathered on the way to a mark: a range that is too long now and then does not thicken a wall on its far side, where no
+// beam clears.
 #include <cmath>
 #include <limits>
 
@@ -13,36 +15,63 @@ namespace trundle {
 
 namespace {
 
-constexpr std::uint8_t kPassed = 1, kHit = 2;
-constexpr double kMostReach = 1e5;                       // cells
-constexpr double kMostPixels = 268435456.0;              // 16384 x 16384
-constexpr double kOne = 4294967296.0;                    // of a number with 32 binary places
-constexpr double kSubcells = 256.0;
+constexpr std::uint8_t kBehind = 1, kPassed = 2, kHit = 3;
+constexpr double kMostReach = 1e5;           // cells
+constexpr double kMostPixels = 268435456.0;  // 16384 x 16384
+constexpr double kMostAngle = 1e6;
+constexpr double kOne = 4294967296.0;  // of a number with 32 binary places
 
 struct Limits {
   double range_min, range_max, obstacle_min, obstacle_max, raytrace_min, raytrace_max;
 };
 
-// From (x0, y0) to (x1, y1), in cells of the grid. A hit lies at (hit_x, hit_y).
+// The poses x, y, yaw of the sensor, one or one for each beam, and the robot's outline in its frame.
+struct Sensor {
+  const double *poses, *corners;
+  std::size_t stride, corner_count;
+};
+
+// Clears from (x0, y0) to (x1, y1) and marks (hit_x, hit_y), in cells of the grid; (dx, dy) is its direction.
 struct Beam {
-  double x0, y0, x1, y1, hit_x, hit_y;
+  double x0, y0, x1, y1, hit_x, hit_y, dx, dy;
   bool clears, marks;
 };
 
-std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
+struct Bounds {
+  double low_x = kFarthest * 4.0, low_y = low_x, high_x = -low_x, high_y = -low_x;
 
-bool is_inside(const double *corners, std::size_t count, double x, double y) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const double *a = corners + 2 * i, *b = corners + 2 * ((i + 1) % count);
-    if ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0.0) return false;
+  void add(double x, double y) {
+    low_x = std::min(low_x, x);
+    low_y = std::min(low_y, y);
+    high_x = std::max(high_x, x);
+    high_y = std::max(high_y, y);
   }
-  return count > 0;
-}
+};
+
+std::int64_t to_fixed(double value) { return static_cast<std::int64_t>(std::floor(value * kOne + 0.5)); }
 
 // The picture of a scan: cells [row, row + rows) x [col, col + cols) of the grid.
 struct Picture {
   std::ptrdiff_t row, col, rows, cols;
   std::vector<std::uint8_t> pixels;
+
+  // Two rows and columns more on each side: the middle of a beam's first step may lie before its start, and what is
+  // behind a hit a cell further on.
+  explicit Picture(const Bounds &bounds)
+      : row(static_cast<std::ptrdiff_t>(std::floor(bounds.low_y)) - 2),
+        col(static_cast<std::ptrdiff_t>(std::floor(bounds.low_x)) - 2),
+        rows(static_cast<std::ptrdiff_t>(std::floor(bounds.high_y)) + 3 - row),
+        cols(static_cast<std::ptrdiff_t>(std::floor(bounds.high_x)) + 3 - col) {
+    if (static_cast<double>(rows) * static_cast<double>(cols) > kMostPixels) {
+      throw std::invalid_argument("the beams reach over too many cells");
+    }
+    pixels.resize(static_cast<std::size_t>(rows * cols));
+  }
+
+  std::uint8_t &at(double x, double y) {
+    const auto r = static_cast<std::ptrdiff_t>(std::floor(y)) - row, c = static_cast<std::ptrdiff_t>(std::floor(x)) - col;
+    return pixels[static_cast<std::size_t>(r * cols + c)];
+  }
 
   // Cells that a beam passes on its way along x; for one along y with x and y swapped and the strides swapped.
   static void pass(std::uint8_t *pixels, double x0, double y0, double x1, double y1, std::ptrdiff_t along,
@@ -69,7 +98,47 @@ struct Picture {
       pass(pixels.data(), y0, x0, y1, x1, cols, 1);
     }
   }
+
+  void draw(const std::vector<Beam> &beams) {
+    for (const Beam &beam : beams) {
+      if (beam.marks) at(beam.hit_x + beam.dx, beam.hit_y + beam.dy) = kBehind;
+    }
+    for (const Beam &beam : beams) {
+      if (beam.clears) draw(beam);
+    }
+    for (const Beam &beam : beams) {
+      if (beam.marks) at(beam.hit_x, beam.hit_y) = kHit;
+    }
+  }
 };
+
+// Beams that mark or clear something, in cells of a grid with cell (0, 0) at (col, row).
+std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, const In<double, 1> &ranges,
+                             const Limits &limit, bool infinite_is_free, double row, double col, double resolution) {
+  std::vector<Beam> beams;
+  beams.reserve(angles.size());
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double range = ranges.data()[i], angle = angles.data()[i];
+    const bool endless = range == std::numeric_limits<double>::infinity();
+    const bool is_usable = endless ? infinite_is_free : range >= limit.range_min && range <= limit.range_max;
+    if (!is_usable || !(std::abs(angle) <= kMostAngle)) continue;
+    if (!endless &&
+        is_inside(sensor.corners, sensor.corner_count, range * std::cos(angle), range * std::sin(angle))) {
+      continue;
+    }
+    const double *pose = sensor.poses + i * sensor.stride;
+    const double dx = std::cos(pose[2] + angle), dy = std::sin(pose[2] + angle);
+    const double x = pose[0] / resolution - col, y = pose[1] / resolution - row;
+    const double start = std::min(limit.raytrace_min / resolution, kMostReach);
+    const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;
+    const bool marks = !endless && range >= limit.obstacle_min && range <= limit.obstacle_max;
+    const double far = marks ? range / resolution : 0.0;
+    if (!marks && !(end > start)) continue;
+    beams.push_back({x + start * dx, y + start * dy, x + end * dx, y + end * dy, x + far * dx, y + far * dy, dx, dy,
+                     end > start, marks});
+  }
+  return beams;
+}
 
 // What a scan does to a row of cells; returns whether it changed a cell that matters.
 bool add_row(const EvidenceRule &rule, const std::uint8_t *__restrict drawn, std::uint8_t *__restrict evidence,
@@ -86,8 +155,11 @@ bool add_row(const EvidenceRule &rule, const std::uint8_t *__restrict drawn, std
     const auto lowered = static_cast<std::uint8_t>(from > miss ? from - miss : 1);
     const std::uint8_t up_mark = up == top ? kMarked : marked, down_mark = lowered <= neutral ? std::uint8_t{0} : marked;
     const auto if_hit = static_cast<std::uint8_t>(up | up_mark), if_passed = static_cast<std::uint8_t>(lowered | down_mark);
-    const std::uint8_t passed_or_old = pixel == kPassed ? if_passed : old;
-    const std::uint8_t now = pixel == kHit ? if_hit : passed_or_old;
+    const auto unconfirmed = static_cast<std::uint8_t>(lowered > neutral ? lowered : neutral);
+    const std::uint8_t if_behind = marked == 0 && level > neutral ? unconfirmed : old;
+    const std::uint8_t behind_or_old = pixel == kBehind ? if_behind : old;
+    const std::uint8_t passed_or_other = pixel == kPassed ? if_passed : behind_or_old;
+    const std::uint8_t now = pixel == kHit ? if_hit : passed_or_other;
     // Seen is a level of 1 or more, surely free a level of 1: both change only where one of the levels is 0 or 1.
     const std::uint8_t now_level = now & kLevel;
     const std::uint8_t old_kind = level < 2 ? level : std::uint8_t{2}, new_kind = now_level < 2 ? now_level : std::uint8_t{2};
@@ -106,6 +178,23 @@ void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::u
   box.add(row, col + first, col + end);
 }
 
+// Add a picture to the evidence of a grid; returns where that made a difference.
+CellBox add_picture(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
+                    std::ptrdiff_t cols) {
+  CellBox box;
+  const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, picture.col), end = std::min(cols, picture.col + picture.cols);
+  if (first >= end) return box;
+  std::vector<std::uint8_t> changed(static_cast<std::size_t>(end - first));
+  const std::ptrdiff_t row_end = std::min(rows, picture.row + picture.rows);
+  for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, picture.row); r < row_end; ++r) {
+    const std::uint8_t *drawn = picture.pixels.data() + (r - picture.row) * picture.cols + (first - picture.col);
+    if (add_row(rule, drawn, evidence + r * cols + first, changed.data(), end - first)) {
+      add_ends(box, r, first, changed.data(), end - first);
+    }
+  }
+  return box;
+}
+
 }  // namespace
 
 Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::int64_t row, std::int64_t col,
@@ -115,161 +204,50 @@ Rectangle mark_scan(Evidence evidence, HitPoints points, HitTimes times, std::in
   check_shapes(evidence, points);
   check_place(row, col, resolution);
   const EvidenceRule rule(hit, miss);
-  const auto rows = static_cast<std::ptrdiff_t>(evidence.shape(0)), cols = static_cast<std::ptrdiff_t>(evidence.shape(1));
   const bool timed = times.size() > 0;
-  if (timed && (times.shape(0) != evidence.shape(0) || times.shape(1) != evidence.shape(1))) {
-    throw std::invalid_argument("the times of the evidence need its shape");
-  }
-  const std::size_t count = angles.size();
-  if (ranges.size() != count) throw std::invalid_argument("a scan needs as many ranges as angles");
-  if (poses.shape(1) != 3 || (poses.shape(0) != 1 && poses.shape(0) != count)) {
+  if (timed) check_times(evidence, times);
+  if (ranges.size() != angles.size()) throw std::invalid_argument("a scan needs as many ranges as angles");
+  if (poses.shape(1) != 3 || (poses.shape(0) != 1 && poses.shape(0) != angles.size())) {
     throw std::invalid_argument("a scan needs one pose of its sensor, or one for each beam: x, y, yaw");
   }
   if (outline.shape(1) != 2) throw std::invalid_argument("an outline has corners x, y");
   if (limits.size() != 6) throw std::invalid_argument("a scan has six limits");
   const double *l = limits.data();
-  const Limits limit{l[0], l[1], l[2], l[3], l[4], l[5]};
   for (int i = 0; i < 6; ++i) {
     if (!(l[i] >= 0.0)) throw std::invalid_argument("the limits of a scan must be 0 or more");
   }
+  const Limits limit{l[0], l[1], l[2], l[3], l[4], l[5]};
   const double reach = std::min(std::max(limit.raytrace_max, limit.obstacle_max), limit.range_max) / resolution;
-  if (!(reach <= kMostReach)) {
-    throw std::invalid_argument("the beams reach over too many cells");
-  }
-  const std::size_t stride = poses.shape(0) == 1 ? 0 : 3;
+  if (!(reach <= kMostReach)) throw std::invalid_argument("the beams reach over too many cells");
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!(std::abs(poses.data()[i]) / resolution <= kFarthest)) throw std::invalid_argument("a sensor is too far away");
   }
+  const auto rows = static_cast<std::ptrdiff_t>(evidence.shape(0)), cols = static_cast<std::ptrdiff_t>(evidence.shape(1));
+  const Sensor sensor{poses.data(), outline.data(), poses.shape(0) == 1 ? std::size_t{0} : std::size_t{3}, outline.shape(0)};
 
-  CellBox box;
   nb::gil_scoped_release release;
-  std::vector<Beam> beams;
-  beams.reserve(count);
-  double low_x = kFarthest * 4.0, low_y = low_x, high_x = -low_x, high_y = -low_x;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double range = ranges.data()[i], angle = angles.data()[i];
-    const bool endless = range == std::numeric_limits<double>::infinity();
-    if (!std::isfinite(angle) || std::abs(angle) > 1e6 || (endless ? !infinite_is_free : !(range >= limit.range_min && range <= limit.range_max))) {
-      continue;
-    }
-    if (!endless && is_inside(outline.data(), outline.shape(0), range * std::cos(angle), range * std::sin(angle))) continue;
-    const double *pose = poses.data() + i * stride;
-    const double dx = std::cos(pose[2] + angle), dy = std::sin(pose[2] + angle);
-    const double x = pose[0] / resolution - static_cast<double>(col), y = pose[1] / resolution - static_cast<double>(row);
-    const double start = std::min(limit.raytrace_min / resolution, kMostReach);
-    const double end = std::min(endless ? limit.range_max : range, limit.raytrace_max) / resolution;
-    const bool marks = !endless && range >= limit.obstacle_min && range <= limit.obstacle_max;
-    const double far = marks ? range / resolution : 0.0;
-    const Beam beam{x + start * dx, y + start * dy, x + end * dx, y + end * dy, x + far * dx, y + far * dy,
-                    end > start, marks};
-    if (beam.clears) {
-      low_x = std::min({low_x, beam.x0, beam.x1});
-      low_y = std::min({low_y, beam.y0, beam.y1});
-      high_x = std::max({high_x, beam.x0, beam.x1});
-      high_y = std::max({high_y, beam.y0, beam.y1});
-    }
-    if (marks) {
-      low_x = std::min(low_x, beam.hit_x);
-      low_y = std::min(low_y, beam.hit_y);
-      high_x = std::max(high_x, beam.hit_x);
-      high_y = std::max(high_y, beam.hit_y);
-    }
-    if (beam.clears || marks) beams.push_back(beam);
-  }
-  // A row or column more on each side: the middle of a beam's first step may lie before its start.
-  const bool is_beside = high_x < -1.0 || high_y < -1.0 || low_x > cols + 1.0 || low_y > rows + 1.0;
-  if (beams.empty() || is_beside) return box.as_rectangle();
-  Picture picture{static_cast<std::ptrdiff_t>(std::floor(low_y)) - 1, static_cast<std::ptrdiff_t>(std::floor(low_x)) - 1,
-                  static_cast<std::ptrdiff_t>(std::floor(high_y) - std::floor(low_y)) + 3,
-                  static_cast<std::ptrdiff_t>(std::floor(high_x) - std::floor(low_x)) + 3,
-                  {}};
-  if (static_cast<double>(picture.rows) * static_cast<double>(picture.cols) > kMostPixels) {
-    throw std::invalid_argument("the beams reach over too many cells");
-  }
-  picture.pixels.resize(static_cast<std::size_t>(picture.rows * picture.cols));
+  const std::vector<Beam> beams = read_beams(sensor, angles, ranges, limit, infinite_is_free, static_cast<double>(row),
+                                             static_cast<double>(col), resolution);
+  Bounds bounds;
   for (const Beam &beam : beams) {
-    if (beam.clears) picture.draw(beam);
+    if (beam.clears) bounds.add(beam.x0, beam.y0), bounds.add(beam.x1, beam.y1);
+    if (beam.marks) bounds.add(beam.hit_x, beam.hit_y);
   }
+  const bool is_beside = bounds.high_x < -3.0 || bounds.high_y < -3.0 || bounds.low_x > static_cast<double>(cols) + 3.0 ||
+                         bounds.low_y > static_cast<double>(rows) + 3.0;
+  if (beams.empty() || is_beside) return CellBox().as_rectangle();
+  Picture picture(bounds);
+  picture.draw(beams);
   for (const Beam &beam : beams) {
-    if (!beam.marks) continue;
     const double x = std::floor(beam.hit_x), y = std::floor(beam.hit_y);
-    const auto r = static_cast<std::ptrdiff_t>(y), c = static_cast<std::ptrdiff_t>(x);
-    picture.pixels[(r - picture.row) * picture.cols + (c - picture.col)] = kHit;
-    if (r < 0 || c < 0 || r >= rows || c >= cols) continue;
-    const std::ptrdiff_t cell = r * cols + c;
+    if (!beam.marks || !(x >= 0.0 && y >= 0.0 && x < static_cast<double>(cols) && y < static_cast<double>(rows))) continue;
+    const std::ptrdiff_t cell = static_cast<std::ptrdiff_t>(y) * cols + static_cast<std::ptrdiff_t>(x);
     if (timed) times.data()[cell] = time;
     if (evidence.data()[cell] & kMarked) continue;
     points.data()[2 * cell] = static_cast<std::uint8_t>((beam.hit_x - x) * kSubcells);
     points.data()[2 * cell + 1] = static_cast<std::uint8_t>((beam.hit_y - y) * kSubcells);
   }
-
-  const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, picture.col), end = std::min(cols, picture.col + picture.cols);
-  if (first >= end) return box.as_rectangle();
-  std::vector<std::uint8_t> changed(static_cast<std::size_t>(end - first));
-  for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, picture.row); r < std::min(rows, picture.row + picture.rows); ++r) {
-    const std::uint8_t *drawn = picture.pixels.data() + (r - picture.row) * picture.cols + (first - picture.col);
-    if (add_row(rule, drawn, evidence.data() + r * cols + first, changed.data(), end - first)) {
-      add_ends(box, r, first, changed.data(), end - first);
-    }
-  }
-  return box.as_rectangle();
-}
-
-Rectangle unmark_before(Evidence evidence, HitTimes times, double before, std::int64_t hit, std::int64_t miss) {
-  if (times.shape(0) != evidence.shape(0) || times.shape(1) != evidence.shape(1)) {
-    throw std::invalid_argument("the times of the evidence need its shape");
-  }
-  const EvidenceRule rule(hit, miss);
-  const auto rows = static_cast<std::ptrdiff_t>(evidence.shape(0)), cols = static_cast<std::ptrdiff_t>(evidence.shape(1));
-  CellBox box;
-  nb::gil_scoped_release release;
-  for (std::ptrdiff_t r = 0; r < rows; ++r) {
-    std::uint8_t *cells = evidence.data() + r * cols;
-    std::uint8_t any = 0;
-    for (std::ptrdiff_t c = 0; c < cols; ++c) any |= cells[c];
-    if (!(any & kMarked)) continue;
-    for (std::ptrdiff_t c = 0; c < cols; ++c) {
-      if (!(cells[c] & kMarked) || !(times.data()[r * cols + c] < before)) continue;
-      cells[c] = rule.neutral;
-      box.add(r, c, c + 1);
-    }
-  }
-  return box.as_rectangle();
-}
-
-Rectangle unmark_within(Evidence evidence, HitPoints points, std::int64_t row, std::int64_t col, double resolution,
-                        In<double, 2> outline, std::int64_t hit, std::int64_t miss) {
-  check_shapes(evidence, points);
-  check_place(row, col, resolution);
-  const EvidenceRule rule(hit, miss);
-  if (outline.shape(1) != 2 || outline.shape(0) < 3) throw std::invalid_argument("an outline needs 3 corners x, y");
-  const auto rows = static_cast<std::ptrdiff_t>(evidence.shape(0)), cols = static_cast<std::ptrdiff_t>(evidence.shape(1));
-  CellBox box;
-  nb::gil_scoped_release release;
-  std::vector<double> corners(2 * outline.shape(0));
-  double low[2] = {kFarthest * 4.0, kFarthest * 4.0}, high[2] = {-low[0], -low[1]};
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    corners[i] = outline.data()[i] / resolution - static_cast<double>(i % 2 == 0 ? col : row);
-    if (!(std::abs(corners[i]) <= kFarthest * 2.0)) throw std::invalid_argument("an outline is too far away");
-    low[i % 2] = std::min(low[i % 2], corners[i]);
-    high[i % 2] = std::max(high[i % 2], corners[i]);
-  }
-  const auto begin = [](double value) { return std::max<std::ptrdiff_t>(0, static_cast<std::ptrdiff_t>(std::floor(value))); };
-  const std::ptrdiff_t row_end = std::min(rows, static_cast<std::ptrdiff_t>(std::floor(high[1])) + 1);
-  const std::ptrdiff_t col_end = std::min(cols, static_cast<std::ptrdiff_t>(std::floor(high[0])) + 1);
-  for (std::ptrdiff_t r = begin(low[1]); r < row_end; ++r) {
-    for (std::ptrdiff_t c = begin(low[0]); c < col_end; ++c) {
-      std::uint8_t &cell = evidence.data()[r * cols + c];
-      const std::uint8_t *point = points.data() + 2 * (r * cols + c);
-      const bool marked = (cell & kMarked) != 0;
-      const double x = static_cast<double>(c) + (marked ? (point[0] + 0.5) / kSubcells : 0.5);
-      const double y = static_cast<double>(r) + (marked ? (point[1] + 0.5) / kSubcells : 0.5);
-      if (!(marked || cell == 0) || !is_inside(corners.data(), corners.size() / 2, x, y)) continue;
-      cell = rule.neutral;
-      box.add(r, c, c + 1);
-    }
-  }
-  return box.as_rectangle();
+  return add_picture(rule, picture, evidence.data(), rows, cols).as_rectangle();
 }
 
 }  // namespace trundle
