@@ -30,8 +30,8 @@ def check_layer(make: Callable[[Robot], Layer], *, robot: Robot | None = None) -
 
     It takes scans of a wall while the robot drives, and does not modify them. What it paints is unknown, free or
     occupied, changes only within the windows that it reports, and respects what is kept. Broken and late scans, and
-    those of unknown lidars, raise nothing. A time that does not increase raises `InputError`. After a reset, and in another
-    object, the same scans give the same cells; two objects share nothing.
+    those of unknown lidars, raise nothing. A time that does not increase raises `InputError`. After a reset, and in
+    another object, the same scans give the same cells; two objects share nothing.
 
     Args:
         make: Creates the layer for a robot.
