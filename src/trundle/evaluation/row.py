@@ -32,7 +32,7 @@ class Row:
         distance_m: Driven [m].
         spl: Success weighted by path length, 0..1, against the true shortest path; 0 unless arrived.
         min_clearance_m: Smallest distance to a solid [m]; see `Metrics`.
-        contacts: Number of solids touched.
+        contacts: Number of solids and moving obstacles touched, without `standing_contacts`.
         replans: Plans beyond the first.
         path_length_m: Length of the first plans [m].
         shortest_path_m: True shortest path [m]; None unless arrived.
@@ -46,6 +46,11 @@ class Row:
         trail: Where it drove: x0, y0, x1, y1, … [m], up to 64 points, rounded to 1 cm.
         vary: What was varied, by name: the values drawn for this episode.
         place: Key of the world's map in the evaluation's folder; None where it was not built.
+        standing_contacts: Number of moving obstacles that ran into the robot while it stood; None in older evaluations,
+            as for the next two.
+        unseen_contacts: Number of those touched that no lidar could see; see `Metrics`.
+        position_error_m: Distance from the true position to the estimated one at the end [m].
+        monitor_stops: How often the collision monitor stopped the robot; None without one.
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -89,6 +94,10 @@ class Row:
     trail: tuple[float, ...] = ()
     vary: Mapping[str, float] | None = None
     place: str | None = None
+    standing_contacts: int | None = None
+    unseen_contacts: int | None = None
+    position_error_m: float | None = None
+    monitor_stops: int | None = None
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

@@ -92,7 +92,7 @@ def run_measured(
     measure: Measure = measure_truth,
 ) -> Episode:
     """As `run`, with what measures the surroundings: an evaluation keeps the maps for that."""
-    session = Session(
+    return Session(
         sim,
         navigator,
         start,
@@ -106,15 +106,4 @@ def run_measured(
         stop_on_contact=stop_on_contact,
         name=name,
         measure=measure,
-    )
-    return drive_to_end(session)
-
-
-def drive_to_end(session: Session) -> Episode:
-    """Step a session until its run has ended, and return the episode."""
-    try:
-        while session.step() is not None:
-            pass
-    except KeyboardInterrupt:  # between two steps
-        return session.finish("stopped by Ctrl-C")
-    return session.finish()
+    ).run()

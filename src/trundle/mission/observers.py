@@ -136,6 +136,9 @@ class Audience:
         self._observers = list(observers)
         self.errors: list[BaseException] = []
 
+    def __bool__(self) -> bool:
+        return bool(self._observers)
+
     def on_start(self, info: RunInfo) -> None:
         """Notify them before the first step."""
         self._notify(lambda observer: observer.on_start(info))

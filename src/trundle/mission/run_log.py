@@ -50,10 +50,11 @@ class RunLog:
         """Add the state at the end of a control period, with what was sent to the robot during it."""
         if path is not None and (not self.paths or path is not self.paths[-1]):
             self.paths.append(path)
+        pose = state.pose.as_tuple()
         self._rows.append(
             (
                 state.time,
-                *state.pose.as_tuple(),
+                *pose,
                 state.twist.v,
                 state.twist.w,
                 sent.v,
@@ -61,7 +62,7 @@ class RunLog:
                 *state.odometry.as_tuple(),
                 goal,
                 len(self.paths) - 1 if path is not None else -1,
-                *estimate.pose.as_tuple(),
+                *(pose if estimate.pose is state.pose else estimate.pose.as_tuple()),
             )
         )
         if state.contacts or self._touching:

@@ -161,6 +161,8 @@ class Session:
         self._message = ""
         self._error: BaseException | None = None
         self._episode: Episode | None = None
+        self._last: Step | None = None
+        self._returns_steps = True
         self._start()
 
     def __repr__(self) -> str:
@@ -237,16 +239,32 @@ class Session:
         Returns:
             What observers get, too; None when the run has ended, and nothing moved.
         """
+        return self._last if self._advance() else None
+
+    def run(self) -> Episode:
+        """Drive until the run has ended, and return the episode."""
+        self._returns_steps = False
+        try:
+            while self._advance():
+                pass
+        except KeyboardInterrupt:  # between two periods
+            return self.finish("stopped by Ctrl-C")
+        return self.finish()
+
+    def _advance(self) -> bool:
+        """Drive one control period; whether it did."""
         if self._outcome is not None:
-            return None
+            return False
         try:
             command = self._decide()
-            return None if command is None else self._drive(command)
+            if command is not None:
+                self._drive(command)
+                return True
         except KeyboardInterrupt as error:
             self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
         except SimulationError as error:
             self._end(Outcome.ABORTED, f"the simulator failed: {error}", error)
-        return None
+        return False
 
     def finish(self, why: str = "ended from outside") -> Episode:
         """End the run and notify the observers, once; later calls return the same episode.
@@ -263,7 +281,7 @@ class Session:
             self._episode = replace(episode, observer_errors=tuple(self._audience.errors))
         return self._episode
 
-    def _drive(self, command: Twist2D) -> Step:
+    def _drive(self, command: Twist2D) -> None:
         report, sent, seen = None, command, self._observation
         if self._waits_for_scans and seen.scans:
             self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
@@ -271,9 +289,9 @@ class Session:
             report = self._monitor.check(command, seen.twist, seen.scans, seen.time, seen.odometry)
             self._log.add_report(report)
             sent = report.command
-        self._state = self._sim.step(sent, self.dt)
+        self._state = self._sim.step(sent, getattr(self._agent, "dt", CONTROL_PERIOD_S))
         self._observe()
-        return self._record(command, sent, report)
+        self._record(command, sent, report)
 
     def _observe(self) -> None:
         """Take what the robot observes now, and estimate where it is."""
@@ -288,11 +306,13 @@ class Session:
             else self._localizer.update(observation)
         )
 
-    def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> Step:
+    def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> None:
         agent, log = self._agent, self._log
         path: Path | None = getattr(agent, "path", None)
         log.add(self._state, sent, self._estimate, self._reached, path)
-        step = Step(
+        if not (self._returns_steps or self._audience):
+            return
+        self._last = step = Step(
             len(log) - 1,
             self._state,
             command,
@@ -306,7 +326,6 @@ class Session:
             report,
         )
         self._audience.on_step(step)
-        return step
 
     # Ending ---------------------------------------------------------------------------------------------------------
 
@@ -328,7 +347,7 @@ class Session:
                 agent.set_goal(self._info.goals[self._reached])
                 observation = replace(observation, scans=())  # the agent has them
                 continue
-            if self._has_given_up(status):
+            if status is not NavigationStatus.DRIVING and self._has_given_up(status):
                 return None
             if state.time >= self._info.time_limit_s - 1e-9:
                 return self._end(Outcome.TIMED_OUT, self._describe_timeout())

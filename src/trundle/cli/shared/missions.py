@@ -10,7 +10,7 @@ from trundle.cli.shared import isaac, output
 from trundle.values import first_names
 
 if TYPE_CHECKING:
-    from trundle.mission import Episode, Mission, Observer, RunInfo, Scenario
+    from trundle.mission import Episode, Metrics, Mission, Observer, RunInfo, Scenario
     from trundle.record.run_folder import RunFolder, WriteExtra
     from trundle.record.video import MakeFrames
     from trundle.viewer.scene_frames import SceneFrames
@@ -149,6 +149,20 @@ _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
 """Writers of the map and the picture of the scene."""
 
 
+def _sensing_facts(metrics: Metrics) -> dict[str, str]:
+    """What a run with a localizer, moving obstacles or a collision monitor adds to the report."""
+    facts: dict[str, str] = {}
+    if metrics.standing_contacts:
+        facts["run into while standing"] = first_names(metrics.standing_contacts)
+    if metrics.unseen_contacts:
+        facts["touched, but out of the lidars' sight"] = first_names(metrics.unseen_contacts)
+    if metrics.position_error_m > 0.0:
+        facts["error of the estimate"] = f"{metrics.position_error_m:.3f} m"
+    if metrics.monitor_stops is not None:
+        facts["collision monitor"] = f"stopped it {metrics.monitor_stops} times"
+    return facts
+
+
 def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
     if json:
         output.print_json(folder.record or {**episode.as_dict(), "run_dir": folder.path})
@@ -163,6 +177,7 @@ def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
             "planning time": f"{metrics.planning_ms:.1f} ms",
             "real-time factor": f"{metrics.real_time_factor:.0f}",
             "contacts": first_names(metrics.contacts) or "none",
+            **_sensing_facts(metrics),
             "folder": folder.path,
         }
     )

@@ -17,7 +17,7 @@ _SHAPES = {
     "broken": '<circle r="8"/>',
     CLOSE: '<path d="M0-8 8 0 0 8-8 0z" fill="none" stroke="currentColor" stroke-width="3"/>',
 }
-_KIND = {"planning_timed_out": "timed_out"}
+_KIND = {"planning_timed_out": "timed_out", "finished": "timed_out", "arrived_by_estimate": "stuck"}
 MARKED = tuple(_SHAPES)
 
 # Dashes beside the colours, so that lines are told apart in grey as well.
