@@ -1,0 +1,44 @@
+import itertools
+
+from trundle.geometry import Pose2D
+from trundle.navigation.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, ObstacleWatch
+
+HERE = Pose2D(0.0, 0.0)
+
+
+def test_a_short_detour_is_taken_at_once_and_a_long_one_after_the_wait():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
+    watch.see(5.0)
+    assert watch.takes(10.0 + LONG_DETOUR_M, 10.0, 5.0)
+    assert not watch.takes(10.1 + LONG_DETOUR_M, 10.0, 6.9)
+    assert watch.takes(10.1 + LONG_DETOUR_M, 10.0, 7.0)
+
+
+def test_plans_become_rare_while_they_fail():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=100.0)
+    watch.see(0.0)
+    times = []
+    for tick in range(600):
+        if watch.may_plan(tick * 0.05):
+            times.append(tick * 0.05)
+            watch.fail()
+    gaps = [round(later - earlier, 2) for earlier, later in itertools.pairwise(times)]
+    assert gaps[:3] == [2 * PLAN_EVERY_S, 4 * PLAN_EVERY_S, SELDOM_S]
+    assert set(gaps[2:]) == {SELDOM_S}
+
+
+def test_it_gives_up_where_the_robot_stands_for_too_long():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
+    watch.see(0.0)
+    assert not watch.gives_up(HERE, 0.0)
+    assert not watch.gives_up(Pose2D(0.3, 0.0), 20.0)
+    assert watch.gives_up(HERE, 20.1)
+    watch.clear()
+    assert not watch.is_blocked
+    assert not watch.gives_up(HERE, 50.0)
+
+
+def test_it_backs_up_after_the_wait_and_then_seldom():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=100.0)
+    watch.see(0.0)
+    assert [time for time in range(15) if watch.backs_up(float(time))] == [2, 7, 12]
