@@ -15,6 +15,7 @@ from trundle.sim import Contact, MoverState
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.solids import Box, Solid
 from trundle.worlds import World
+from trundle.worlds.movers import Mover, Waypoints
 
 GOAL = (3.0, 4.5)
 FORWARD = [(0.4, 0.0, 2.0)]
@@ -357,3 +358,15 @@ def test_scans_are_in_the_step_that_brings_them(carter, start):
         step = session.step()
     assert step.scans == step.state.scans
     assert isinstance(step.scans[0], Scan)
+
+
+def test_a_cart_that_runs_into_a_robot_is_seen_in_the_steps_and_counted(carter):
+    body = Solid("body", Box((0.4, 0.4, 1.0)), Pose3D((0.0, 0.0, 0.5)))
+    cart = Mover("cart", (body,), Waypoints([(0.0, 3.0, 0.0), (4.0, 0.0, 0.0)]))
+    with KinematicSimulator(World("hall", (), movers=(cart,)), carter, lidar=True) as sim:
+        session = Session(sim, CommandScript([(0.0, 0.0, 4.0)]), (0.0, 0.0), monitor=False)
+        places = [step.movers[0].pose.x for step in steps_of(session)]
+    assert places[0] == pytest.approx(3.0 - 0.75 * 0.05)
+    assert session.outcome is Outcome.FINISHED
+    metrics = session.finish().metrics
+    assert (metrics.standing_contacts, metrics.contacts, metrics.unseen_contacts) == (("cart",), (), ())

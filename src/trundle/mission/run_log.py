@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-
 import numpy as np
 
 from trundle.geometry import Twist2D
 from trundle.mission.observers import MonitorReport
 from trundle.mission.trajectory import Trajectory
-from trundle.observation import Estimate, Scan
+from trundle.observation import Estimate
 from trundle.path import Path
+from trundle.robots import Robot
 from trundle.sim import Contact, RobotState
+from trundle.sim.visibility import unseen_names
 from trundle.worlds import World
 
 _STANDING_V = 0.05
@@ -40,7 +40,7 @@ class RunLog:
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
         self._twist = Twist2D()
-        self._heights: set[float] = set()
+        self._lidars: set[str] = set()
         self._stopped = False
 
     def __len__(self) -> int:
@@ -68,7 +68,7 @@ class RunLog:
         if state.contacts or self._touching:
             self._note_contacts(state)
         if state.scans:
-            self._note_scans(state.scans)
+            self._lidars.update(scan.lidar for scan in state.scans)
         self._twist = state.twist
 
     def add_report(self, report: MonitorReport) -> None:
@@ -82,12 +82,14 @@ class RunLog:
         columns = [np.array(column) for column in zip(*self._rows, strict=True)]
         return Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
 
-    def unseen_contacts(self, world: World | None) -> tuple[str, ...]:
+    def unseen_contacts(self, world: World | None, robot: Robot) -> tuple[str, ...]:
         """Names of what was touched and is not crossed by the plane of any lidar that sent a scan."""
         touched = [*self.contacts, *(name for name in self.standing_contacts if name not in self.contacts)]
-        if not touched or not self._heights or world is None:
+        lidars = self._lidars.intersection(robot.lidars)
+        if not touched or not lidars or world is None:
             return ()
-        return tuple(name for name in touched if _is_out_of_sight(world, name, self._heights))
+        unseen = unseen_names(world, robot, lidars)
+        return tuple(name for name in touched if name in unseen)
 
     def _note_contacts(self, state: RobotState) -> None:
         names = frozenset(contact.other for contact in state.contacts)
@@ -103,12 +105,3 @@ class RunLog:
             else:
                 self.contacts.setdefault(contact.other)
                 self.hit = self.hit or contact
-
-    def _note_scans(self, scans: Sequence[Scan]) -> None:
-        self._heights.update(scan.height for scan in scans)
-
-
-def _is_out_of_sight(world: World, name: str, heights: Iterable[float]) -> bool:
-    """Whether the solids of this name are all above or below planes at these heights [m]."""
-    bounds = [solid.bounds() for solid in world.solids if solid.name == name]
-    return bool(bounds) and not any(low[2] <= height <= high[2] for low, high in bounds for height in heights)

@@ -446,7 +446,7 @@ class Session:
             wall_s=self._wall_s,
             contacts=tuple(log.contacts),
             standing_contacts=tuple(log.standing_contacts),
-            unseen_contacts=log.unseen_contacts(world),
+            unseen_contacts=log.unseen_contacts(world, info.robot),
             monitor_stops=log.monitor_stops,
             truth=truth,
         )
