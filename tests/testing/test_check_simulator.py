@@ -1,7 +1,9 @@
 import math
+from dataclasses import replace
 
 import pytest
 
+from trundle.errors import WorldError
 from trundle.geometry import Pose2D
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.sim.mujoco.simulator import MujocoSimulator
@@ -14,7 +16,7 @@ ROBOTS = ["nova_carter", "turtlebot3_burger", "turtlebot3_waffle", "jackal"]
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("make", [KinematicSimulator, MujocoSimulator])
 def test_our_simulators_pass(make, robot):
-    check_simulator(make, robot=robot)
+    check_simulator(make, robot=robot, with_lidars=lambda world, machine: make(world, machine, lidar=True))
 
 
 class Drifting(KinematicSimulator):
@@ -42,6 +44,32 @@ class Blind(KinematicSimulator):
         super().__init__(World("empty", ()), robot)
 
 
+class Unmoved(KinematicSimulator):
+    """Knows no movers, and does not say so."""
+
+    def __init__(self, world, robot):
+        super().__init__(replace(world, movers=()), robot)
+
+
+class Unseeing(KinematicSimulator):
+    """Its lidars do not see movers."""
+
+    def __init__(self, world, robot):
+        super().__init__(world, robot, lidar=True)
+
+    def _cast(self, x, y, z, angles, reach):
+        return self._outlines[z].cast(x, y, angles, reach)
+
+
+class Refusing(KinematicSimulator):
+    """Says that it has no movers."""
+
+    def __init__(self, world, robot):
+        if world.movers:
+            raise WorldError("this simulator has no movers yet")
+        super().__init__(world, robot)
+
+
 class Boundless(KinematicSimulator):
     """Has no limits."""
 
@@ -66,11 +94,21 @@ class Undead(KinematicSimulator):
         (Blind, "contacts with nothing"),
         (Boundless, "its limit is"),
         (Undead, "after close"),
+        (Unmoved, "the movers are"),
     ],
 )
 def test_broken_simulators_do_not(broken, message):
     with pytest.raises(ConformanceError, match=message):
         check_simulator(broken)
+
+
+def test_lidars_must_see_movers():
+    with pytest.raises(ConformanceError, match="measures"):
+        check_simulator(KinematicSimulator, with_lidars=Unseeing)
+
+
+def test_a_simulator_may_say_that_it_has_no_movers():
+    check_simulator(Refusing)
 
 
 def test_a_failed_check_is_an_assertion_error():

@@ -6,14 +6,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
+from trundle.observation import Scan
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator
 from trundle.sim.kinematic import KinematicSimulator
-from trundle.solids import Box, Solid
+from trundle.solids import Box, Cylinder, Solid
 from trundle.testing.conformance import expect
 from trundle.worlds import World
+from trundle.worlds.movers import AlongPath, Mover
 
 _PERIOD = 0.05
 _EMPTY = World("empty", ())
@@ -41,6 +45,7 @@ def check_simulator(
     *,
     robot: str | Robot = "nova_carter",
     tolerances: Tolerances = Tolerances(),
+    with_lidars: Callable[[World, Robot], Simulator] | None = None,
 ) -> None:
     """Check that a simulator meets the contract of `trundle.sim.Simulator` and agrees with the kinematic one.
 
@@ -48,6 +53,7 @@ def check_simulator(
         make: Creates a simulator of a robot in a world, without lidars.
         robot: The robot to drive.
         tolerances: Allowed deviations from the kinematic simulator.
+        with_lidars: Creates one with all of the robot's lidars; None for a simulator that has none.
 
     Raises:
         ConformanceError: If it does not; the message says what was required and what was found.
@@ -62,6 +68,7 @@ def check_simulator(
         _check_motion(simulator, tolerances)
         _check_period(simulator)
     _check_contacts(make, machine)
+    _check_movers(make, with_lidars, machine)
     _check_close(make, machine)
 
 
@@ -149,6 +156,56 @@ def _check_contacts(make: Callable[[World, Robot], Simulator], robot: Robot) -> 
         inside = simulator.reset(Pose2D(front + 0.75, 0.0))
         names = {contact.other for contact in inside.contacts}
         expect("the_box" in names, "a reset inside a solid does not report the contact")
+
+
+def _check_movers(
+    make: Callable[[World, Robot], Simulator], with_lidars: Callable[[World, Robot], Simulator] | None, robot: Robot
+) -> None:
+    """A post that moves into the robot; a simulator without movers must refuse the world."""
+    front = float(robot.outline[:, 0].max())
+    post = (Solid("post", Cylinder(0.2, 2.0), Pose3D((0.0, 0.0, 1.0))),)
+    motion = AlongPath(((front + 1.2, 0.0), (front + 0.15, 0.0)), 0.5)
+    world = World("mover", (), movers=(Mover("the_post", post, motion),))
+    try:
+        simulator = (with_lidars or make)(world, robot)
+    except InputError as error:
+        expect("movers" in str(error), f"a world with movers is refused for another reason: {error}")
+        return
+    with simulator:
+        state = simulator.reset(Pose2D(0.0, 0.0))
+        while state.time < 1.5:
+            state = simulator.step(Twist2D(), _PERIOD)
+            at = motion.at(state.time)
+            expect([mover.name for mover in state.movers] == ["the_post"], f"the movers are {state.movers}")
+            off = math.hypot(state.movers[0].pose.x - at.x, state.movers[0].pose.y - at.y)
+            expect(off < 1e-6, f"the mover is {off:.4f} m from where its motion is at {state.time:g} s")
+            expect(not state.contacts, f"a contact is reported with a mover that is {at.x - front - 0.2:.2f} m away")
+            for scan in state.scans:
+                _check_scan(scan, robot, at.x)
+        while state.time < 2.3 and not state.contacts:
+            state = simulator.step(Twist2D(), _PERIOD)
+        names = {contact.other for contact in state.contacts}
+        expect(
+            names == {"the_post"}, f"a mover that runs into the robot gives contacts with {sorted(names) or 'nothing'}"
+        )
+
+
+def _check_scan(scan: Scan, robot: Robot, ahead: float) -> None:
+    """A scan must show a post of 0.2 m at this distance [m] ahead of base_link."""
+    lidar = robot.lidars[scan.lidar]
+    directions = scan.angles + scan.mount.yaw
+    sensor_to_post = math.hypot(ahead - scan.mount.x, scan.mount.y)
+    towards = math.atan2(-scan.mount.y, ahead - scan.mount.x)
+    off = np.abs(np.remainder(directions - towards + math.pi, math.tau) - math.pi)
+    nearest = int(np.argmin(off))
+    if off[nearest] > math.radians(2.0):
+        return  # it does not look there
+    expected, found = max(sensor_to_post - 0.2, scan.range_min), float(scan.ranges[nearest])
+    allowed = 0.02 + 6.0 * lidar.noise
+    expect(
+        abs(found - expected) <= allowed,
+        f"lidar {scan.lidar} measures {found:.3f} m to a mover that is {expected:.3f} m away",
+    )
 
 
 def _check_close(make: Callable[[World, Robot], Simulator], robot: Robot) -> None:
