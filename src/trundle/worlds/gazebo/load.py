@@ -14,6 +14,7 @@ from trundle.files.xml_elements import XmlElement, read_xml
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Solid
 from trundle.values import first_names
+from trundle.worlds.gazebo.actors import read_actor
 from trundle.worlds.gazebo.frames import WORLD_FRAME, Scope
 from trundle.worlds.gazebo.models import find_model_file, is_plain_floor, is_sun, read_plain_floor
 from trundle.worlds.gazebo.shapes import Files, MissingFileError, read_color, read_geometry
@@ -32,6 +33,7 @@ from trundle.worlds.gazebo.values import (
 )
 from trundle.worlds.ground import ENDLESS, LevelPlanes
 from trundle.worlds.leave_out import Filter, warn_of_unmet
+from trundle.worlds.movers import Mover
 from trundle.worlds.options import check_choice
 from trundle.worlds.shapes import Names, Part, make_solids
 from trundle.worlds.world import World
@@ -60,8 +62,8 @@ def load_sdf(
 
     Boxes, cylinders, spheres, capsules, ellipsoids, cones and meshes become solids, with the colours of their
     materials. A level plane that faces up is the ground at its height (`worlds.ground.find_ground` chooses among
-    several), any other a rectangle of its size. <state>, lights and plugins are ignored; actors are left out with a
-    warning. Nested models, includes by path, merged includes and poses in named frames are resolved; Gazebo's
+    several), any other a rectangle of its size. <state>, lights and plugins are ignored. Actors with a
+    trajectory become movers, people in shape; others are left out with a warning. Nested models, includes by path, merged includes and poses in named frames are resolved; Gazebo's
     `Ground Plane` and `Sun` need no files.
 
     Args:
@@ -146,14 +148,24 @@ class _Reader:
         for frame in children(home, "frame"):
             _add_frame(place, frame, scope)
         self.skipped += [f"<{element.tag}>" for element in children(home, "population", "road")]
-        self.skipped += [f"the actor {actor.get('name', '')!r}" for actor in children(home, "actor")]
+        movers = self._read_actors(place, home)
         solids: list[Solid] = []
         for model in models:
             solids += self._place_model(model, scope, Pose3D(), "")
         ground, rectangles, _ = self.planes.settle(solids, self.names)
         solids += [solid for solid in rectangles if not self.leave_out.takes_solid(solid)]
         name = home.get("name", "") if worlds else ""
-        return World(path.stem if name in ("", "default") else name, tuple(solids), ground_z=ground)
+        return World(path.stem if name in ("", "default") else name, tuple(solids), ground_z=ground, movers=movers)
+
+    def _read_actors(self, place: Place, home: XmlElement) -> tuple[Mover, ...]:
+        movers: list[Mover] = []
+        for element in children(home, "actor"):
+            mover = read_actor(place, element)
+            if mover is None:
+                self.skipped.append(f"the actor {element.get('name', '')!r}")
+            elif not self.leave_out.takes_name(mover.name):
+                movers.append(mover)
+        return tuple(movers)
 
     def remarks(self) -> list[str]:
         """Messages about what was left out."""
