@@ -22,6 +22,30 @@ struct Lookup {
   std::int64_t u, v, u_per_col, v_per_col, u_per_row, v_per_row;
 };
 
+// Cells of a row of the map, each under one cell of the evidence.
+void free_row(const std::uint8_t *__restrict evidence, std::int8_t *__restrict out, std::int64_t count,
+              bool clear_occupied) {
+  const std::int8_t clearable = clear_occupied ? kOccupied : kUnknown;
+  for (std::int64_t c = 0; c < count; ++c) {
+    const std::uint8_t level = evidence[c] & kLevel;
+    const bool frees = ((out[c] == kUnknown) & (level != 0)) | ((out[c] == clearable) & (level == 1));
+    out[c] = frees ? kFree : out[c];
+  }
+}
+
+// Cells of a row that lies across the evidence; the first has its centre at (u, v).
+void free_slanted_row(const std::uint8_t *evidence, std::ptrdiff_t rows, std::ptrdiff_t cols, const Lookup &lookup,
+                      std::int64_t u, std::int64_t v, std::int8_t *out, std::ptrdiff_t width, bool clear_occupied) {
+  for (std::ptrdiff_t c = 0; c < width; ++c, u += lookup.u_per_col, v += lookup.v_per_col) {
+    const bool is_unknown = out[c] == kUnknown;
+    if (!is_unknown && !(clear_occupied && out[c] == kOccupied)) continue;
+    const std::int64_t er = v >> 32, ec = u >> 32;
+    if (er < 0 || ec < 0 || er >= rows || ec >= cols) continue;
+    const std::uint8_t level = evidence[er * cols + ec] & kLevel;
+    if (is_unknown ? level != 0 : level == 1) out[c] = kFree;
+  }
+}
+
 }  // namespace
 
 void paint_marks(Evidence evidence, HitPoints points, std::int64_t row, std::int64_t col, double resolution, Cells cells,
@@ -59,16 +83,17 @@ void paint_marks(Evidence evidence, HitPoints points, std::int64_t row, std::int
 
   const Lookup lookup{to_fixed(u0 + 0.5 * cos - 0.5 * sin), to_fixed(v0 + 0.5 * sin + 0.5 * cos),
                       to_fixed(cos), to_fixed(sin), to_fixed(-sin), to_fixed(cos)};
+  const bool is_aligned = lookup.u_per_col == std::int64_t{1} << 32 && lookup.v_per_col == 0;
   for (std::ptrdiff_t r = 0; r < height; ++r) {
     std::int8_t *out = cells.data() + r * width;
-    std::int64_t u = lookup.u + r * lookup.u_per_row, v = lookup.v + r * lookup.v_per_row;
-    for (std::ptrdiff_t c = 0; c < width; ++c, u += lookup.u_per_col, v += lookup.v_per_col) {
-      const bool is_unknown = out[c] == kUnknown;
-      if (!is_unknown && !(clear_occupied && out[c] == kOccupied)) continue;
+    const std::int64_t u = lookup.u + r * lookup.u_per_row, v = lookup.v + r * lookup.v_per_row;
+    if (is_aligned) {
       const std::int64_t er = v >> 32, ec = u >> 32;
-      if (er < 0 || ec < 0 || er >= rows || ec >= cols) continue;
-      const std::uint8_t level = evidence.data()[er * cols + ec] & kLevel;
-      if (is_unknown ? level != 0 : level == 1) out[c] = kFree;
+      const std::int64_t first = std::max<std::int64_t>(0, -ec), end = std::min<std::int64_t>(width, cols - ec);
+      if (er < 0 || er >= rows || first >= end) continue;
+      free_row(evidence.data() + er * cols + ec + first, out + first, end - first, clear_occupied);
+    } else {
+      free_slanted_row(evidence.data(), rows, cols, lookup, u, v, out, width, clear_occupied);
     }
   }
 
