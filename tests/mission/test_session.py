@@ -12,7 +12,9 @@ from trundle.navigation import CommandScript, Latency, NavigationStatus
 from trundle.observation import Estimate, Scan
 from trundle.record.run_folder import RunFolder
 from trundle.sim import Contact, MoverState
+from trundle.sim.actuation import Actuation
 from trundle.sim.kinematic import KinematicSimulator
+from trundle.sim.mujoco.simulator import MujocoSimulator
 from trundle.solids import Box, Solid
 from trundle.worlds import World
 from trundle.worlds.movers import Mover, Waypoints
@@ -370,3 +372,52 @@ def test_a_cart_that_runs_into_a_robot_is_seen_in_the_steps_and_counted(carter):
     assert session.outcome is Outcome.FINISHED
     metrics = session.finish().metrics
     assert (metrics.standing_contacts, metrics.contacts, metrics.unseen_contacts) == (("cart",), (), ())
+
+
+# Substeps -------------------------------------------------------------------------------------------------------------
+
+
+class Fine:
+    """Follows the physics steps, and may fail at one."""
+
+    def __init__(self, fails_at=None):
+        self.substeps, self.steps, self.fails_at = [], [], fails_at
+
+    def on_start(self, run):
+        pass
+
+    def on_substep(self, substep):
+        if len(self.substeps) == self.fails_at:
+            raise RuntimeError("full")
+        self.substeps.append(substep)
+
+    def on_step(self, step):
+        self.steps.append(step)
+
+    def on_end(self, episode):
+        pass
+
+
+@pytest.mark.parametrize("kind", [KinematicSimulator, MujocoSimulator])
+def test_an_observer_can_follow_the_physics_steps_and_changes_nothing(kind, carter, start):
+    script, fine = CommandScript([(0.4, 0.3, 1.0)]), Fine()
+    with kind(World("empty", ()), carter) as sim:
+        alone = run(sim, script, start, None)
+        watched = run(Actuation(wheel_radius=1.0001).simulate(sim), script, start, None, observers=[fine])
+        same = run(sim, script, start, None, observers=[fine, Fine(fails_at=7)])
+        run(sim, script, start, None)
+    assert watched.observer_errors == ()
+    assert [type(error) for error in same.observer_errors] == [RuntimeError]
+    np.testing.assert_array_equal(alone.trajectory.poses, same.trajectory.poses)
+    assert len(fine.substeps) == 2 * 200
+    assert [substep.time for substep in fine.substeps[:200]] == pytest.approx(np.arange(1, 201) * 0.005)
+    at_ends = fine.substeps[9:200:10]
+    assert [substep.pose for substep in at_ends] == [step.state.pose for step in fine.steps[1:21]]
+    assert [substep.twist for substep in at_ends] == [step.state.twist for step in fine.steps[1:21]]
+
+
+def test_a_simulator_without_substeps_runs_without_them(make_sim, start):
+    fine = Fine()
+    assert run(make_sim(), CommandScript(FORWARD), start, None, observers=[fine]).observer_errors == ()
+    assert fine.substeps == []
+    assert len(fine.steps) == 41

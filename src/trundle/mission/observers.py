@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, cast, runtime_checkable
 
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D, Twist2D
@@ -15,7 +15,7 @@ from trundle.navigation import NavigationStatus
 from trundle.observation import Estimate, Observation, Scan
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.sim import MoverState, RobotState
+from trundle.sim import MoverState, RobotState, Substep
 from trundle.values import check_kind
 
 _LOGGER = logging.getLogger(__name__)
@@ -113,7 +113,11 @@ class Step:
 
 @runtime_checkable
 class Observer(Protocol):
-    """Follows a run. One that raises is dropped, and the run continues; see `Episode.observer_errors`."""
+    """Follows a run. One that raises is dropped, and the run continues; see `Episode.observer_errors`.
+
+    One that also has `on_substep(substep)` gets a `trundle.sim.Substep` after every physics step, before the step that
+    they belong to, where the simulator reports them: `kinematic` and `mujoco` do.
+    """
 
     def on_start(self, run: RunInfo) -> None:
         """Before the first step; nothing has moved yet."""
@@ -147,6 +151,17 @@ class Audience:
         """Notify them after the start and every control period."""
         self._notify(lambda observer: observer.on_step(step))
 
+    @property
+    def wants_substeps(self) -> bool:
+        """Whether one of them follows the physics steps."""
+        return any(hasattr(observer, "on_substep") for observer in self._observers)
+
+    def on_substep(self, substep: Substep) -> None:
+        """Notify those that follow the physics steps."""
+        for observer in tuple(self._observers):
+            if hasattr(observer, "on_substep"):
+                self._call(observer, lambda watcher: cast("Any", watcher).on_substep(substep), Exception)
+
     def on_end(self, episode: Episode) -> None:
         """Notify them of the end."""
         # The run is over: Ctrl-C now ends what this observer does, and the next one still writes its files.
@@ -154,9 +169,12 @@ class Audience:
 
     def _notify(self, notify: Callable[[Observer], None], also: type[BaseException] = Exception) -> None:
         for observer in tuple(self._observers):
-            try:
-                notify(observer)
-            except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
-                _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
-                self._observers.remove(observer)
-                self.errors.append(error)
+            self._call(observer, notify, also)
+
+    def _call(self, observer: Observer, notify: Callable[[Observer], None], also: type[BaseException]) -> None:
+        try:
+            notify(observer)
+        except (Exception, also) as error:  # noqa: BLE001 - an observer never changes a run
+            _LOGGER.warning("%s failed and is dropped: %s", type(observer).__name__, error or type(error).__name__)
+            self._observers.remove(observer)
+            self.errors.append(error)

@@ -28,6 +28,7 @@ from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import Contact, RobotState, Simulator, world_of
 from trundle.sim.command_delay import DelayedSimulator
+from trundle.sim.simulator import watch_substeps
 from trundle.values import as_number, check_kind
 
 TIME_PER_GOAL_S = 60.0
@@ -122,6 +123,7 @@ class Session:
         latency = Latency() if latency is None else latency
         check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
         self._sim = DelayedSimulator(sim, latency.command_delay_s) if latency.command_delay_s > 0.0 else sim
+        self._backend = sim
         self._mail = ScanMail(latency.scan_age_s) if latency.scan_age_s > 0.0 else None
         robot: Robot = getattr(agent, "robot", sim.robot)
         self._monitor = monitor if monitor is not None and not isinstance(monitor, bool) else None
@@ -220,6 +222,7 @@ class Session:
     def _start(self) -> None:
         if self._monitor is not None:
             self._monitor.reset()
+        self._watches = self._audience.wants_substeps and watch_substeps(self._backend, self._audience.on_substep)
         if self._localizer is not None:
             self._localizer.reset(self._info.start, seed=self._info.seed)
         self._state = self._sim.reset(self._info.start, seed=self._info.seed)
@@ -398,6 +401,8 @@ class Session:
 
     def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
         self._wall_s = clock.perf_counter() - self._began
+        if self._watches:
+            watch_substeps(self._backend, None)
         contacts = self._log.contacts
         if contacts and outcome is not Outcome.COLLIDED:
             outcome, message = Outcome.COLLIDED, f"touched {', '.join(contacts)} while driving; {message}"

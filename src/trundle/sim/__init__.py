@@ -1,5 +1,14 @@
 """Simulators, which move the robot by commanded twists."""
 
-from trundle.sim.simulator import Contact, MoverState, RobotState, Simulator, simulate, simulator_names, world_of
+from trundle.sim.simulator import (
+    Contact,
+    MoverState,
+    RobotState,
+    Simulator,
+    Substep,
+    simulate,
+    simulator_names,
+    world_of,
+)
 
-__all__ = ["Contact", "MoverState", "RobotState", "Simulator", "simulate", "simulator_names", "world_of"]
+__all__ = ["Contact", "MoverState", "RobotState", "Simulator", "Substep", "simulate", "simulator_names", "world_of"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from typing import Self
 
 import numpy as np
@@ -15,7 +16,7 @@ from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet
 from trundle.sim.movers import MoverField, MoverOutline
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Contact, RobotState
+from trundle.sim.simulator import Contact, RobotState, Substep
 from trundle.worlds import World
 
 TIMESTEP = 0.005
@@ -34,6 +35,9 @@ class KinematicSimulator:
         robot: The robot.
         lidar: Lidars to simulate: all of the robot's, none, or those named.
         timestep: Length of a step [s].
+
+    Attributes:
+        on_substep: Called with a `Substep` after every physics step; None by default.
 
     Raises:
         InputError: If the timestep is out of range.
@@ -58,6 +62,7 @@ class KinematicSimulator:
                 if self._movers is not None:
                     self._mover_outlines[height] = MoverOutline(self._movers, height)
         self._closed = False
+        self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
 
     @property
@@ -102,10 +107,19 @@ class KinematicSimulator:
             left += motion.left * self._timestep
             right += motion.right * self._timestep
             poses.append((x, y, yaw))
+        if self.on_substep is not None:
+            self._report_substeps(self.on_substep, poses, motions)
         touched = self._pass_movers(poses, [motion.v for motion in motions])
         self._pose, self._wheels = (x, y, yaw), (left, right)
         self._steps += len(motions)
         return self._state(motions[-1], np.array(poses), touched, since)
+
+    def _report_substeps(
+        self, report: Callable[[Substep], None], poses: list[tuple[float, float, float]], motions: Sequence[Motion]
+    ) -> None:
+        for number, ((x, y, yaw), motion) in enumerate(zip(poses, motions, strict=True), self._steps + 1):
+            pose = Pose2D(x, y, math.remainder(yaw, math.tau))
+            report(Substep(number * self._timestep, pose, Twist2D(motion.v, motion.w)))
 
     def close(self) -> None:
         """Close it; closing twice does nothing."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, Self, runtime_checkable
 
@@ -57,6 +58,21 @@ class MoverState:
     vy: float = 0.0
     w: float = 0.0
     outline: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Substep:
+    """Where the simulated robot is after one physics step, within a control period.
+
+    Attributes:
+        time: Simulated time since the reset [s].
+        pose: True pose of base_link in the map frame.
+        twist: True twist in base_link.
+    """
+
+    time: float
+    pose: Pose2D
+    twist: Twist2D
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +151,19 @@ def world_of(simulator: Simulator) -> World | None:
     metrics of a run depend on it; see `trundle.mission.Metrics`.
     """
     return getattr(simulator, "world", None)
+
+
+def watch_substeps(simulator: Simulator, watch: Callable[[Substep], None] | None) -> bool:
+    """Let a simulator report every physics step from now on, or no longer (None); False if it cannot.
+
+    It is an optional attribute `on_substep` of a simulator, which may be within others that have it as `inner`.
+    """
+    while (inner := getattr(simulator, "inner", None)) is not None:
+        simulator = inner
+    if not hasattr(simulator, "on_substep"):
+        return False
+    simulator.on_substep = watch  # pyright: ignore[reportAttributeAccessIssue] - optional
+    return True
 
 
 def simulator_names() -> list[str]:

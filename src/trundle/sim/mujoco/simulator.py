@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from typing import Literal, Self
 
 import mujoco
@@ -23,7 +24,7 @@ from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_re
 from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
-from trundle.sim.simulator import Contact, RobotState
+from trundle.sim.simulator import Contact, RobotState, Substep
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 
@@ -52,6 +53,7 @@ class MujocoSimulator:
 
     Attributes:
         model: The compiled MuJoCo model, without the robot's visuals and solids out of reach. Viewers build their own.
+        on_substep: Called with a `Substep` after every physics step; None by default.
         data: Its state, consistent with the result of `step`; treat it as read-only.
 
     Raises:
@@ -105,6 +107,7 @@ class MujocoSimulator:
                 if self._movers is not None:
                     self._mover_outlines[height] = MoverOutline(self._movers.field, height)
         self._closed = False
+        self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
 
     @property
@@ -178,8 +181,10 @@ class MujocoSimulator:
             control[1] = drive.held(free[1], commanded.right, qvel[right_speed])
             commanded = motion
             step(model, data)
+            done += 1
+            if self.on_substep is not None:
+                self.on_substep(Substep(done * timestep, *_planar(qpos[:7].tolist(), qvel[:6].tolist())))
             if movers is not None:
-                done += 1
                 movers.advance(done * timestep)
             angles.append((qpos[left_address], qpos[right_address]))
             # The floor is geom 0, and a plane comes first in its contacts: any other index is a collision.
@@ -236,16 +241,14 @@ class MujocoSimulator:
     def _state(self, contacts: tuple[Contact, ...], since: float) -> RobotState:
         time = self._steps * self._timestep
         positions, speeds = self.data.qpos.tolist(), self.data.qvel.tolist()
-        x, y, _, qw, qx, qy, qz = positions[:7]
-        pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
-        vx, vy, _, _, _, w = speeds[:6]
+        pose, twist = _planar(positions, speeds)
         (left, right), (left_start, right_start) = self._wheel_qpos, self._wheel_start
         left_speed, right_speed = self._wheel_qvel
         scans: tuple[Scan, ...] = self._lidars.scan(pose, since, time)
         return RobotState(
             time=time,
             pose=pose,
-            twist=Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w),
+            twist=twist,
             wheel_positions=WheelSpeeds(positions[left] - left_start, positions[right] - right_start),
             wheel_speeds=WheelSpeeds(speeds[left_speed], speeds[right_speed]),
             odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
@@ -253,6 +256,14 @@ class MujocoSimulator:
             scans=scans,
             movers=() if self._movers is None else self._movers.field.states(),
         )
+
+
+def _planar(positions: list[float], speeds: list[float]) -> tuple[Pose2D, Twist2D]:
+    """Pose and twist of the base, from the positions and speeds of all joints."""
+    x, y, _, qw, qx, qy, qz = positions[:7]
+    pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
+    vx, vy, _, _, _, w = speeds[:6]
+    return pose, Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w)
 
 
 def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, int], tuple[int, int]]:
