@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from support.command_line import Trundle, room
+from trundle.mission import Scenario
 
 ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
 SHORT = ("--start", "0.5,0.5", "--goal", "0.9,0.5", "--robot", "turtlebot3_burger")
@@ -325,3 +326,20 @@ def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Si
     assert json.loads(out)["outcome"] == "aborted"
     assert "Traceback" not in err
     assert names == {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png"}
+
+
+def test_a_robot_drives_without_a_map_by_lidar_and_odometry(trundle, tmp_path):
+    sensing = ("--lidar", "--no-map", "--localizer", "odometry", "--no-collision-monitor")
+    course = ("cylinders", "--set", "length=3", "--set", "density=0.02", "--start", "-1,0,0", "--goal", "4,0")
+    trundle("run", *course, *sensing, "--backend", "kinematic", "--time-limit", "2", "--no-video", "-o", str(tmp_path))
+    scenario = Scenario.load(tmp_path)
+    assert (scenario.lidar, scenario.known_map, scenario.collision_monitor) == (True, False, False)
+    assert scenario.localizer.name == "odometry"
+    record = json.loads((tmp_path / "episode.json").read_text())
+    assert record["monitor_stops"] is None
+
+
+def test_no_map_needs_lidars(trundle):
+    done = trundle("run", "maze", "--no-map")
+    assert done.code == 2
+    assert "needs lidars: give lidar: true" in done.err

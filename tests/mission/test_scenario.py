@@ -6,9 +6,13 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import AngleWarning, BlockedPoseError, InputError, OutputError, ScenarioError, UnknownNameError
+from trundle.files.choice import Choice
 from trundle.geometry import Pose2D, Twist2D
+from trundle.localization.odometry import OdometryLocalizer
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Scenario, Trajectory, run
+from trundle.mission.simulation import session_options
+from trundle.robots import Robot
 
 
 def write(folder, text, name="scenario.yaml"):
@@ -374,3 +378,98 @@ def test_lidars_are_given_once():
 def test_an_unknown_lidar_of_a_scenario_is_reported():
     with pytest.raises(UnknownNameError, match="unknown lidar of nova_carter 'frnt'"):
         Scenario.make(world="maze", lidar="frnt", backend="kinematic").build()
+
+
+SENSING = """
+world: {name: cylinders, options: {length: 3, density: 0.02}}
+backend: kinematic
+start: [-1, 0, 0]
+goal: [4, 0]
+lidar: true
+known_map: false
+localizer: odometry
+odometry: {scale: 0.001}
+layers: {obstacle: null}
+latency: {scan_age_s: 0.05}
+collision_monitor: {min_points: 4}
+"""
+
+
+def test_a_scenario_says_how_the_robot_senses(tmp_path):
+    scenario = Scenario.load(write(tmp_path, SENSING))
+    assert scenario.localizer == Choice(name="odometry")
+    assert scenario.layers.obstacle is None
+    assert scenario.latency.scan_age_s == 0.05
+    assert scenario.collision_monitor.min_points == 4
+    scenario.save(tmp_path / "again.yaml")
+    assert Scenario.load(tmp_path / "again.yaml") == scenario
+    scenario.save_commented(tmp_path / "commented.yaml")
+    assert Scenario.load(tmp_path / "commented.yaml") == scenario
+
+
+def test_a_robot_without_a_map_starts_with_unknown_space_and_the_same_mission():
+    given = {"world": "maze", "backend": "kinematic", "seed": 4}
+    known, blank = Scenario.make(**given).prepare(), Scenario.make(**given, lidar=True, known_map=False).prepare()
+    assert blank.navigator.grid is None
+    assert len(set(blank.navigator.costmap.data.ravel().tolist())) == 1
+    assert (known.start, known.goals) == (blank.start, blank.goals)
+    assert np.array_equal(blank.grid.data, known.grid.data)
+
+
+def test_what_stands_between_simulator_and_navigator_is_made_of_the_scenario():
+    robot = Robot.load("nova_carter")
+    grid = OccupancyGrid(np.zeros((10, 10), np.int8), 0.05)
+    given = {"world": "maze", "localizer": "odometry", "latency": {"command_delay_s": 0.1}}
+    made = session_options(Scenario.make(**given, collision_monitor={"min_points": 5}), grid, robot)
+    assert isinstance(made["localizer"], OdometryLocalizer)
+    assert made["latency"].command_delay_s == 0.1
+    assert made["monitor"].settings.min_points == 5
+    for wanted in (None, True, False):
+        assert session_options(Scenario.make(world="maze", collision_monitor=wanted), grid, robot)["monitor"] is wanted
+
+
+def test_an_unknown_localizer_is_reported():
+    grid = OccupancyGrid(np.zeros((10, 10), np.int8), 0.05)
+    with pytest.raises(UnknownNameError, match="unknown localizer 'odometri'"):
+        session_options(Scenario.make(world="maze", localizer="odometri"), grid, Robot.load("nova_carter"))
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"known_map": False}, "a robot that does not know the map needs lidars"),
+        ({"known_map": False, "lidar": True, "keepout": "zones.yaml"}, "areas of a map"),
+        ({"latency": {"scan_age_s": 3}}, "scan_age_s"),
+        ({"layers": {"obstacl": None}}, "Did you mean 'obstacle'"),
+    ],
+)
+def test_settings_of_sensing_that_cannot_be_used_are_refused(settings, words):
+    with pytest.raises(ScenarioError, match=words):
+        Scenario.make(world="maze", **settings)
+
+
+class Recorder:
+    """Keeps the steps of a run."""
+
+    def __init__(self):
+        self.steps = []
+
+    def on_start(self, run):
+        pass
+
+    def on_step(self, step):
+        self.steps.append(step)
+
+    def on_end(self, episode):
+        pass
+
+
+def test_a_robot_drives_by_lidar_alone(tmp_path):
+    scenario = Scenario.load(write(tmp_path, SENSING.replace("layers: {obstacle: null}\n", "")))
+    recorder = Recorder()
+    with scenario.build() as mission:
+        episode = mission.run(observers=[recorder])
+    assert episode.outcome is Outcome.ARRIVED
+    assert any(step.scans for step in recorder.steps)
+    assert recorder.steps[-1].estimate.pose != recorder.steps[-1].state.pose
+    assert episode.metrics.contacts == ()

@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal, Self, TypeAlias, cast
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from trundle.control import MonitorSettings
 from trundle.control.controller import CONTROLLERS
-from trundle.costmap import CostmapSettings
+from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
@@ -69,6 +70,12 @@ class ScenarioFields(CostmapSettings, RunSettings):
         odometry: How far its odometry is from its motion; none means not at all.
         lidar: Which of the robot's lidars are simulated: all (true), none (false), or a list of names. With them it
             senses obstacles that are not on its map.
+        known_map: Whether the robot starts with the map of its surroundings. Without it, it drives by its lidars alone;
+            unknown space can then be driven, at a cost, also where `unknown` is blocked.
+        localizer: What estimates the robot's pose, by name or `{name: …, options: {…}}`; none gives it the true pose.
+        layers: How scans are put into the costmap; none means the defaults.
+        collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
+            given means one where there are scans.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -98,6 +105,10 @@ class ScenarioFields(CostmapSettings, RunSettings):
     latency: Latency | None = None
     odometry: OdometryErrors | None = None
     lidar: LidarNames = False
+    known_map: bool = True
+    localizer: Annotated[Choice | None, takes_name(Choice)] = None
+    layers: LayersSettings | None = None
+    collision_monitor: bool | MonitorSettings | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None
@@ -130,4 +141,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
             raise ValueError("compat says how a map is read: it needs map")
         if self.lidar and "lidar" in self.backend.options:
             raise ValueError("lidar is given twice: take it out of the backend's options")
+        if not self.known_map and not self.lidar and "lidar" not in self.backend.options:
+            raise ValueError("a robot that does not know the map needs lidars: give lidar: true")
+        if not self.known_map and (self.keepout is not None or self.speed_mask is not None):
+            raise ValueError("keepout and speed_mask are areas of a map: they need known_map: true")
         return self

@@ -26,7 +26,7 @@ from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
-from trundle.mission.simulation import start_backend, wrap_backend
+from trundle.mission.simulation import session_options, start_backend, wrap_backend
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.planning.planner import Planner
 from trundle.robots import Robot, is_robot_file
@@ -102,9 +102,11 @@ class Scenario(ScenarioFields):
         paths = {key: path_beside(value, path) for key, value in self._paths().items()}
         dumped = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
-        for key in ("world", "planner", "controller", "smoother", "backend"):
+        for key in ("world", "planner", "controller", "smoother", "backend", "localizer"):
             if key in settings:
                 settings[key] = shorten(settings[key])
+        if self.layers is not None and self.layers.obstacle is None:
+            settings["layers"]["obstacle"] = None  # its default is something else
         return settings
 
     def __repr__(self) -> str:
@@ -130,22 +132,27 @@ class Scenario(ScenarioFields):
             ScenarioError: If no start or goal can be picked.
         """
         place = make_place(self) if place is None else place
+        seen = self.part(CostmapSettings)
         if costmap is None:
-            costmap = self.part(CostmapSettings).make_costmap(place.grid, place.robot, keepout=place.keepout)
+            costmap = seen.make_costmap(place.grid, place.robot, keepout=place.keepout)
+        if not self.known_map and seen.unknown == "blocked":
+            seen = seen.model_copy(update={"unknown": "costly"})
         navigator = Navigator(
-            costmap,
+            costmap if self.known_map else None,
             place.robot,
+            costmap=None if self.known_map else seen,
+            layers=self.layers,
             planner=self.planner if planner is None else planner,
             controller=self.controller,
             smoother=self.smoother,
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
-        start, goals = self._pick_ends(navigator)
+        start, goals = self._pick_ends(costmap)
         world = place.world
         if self.unmapped is not None:
             ends = (start.as_tuple(), *goals)
-            world = self.unmapped.add_to(world, navigator.costmap, ends, self.seed)
+            world = self.unmapped.add_to(world, costmap, ends, self.seed)
         exact = self.model_copy(
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
@@ -185,14 +192,14 @@ class Scenario(ScenarioFields):
             update["world"] = self.world.model_copy(update={"name": paths["world"]})
         return self.model_copy(update=update)
 
-    def _pick_ends(self, navigator: Navigator) -> tuple[Pose2D, tuple[Goal, ...]]:
+    def _pick_ends(self, costmap: Costmap) -> tuple[Pose2D, tuple[Goal, ...]]:
         given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)
         goals = tuple(Goal.of(numbers) for numbers in given)
         start = None if self.start is None else Pose2D.of(self.start)
         if start is not None and goals:
             return start, goals
         first, last = sample_mission(
-            navigator.costmap, self.seed, start=start, goal=goals[0] if start is None and goals else None
+            costmap, self.seed, start=start, goal=goals[0] if start is None and goals else None
         )
         return first, goals or (Goal.of(last),)
 
@@ -242,7 +249,7 @@ class Mission(Setting):
             seed=self.scenario.seed,
             stop_on_contact=stop_on_contact,
             name=self.scenario.title,
-            latency=self.scenario.latency,
+            **session_options(self.scenario, self.grid, self.robot),
         )
 
     def close(self) -> None:

@@ -1,13 +1,44 @@
-"""The simulator of a scenario: the backend with its options and lidars, and the errors of robot and odometry."""
+"""The simulator of a scenario, with its lidars and errors, and what stands between it and the navigator."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypedDict
 
+from trundle.control import CollisionMonitor
+from trundle.localization import Localizer, create_localizer
+from trundle.maps import OccupancyGrid
 from trundle.mission.fields import ScenarioFields
+from trundle.navigation import Latency
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.worlds import World
+
+
+class SessionOptions(TypedDict):
+    """Arguments of `Session` and `run`."""
+
+    localizer: Localizer | None
+    latency: Latency | None
+    monitor: CollisionMonitor | bool | None
+
+
+def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot) -> SessionOptions:
+    """What a scenario puts between the simulator and the navigator.
+
+    Raises:
+        UnknownNameError: If there is no such localizer, or the robot has no lidar of a given name.
+        InputError: If the localizer does not take an option, or needs a map that the robot does not know.
+    """
+    choice, monitor = scenario.localizer, scenario.collision_monitor
+    localizer = None
+    if choice is not None:
+        options = dict[str, Any](choice.options)
+        localizer = create_localizer(choice.name, grid if scenario.known_map else None, robot, **options)
+    return {
+        "localizer": localizer,
+        "latency": scenario.latency,
+        "monitor": monitor if monitor is None or isinstance(monitor, bool) else CollisionMonitor(robot, monitor),
+    }
 
 
 def backend_options(scenario: ScenarioFields) -> dict[str, Any]:

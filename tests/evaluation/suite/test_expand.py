@@ -183,3 +183,27 @@ def test_lidars_and_errors_of_odometry_are_crossed():
 def test_a_lidar_that_a_robot_of_the_suite_lacks_is_refused():
     with pytest.raises(InputError, match="unknown lidar of jackal 'back'"):
         make(seeds=1, robots=["nova_carter", "jackal"], lidar=[["front", "back"]]).check()
+
+
+def test_what_the_robot_senses_and_knows_is_crossed():
+    suite = make(
+        seeds=1,
+        lidar=True,
+        known_map=[True, False],
+        localizer=[None, "odometry"],
+        latency=[None, {"scan_age_s": 0.1}],
+        layers={"rolling_window": True},
+        collision_monitor=[True, False],
+    )
+    suite.check()
+    specs = [suite.spec(index) for index in range(len(suite))]
+    assert len({spec.id for spec in specs}) == 16
+    assert "known_map=False localizer=odometry latency={scan_age_s:0.1} collision_monitor=True" in {
+        spec.settings for spec in specs
+    }
+    assert all(spec.scenario.layers.rolling_window for spec in specs)
+
+
+def test_an_unknown_localizer_of_a_suite_is_refused():
+    with pytest.raises(InputError, match="unknown localizer 'odometri'"):
+        make(seeds=1, localizer="odometri").check()

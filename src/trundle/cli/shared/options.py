@@ -84,6 +84,25 @@ PlannerName = Annotated[str, Parameter(name="--planner", help=PLANNER_HELP)]
 SmootherName = Annotated[
     str | None, Parameter(name="--smoother", help="The smoother of planned paths: constrained or a plug-in's name.")
 ]
+LocalizerName = Annotated[
+    str | None,
+    Parameter(name="--localizer", help="What estimates the robot's pose: odometry or a plug-in's name; default: none."),
+]
+Lidar = Annotated[
+    bool | None,
+    Parameter(name="--lidar", negative="--no-lidar", help="Simulate the robot's lidars, which sense obstacles."),
+]
+NoMap = Annotated[
+    bool, Parameter(name="--no-map", negative="", help="Start without a map, and drive by lidar alone; needs --lidar.")
+]
+CollisionMonitor = Annotated[
+    bool | None,
+    Parameter(
+        name="--collision-monitor",
+        negative="--no-collision-monitor",
+        help="Check every command against the scans; default: where there are scans.",
+    ),
+]
 Backend = Annotated[
     str, Parameter(name="--backend", help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")
 ]
@@ -95,6 +114,7 @@ EXAMPLES = {
     "planner": "goal_tolerance=0.5",
     "controller": "desired_linear_vel=0.4",
     "smoother": "minimum_turning_radius=0.5",
+    "localizer": "particles=500",
 }
 """An option of each seam, for help and messages."""
 
@@ -112,6 +132,9 @@ ControllerOptions = Annotated[
 SmootherOptions = Annotated[
     list[str] | None,
     _pairs("--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeatable."),
+]
+LocalizerOptions = Annotated[
+    list[str] | None, _pairs("--localizer-option", "An option of the localizer, as KEY=VALUE; repeatable.")
 ]
 Keepout = Annotated[
     Path | None,

@@ -39,6 +39,11 @@ class ScenarioOptions:
     backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")] = (
         None
     )
+    lidar: options.Lidar = None
+    localizer: options.LocalizerName = None
+    localizer_options: options.LocalizerOptions = None
+    no_map: options.NoMap = False
+    collision_monitor: options.CollisionMonitor = None
     seed: Annotated[options.Integer | None, Parameter(help="Random seed: the same seed gives the same run.")] = None
     world_options: options.Settings = None
     exclude: options.Exclude = None
@@ -73,6 +78,9 @@ class ScenarioOptions:
             "speed_mask": None if self.speed_mask is None else str(self.speed_mask),
             "floor_z": self.floor_z,
             "time_limit_s": self.time_limit,
+            "lidar": self.lidar,
+            "known_map": False if self.no_map else None,
+            "collision_monitor": self.collision_monitor,
         }
         changes: dict[str, object] = {key: value for key, value in given.items() if value is not None}
         changes |= settings.given(self.costmap) | settings.given(self.navigation)
@@ -86,6 +94,7 @@ class ScenarioOptions:
             "planner": settings.choose("planner", self.planner, self.planner_options, base.planner),
             "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
             "smoother": settings.choose("smoother", self.smoother, self.smoother_options, base.smoother),
+            "localizer": settings.choose("localizer", self.localizer, self.localizer_options, base.localizer),
         }
         return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)
 

@@ -17,9 +17,11 @@ from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import digest, mission_hash, short
 from trundle.evaluation.suite.vary import move_start
 from trundle.geometry import Goal, Pose2D
+from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
 from trundle.mission.loop import run_measured
+from trundle.mission.simulation import session_options
 from trundle.mission.truth import Truth, measure_truth
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
@@ -90,6 +92,11 @@ class EpisodeTask:
             *(PLANNERS.module_of(planner.name) for planner in suite.planners if not planner.is_python),
             *(CONTROLLERS.module_of(controller.name) for controller in suite.controllers),
             *(SMOOTHERS.module_of(smoother.name) for smoother in suite.smoothers if smoother is not None),
+            *(
+                LOCALIZERS.module_of(choice.name)
+                for choice in suite.crossed().get("localizer", ())
+                if choice is not None
+            ),
             *(SIMULATORS.module_of(backend.name) for backend in suite.backends),
             *(WORLDS.module_of(world.name) for world in suite.worlds if not world.is_file),
             *(_MAP_MODULES if any(world.is_map for world in suite.worlds) else ()),
@@ -194,8 +201,8 @@ class EpisodeTask:
                 time_limit_s=scenario.time_limit_s,
                 seed=scenario.seed,
                 name=scenario.title,
-                latency=scenario.latency,
                 measure=measure,
+                **session_options(scenario, setting.grid, setting.robot),
             )
         except PlanningError as error:  # the robot cannot stand at an end of the mission
             return error, None

@@ -13,6 +13,7 @@ from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
+from trundle.localization.localizer import LOCALIZERS
 from trundle.mission.choices import MapOptions
 from trundle.planning import create_planner, create_smoother
 from trundle.registry import keywords_taken
@@ -51,6 +52,9 @@ def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
             create_smoother(smoother.name, **smoother.options)
     for backend in suite.backends:
         _check_backend_options(backend)
+    for localizer in suite.crossed().get("localizer", ()):
+        if localizer is not None:
+            LOCALIZERS.check(localizer.name)
     for lidars in suite.crossed().get("lidar", ()):
         _check_lidars(lidars, robots)
     for text in suite.require:

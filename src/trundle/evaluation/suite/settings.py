@@ -13,7 +13,16 @@ from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 from trundle.navigation import NavigatorSettings
 
-_SENSING = ("lidar", "odometry", "unmapped")
+_SENSING = (
+    "lidar",
+    "odometry",
+    "unmapped",
+    "known_map",
+    "localizer",
+    "layers",
+    "latency",
+    "collision_monitor",
+)
 
 CROSSED = tuple(
     name
