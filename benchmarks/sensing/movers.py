@@ -26,9 +26,10 @@ DRIVES_MPS = 0.05
 
 def drive(kind: str, seed: int, robot: Robot, options: argparse.Namespace) -> tuple[str, list[str], list[str], float]:
     """Drive one mission; return its status, what was touched while driving and while standing, and its length [s]."""
-    crowds = (
-        Crowd("forklift", 6, kind="forklift", speed=options.speed, sees_robot=options.yields),
-        Crowd("person", 8, kind="person", speed=options.speed, sees_robot=options.yields),
+    crowds = tuple(
+        Crowd(name, count, kind=name, speed=options.speed, sees_robot=options.yields)
+        for name, count in (("forklift", options.forklifts), ("person", options.people))
+        if count
     )
     world = replace(World.generate(kind, seed=seed), movers=crowds)
     grid = OccupancyGrid.from_world(world)
@@ -74,6 +75,8 @@ def main() -> None:
     parser.add_argument("--backend", default="mujoco")
     parser.add_argument("--robot", default="nova_carter")
     parser.add_argument("--speed", type=float, default=1.2)
+    parser.add_argument("--forklifts", type=int, default=6)
+    parser.add_argument("--people", type=int, default=8)
     parser.add_argument("--limit", type=float, default=240.0)
     parser.add_argument("--yield", dest="yields", action="store_true")
     parser.add_argument("--no-monitor", dest="monitor", action="store_false")

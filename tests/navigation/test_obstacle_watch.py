@@ -3,8 +3,6 @@ import itertools
 from trundle.geometry import Pose2D
 from trundle.navigation.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, ObstacleWatch
 
-HERE = Pose2D(0.0, 0.0)
-
 
 def test_a_short_detour_is_taken_at_once_and_a_long_one_after_the_wait():
     watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
@@ -29,13 +27,16 @@ def test_plans_become_rare_while_they_fail():
 
 def test_it_gives_up_where_the_robot_stands_for_too_long():
     watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
-    watch.see(0.0)
-    assert not watch.gives_up(HERE, 0.0)
-    assert not watch.gives_up(Pose2D(0.3, 0.0), 20.0)
-    assert watch.gives_up(HERE, 20.1)
+    given_up = []
+    for time, x in ((0.0, 0.0), (20.0, 0.3), (20.1, 0.0), (21.0, 0.6), (41.0, 0.6), (41.1, 0.6)):
+        watch.follow(Pose2D(x, 0.0), time)
+        given_up.append(watch.gives_up)
+    assert given_up == [False, False, True, False, False, True]
+    watch.reset()
+    assert not watch.gives_up
+    watch.see(50.0)
     watch.clear()
     assert not watch.is_blocked
-    assert not watch.gives_up(HERE, 50.0)
 
 
 def test_it_backs_up_after_the_wait_and_then_seldom():

@@ -201,7 +201,7 @@ class Navigator:
         self.message = ""
         self._time = 0.0
         self._command = _STAND
-        self._obstacle.clear()
+        self._obstacle.reset()
         self._sensed.begin()
         self._recovery.reset()
         self._tries.reset()
@@ -334,6 +334,7 @@ class Navigator:
         if self.goal_checker.is_reached(pose, twist, self._goal.pose, any_yaw=self._goal.yaw_free):
             self.status = NavigationStatus.ARRIVED
             return _STAND
+        self._obstacle.follow(pose, self._time)
         if (self._followed is None or self._tries.pending) and not self._plan_first(pose, twist):
             return _STAND
         if not self.progress_checker.is_moving_on(pose, self._time):
@@ -421,17 +422,17 @@ class Navigator:
             return False
         if not self._attempt(pose, twist):
             self._obstacle.fail()
-            return True if self._followed is not None else self._wait_for_path(pose)
+            return True if self._followed is not None else self._wait_for_path()
         if not self._tries.pending:
             self._obstacle.clear()
         return not self._tries.pending
 
-    def _wait_for_path(self, pose: Pose2D) -> bool:
+    def _wait_for_path(self) -> bool:
         """Stand where there is no path, for a while if what was sensed may move away; return False."""
         self.status = NavigationStatus.NO_PATH
         if self._sensed.is_active:
             self._obstacle.see(self._time)
-            if not self._obstacle.gives_up(pose, self._time):
+            if not self._obstacle.gives_up:
                 self.status, self.message = NavigationStatus.BLOCKED, f"blocked: {self.error}"
         return False
 
@@ -487,8 +488,8 @@ class Navigator:
                 self.status = NavigationStatus.DRIVING
             return command
         if self._obstacle.is_blocked:
-            return self._wait_for_obstacle(pose)
-        if not self._recovery.try_again(left_m):
+            return self._wait_for_obstacle()
+        if not self._recovery.try_again(left_m) and not self._is_patient():
             self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
         self.status = NavigationStatus.BLOCKED
@@ -497,9 +498,16 @@ class Navigator:
             self._recovery.start_backing_up()
         return _STAND
 
-    def _wait_for_obstacle(self, pose: Pose2D) -> Twist2D:
+    def _is_patient(self) -> bool:
+        """Whether to start over with the tries of recovery: what holds the robot may be sensed, and may move away."""
+        if not self._sensed.is_active or self._obstacle.gives_up:
+            return False
+        self._recovery.reset()
+        return True
+
+    def _wait_for_obstacle(self) -> Twist2D:
         """Stand in front of what was sensed on the path, back up now and then, and give up after a while."""
-        if self._obstacle.gives_up(pose, self._time):
+        if self._obstacle.gives_up:
             self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
         self.status = NavigationStatus.BLOCKED

@@ -18,11 +18,21 @@ class ObstacleWatch:
     Args:
         wait_s: How long a long detour is put off [s]: what may move gets time to do so.
         patience_s: How long the robot stands without any path before it gives up [s].
+
+    Attributes:
+        since: When the path was found blocked [s]; None where it is free.
+        gives_up: Whether the robot has stood at one place for too long.
     """
 
     def __init__(self, wait_s: float, patience_s: float) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
         self._patience = ProgressChecker(required_movement_angle=7.0, movement_time_allowance=patience_s)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start over."""
+        self._patience.reset()
+        self.gives_up = False
         self.clear()
 
     def clear(self) -> None:
@@ -31,7 +41,6 @@ class ObstacleWatch:
         self._planned_at: float | None = None
         self._every_s = PLAN_EVERY_S
         self._back_up_at = 0.0
-        self._patience.reset()
 
     @property
     def is_blocked(self) -> bool:
@@ -66,6 +75,6 @@ class ObstacleWatch:
         self._back_up_at = time + _BACK_UP_EVERY_S
         return True
 
-    def gives_up(self, pose: Pose2D, time: float) -> bool:
-        """Whether the robot has stood for too long, given where it is now [s]."""
-        return not self._patience.is_moving_on(pose, time)
+    def follow(self, pose: Pose2D, time: float) -> None:
+        """Take where the robot is now [s]."""
+        self.gives_up = not self._patience.is_moving_on(pose, time)
