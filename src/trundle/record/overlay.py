@@ -32,6 +32,7 @@ from trundle.pictures.colors import (
     speed_color,
 )
 from trundle.record.map_view import MapView, empty_floor
+from trundle.record.mover_trails import MoverTrails
 from trundle.record.page import Mark, compose_page, draw_tag
 from trundle.record.stripes import draw_striped
 from trundle.record.zones import speed_zones, zone_marks
@@ -128,7 +129,12 @@ def draw_paths(
 
 
 def draw_run(
-    costmap: Costmap | None, robot: Robot, episode: Episode, *, speed_mask: SpeedMask | None = None
+    costmap: Costmap | None,
+    robot: Robot,
+    episode: Episode,
+    *,
+    speed_mask: SpeedMask | None = None,
+    movers: MoverTrails | None = None,
 ) -> Image.Image:
     """Draw a run on its map: planned paths, the driven trajectory coloured by speed, and the outcome.
 
@@ -137,6 +143,7 @@ def draw_run(
         robot: The robot, for its footprint.
         episode: The run.
         speed_mask: The speed limits, or None.
+        movers: Where the movers were, or None; they are drawn as they are at the end, with trails of eight seconds.
     """
     trajectory = episode.trajectory
     goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
@@ -149,6 +156,8 @@ def draw_run(
     poses = trajectory.poses
     _draw_outlines(view, robot, poses, arc_lengths(poses))
     top_speed = robot.limits.linear_speed
+    if movers is not None:
+        movers.draw(view)
     draw_driven(view, trajectory, top_speed)
     _draw_robot(view, robot, episode.start, START)
     end = Pose2D(*poses[-1].tolist())
@@ -168,7 +177,7 @@ def draw_run(
         title=episode.name,
         status=(episode.outcome.value.replace("_", " "), _STATUS.get(episode.outcome, WARNING)),
         lines=describe(episode),
-        legend=[*_LEGEND, *zone_marks(costmap, zones)],
+        legend=[*_LEGEND, *([Mark("line", WARNING, "moving")] if movers else []), *zone_marks(costmap, zones)],
         pixels_per_metre=view.pixels_per_metre,
         top_speed=top_speed,
     )

@@ -21,6 +21,7 @@ from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
 from trundle.mission.path_file import save_paths
 from trundle.record.folder_claim import FolderClaim
+from trundle.record.mover_trails import MoverTrails
 from trundle.record.overlay import draw_run
 from trundle.record.video import MakeFrames, Report, write_video
 from trundle.version import __version__
@@ -84,6 +85,7 @@ class RunFolder:
         self._frames = frames
         self._report = report
         self._info: RunInfo | None = None
+        self._movers = MoverTrails()
         self._files: list[str] = []
         self._failures: list[str] = []
 
@@ -104,7 +106,8 @@ class RunFolder:
         self._info = run
 
     def on_step(self, step: Step) -> None:
-        """Do nothing: the episode has every step."""
+        """Keep where the movers are; the episode has everything else."""
+        self._movers.add(step.state.time, step.state.movers)
 
     def on_end(self, episode: Episode) -> None:
         """Write the files. If one fails, or is stopped by Ctrl-C, the others are still written.
@@ -141,7 +144,9 @@ class RunFolder:
         if self._overlay:
             self._save(
                 "overlay.png",
-                lambda path: save_png(draw_run(info.costmap, info.robot, episode, speed_mask=info.speed_mask), path),
+                lambda path: save_png(
+                    draw_run(info.costmap, info.robot, episode, speed_mask=info.speed_mask, movers=self._movers), path
+                ),
             )
         for name, write in self._extras.items():
             self._save(name, lambda path, write=write: write(path, episode))
