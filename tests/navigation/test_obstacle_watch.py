@@ -43,3 +43,25 @@ def test_it_backs_up_after_the_wait_and_then_seldom():
     watch = ObstacleWatch(wait_s=2.0, patience_s=100.0)
     watch.see(0.0)
     assert [time for time in range(15) if watch.backs_up(float(time))] == [2, 7, 12]
+
+
+def test_only_a_robot_that_stands_may_search_for_long_and_seldom():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=1000.0)
+    watch.see(0.0)
+    assert not watch.is_thorough(0.0, stands=False)
+    assert watch.is_thorough(0.0, stands=True)
+    assert not watch.is_thorough(9.9, stands=True)
+    assert watch.is_thorough(10.0, stands=True)
+    watch.clear()
+    watch.see(10.5)
+    assert watch.is_thorough(10.5, stands=True)
+
+
+def test_the_last_plan_before_it_gives_up_may_search_for_long():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
+    watch.see(0.0)
+    assert watch.is_thorough(0.0, stands=True)
+    watch.follow(Pose2D(0.0, 0.0), 0.0)
+    watch.follow(Pose2D(0.0, 0.0), 20.1)
+    assert watch.gives_up
+    assert watch.is_thorough(0.1, stands=True)

@@ -22,7 +22,7 @@ from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.free_pose import free_ends
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
 from trundle.navigation.obstacle_watch import ObstacleWatch
-from trundle.navigation.planning_tries import PlanningTries, timed_out
+from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.settings import NavigatorSettings
@@ -36,6 +36,9 @@ from trundle.robots import Robot
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
+_AUTO = "auto"
+_QUICK_EXPANSIONS = 5_000
+"""Of hybrid A* in a plan round what was sensed, a tenth of a second: there may be no path, which takes it seconds."""
 
 
 class Navigator:
@@ -122,6 +125,9 @@ class Navigator:
             self._limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = split_choice(planner)
         self.planner = create_planner(planner, **options)
+        self._quick: Planner | None = None
+        if self.planner_name == _AUTO and "max_expansions" not in options:
+            self._quick = create_planner(_AUTO, **options, max_expansions=_QUICK_EXPANSIONS)
         self.controller_name, controller, options = split_choice(controller)
         self.controller = create_controller(controller, self.robot, **options)
         self.smoother: Smoother | None = None
@@ -233,7 +239,7 @@ class Navigator:
             if self._sensed.is_active:
                 tolerance = self.goal_checker.xy_tolerance
                 start, goal = free_ends(self.costmap, self._sensed.static, start, self._goal, tolerance)
-            path = self.planner.plan(
+            path = self._choose_planner(twist).plan(
                 self.costmap, start, goal, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
             )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
@@ -246,6 +252,13 @@ class Navigator:
             self.planning_time_s += seconds
         self._tries.succeed(seconds)
         return FollowedPath(path, smooth)
+
+    def _choose_planner(self, twist: Twist2D) -> Planner:
+        """The planner; while something that was sensed blocks the path and the robot moves, one that searches less."""
+        if self._quick is None or not self._obstacle.is_blocked:
+            return self.planner
+        stands = not moves(twist)
+        return self.planner if self._obstacle.is_thorough(self._time, stands=stands) else self._quick
 
     def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
@@ -488,7 +501,7 @@ class Navigator:
                 self.status = NavigationStatus.DRIVING
             return command
         if self._obstacle.is_blocked:
-            return self._wait_for_obstacle()
+            return self._wait_for_obstacle(pose, twist)
         if not self._recovery.try_again(left_m) and not self._is_patient():
             self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
@@ -505,9 +518,12 @@ class Navigator:
         self._recovery.reset()
         return True
 
-    def _wait_for_obstacle(self) -> Twist2D:
+    def _wait_for_obstacle(self, pose: Pose2D, twist: Twist2D) -> Twist2D:
         """Stand in front of what was sensed on the path, back up now and then, and give up after a while."""
         if self._obstacle.gives_up:
+            if self._quick is not None and self._replan(pose, twist):
+                self._obstacle.clear()
+                return _STAND
             self.status = NavigationStatus.STUCK if self.error is None else NavigationStatus.NO_PATH
             return _STAND
         self.status = NavigationStatus.BLOCKED

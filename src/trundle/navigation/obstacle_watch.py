@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from trundle.control import ProgressChecker
 from trundle.geometry import Pose2D
 
@@ -10,6 +12,7 @@ PLAN_EVERY_S, SELDOM_S = 0.5, 4.0
 LONG_DETOUR_M = 3.0
 """A detour longer than what is left of the path by more than this [m] is taken after a wait."""
 _BACK_UP_EVERY_S = 5.0
+_THOROUGH_EVERY_S = 10.0
 
 
 class ObstacleWatch:
@@ -41,6 +44,7 @@ class ObstacleWatch:
         self._planned_at: float | None = None
         self._every_s = PLAN_EVERY_S
         self._back_up_at = 0.0
+        self._thorough_at = -math.inf
 
     @property
     def is_blocked(self) -> bool:
@@ -57,6 +61,18 @@ class ObstacleWatch:
         if self._planned_at is not None and time - self._planned_at < self._every_s - 1e-9:
             return False
         self._planned_at = time
+        return True
+
+    def is_thorough(self, time: float, *, stands: bool) -> bool:
+        """Whether this plan [s] may search for long, which only a robot that stands can afford; if so, it counts.
+
+        The last plan before it gives up may, so that a path is not missed for want of effort.
+        """
+        if self.gives_up:
+            return True
+        if not stands or time - self._thorough_at < _THOROUGH_EVERY_S - 1e-9:
+            return False
+        self._thorough_at = time
         return True
 
     def fail(self) -> None:

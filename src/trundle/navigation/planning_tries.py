@@ -69,7 +69,7 @@ class PlanningTries:
 
     def stops_first(self, twist: Twist2D) -> bool:
         """Whether the robot moves, and is to stand before it plans."""
-        return self._deadline_s is not None and self._is_slow and _moves(twist)
+        return self._deadline_s is not None and self._is_slow and moves(twist)
 
     def must_wait(self, twist: Twist2D, time: float) -> bool:
         """Whether a plan is to wait now [s], for the robot to stand or for the end of a pause; it is pending then."""
@@ -81,7 +81,7 @@ class PlanningTries:
         return waits
 
     def _counts_as_standing(self, twist: Twist2D) -> bool:
-        return self._stop_by is not None or not _moves(twist)
+        return self._stop_by is not None or not moves(twist)
 
     def time_out(self, twist: Twist2D, time: float) -> None:
         """A plan was not done by its deadline; it is pending, and counts as a try if the robot stood."""
@@ -101,5 +101,6 @@ def timed_out(error: PlanningError) -> bool:
     return isinstance(error, PlanningStoppedError) and error.status == "timeout"
 
 
-def _moves(twist: Twist2D) -> bool:
+def moves(twist: Twist2D) -> bool:
+    """Whether a robot with this twist does not count as standing."""
     return abs(twist.v) >= _STANDING_MPS or abs(twist.w) >= _STANDING_RADPS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from trundle.path import Path
 from trundle.planning.cancellation import Patience
 from trundle.planning.grid_planners.footprint_planner import FootprintOptions
 from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST, LeastCostPlanner
-from trundle.planning.hybrid_astar import PADDING_M, HybridAStarPlanner
+from trundle.planning.hybrid_astar import MAX_EXPANSIONS, PADDING_M, HybridAStarPlanner
 from trundle.planning.path_check import PathCheck
 from trundle.planning.queries.ends import End
 from trundle.planning.queries.pose_planner import PosePlanner
@@ -43,6 +43,7 @@ class AutoPlanner(PosePlanner):
     Args:
         neutral_cost: Of `LeastCostPlanner`.
         cost_weight: Of `LeastCostPlanner`.
+        max_expansions: Of `HybridAStarPlanner`.
         options: Those of `FootprintPlanner`. Tolerances, `spacing` and `allow_partial` hold for each planner, and
             `deadline_s` for all together.
 
@@ -55,6 +56,7 @@ class AutoPlanner(PosePlanner):
         *,
         neutral_cost: float = NEUTRAL_COST,
         cost_weight: float = COST_WEIGHT,
+        max_expansions: int = MAX_EXPANSIONS,
         **options: Unpack[FootprintOptions],
     ) -> None:
         strict = options.copy()
@@ -67,9 +69,10 @@ class AutoPlanner(PosePlanner):
             deadline_s=self._least_cost._deadline_s,
         )
         self._padded: tuple[Footprint, FloatArray] | None = None
-        spacing = {"spacing": options["spacing"]} if "spacing" in options else {}
-        self._searches = [HybridAStarPlanner(in_place=in_place, **spacing) for in_place in (True, False)]
-        self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **spacing) if allow_partial else None
+        given: dict[str, Any] = {"spacing": options["spacing"]} if "spacing" in options else {}
+        given["max_expansions"] = max_expansions
+        self._searches = [HybridAStarPlanner(in_place=in_place, **given) for in_place in (True, False)]
+        self._nearing = HybridAStarPlanner(in_place=True, allow_partial=True, **given) if allow_partial else None
 
     def _plan_to(self, query: Query, goal: Pose2D, patience: Patience) -> Path:
         refusal: NoPathError | None = None

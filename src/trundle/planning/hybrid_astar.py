@@ -41,6 +41,7 @@ from trundle.values import check_flag
 
 MOTION_MODELS = ("dubins", "reeds_shepp")
 
+MAX_EXPANSIONS = 200_000
 PADDING_M = 0.02
 """Distance [m] that the footprint keeps from obstacles along the path, by default."""
 
@@ -94,7 +95,7 @@ class HybridAStarSettings:
     start_tolerance: float = 0.05
     goal_tolerance: float = 0.25
     spacing: float = 0.05
-    max_expansions: int = 200_000
+    max_expansions: int = MAX_EXPANSIONS
     deadline_s: float | None = None
     allow_partial: bool = False
 
