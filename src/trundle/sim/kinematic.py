@@ -1,4 +1,4 @@
-"""`KinematicSimulator`: the robot moves exactly as commanded; in pure NumPy, the reference for other simulators."""
+"""`KinematicSimulator`: the robot moves exactly as commanded; the reference for other simulators."""
 
 from __future__ import annotations
 

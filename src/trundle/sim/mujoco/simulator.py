@@ -213,7 +213,7 @@ class MujocoSimulator:
 
     def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
         # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
-        ranges = self._outlines[z].cast_quickly(x, y, angles, reach)
+        ranges = self._outlines[z].cast(x, y, angles, reach)
         if self._movers is not None:
             np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
         return ranges
