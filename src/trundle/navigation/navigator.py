@@ -29,6 +29,7 @@ from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.unseen_space import slow_down_in_unseen
+from trundle.navigation.window_goal import goal_in_window
 from trundle.observation import Estimate, Observation, Scan, check_scans
 from trundle.path import Path
 from trundle.planning import PathHit, Planner, Smoother, create_planner, create_smoother
@@ -37,6 +38,8 @@ from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
 _AUTO = "auto"
+_EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0
+"""A path that ends short of the goal, as that lies outside of a moving window, is planned again before its end [m]."""
 _QUICK_EXPANSIONS = 5_000
 """Of hybrid A* in a plan round what was sensed, a tenth of a second: there may be no path, which takes it seconds."""
 
@@ -197,6 +200,7 @@ class Navigator:
 
     def _forget_progress(self) -> None:
         self._followed: FollowedPath | None = None
+        self._ends_short = False
         self._checked = self.costmap
         self._planned_at = 0.0
         self.speed_limit = math.inf
@@ -235,12 +239,14 @@ class Navigator:
         deadline_s = self._tries.deadline_s(twist)
         began = clock.perf_counter()
         try:
-            goal = self._goal.pose
+            target, goal = self._goal, self._goal.pose
             if self._sensed.is_active:
+                target = goal_in_window(self.costmap, start, target)
                 tolerance = self.goal_checker.xy_tolerance
-                start, goal = free_ends(self.costmap, self._sensed.static, start, self._goal, tolerance)
+                start, goal = free_ends(self.costmap, self._sensed.static, start, target, tolerance)
+            self._ends_short = target is not self._goal
             path = self._choose_planner(twist).plan(
-                self.costmap, start, goal, goal_yaw_free=self._goal.yaw_free, deadline_s=deadline_s
+                self.costmap, start, goal, goal_yaw_free=target.yaw_free, deadline_s=deadline_s
             )
             smooth = path if self.smoother is None else self.smoother.smooth(path, self.costmap)
         except PlanningStoppedError as error:
@@ -391,6 +397,9 @@ class Navigator:
         if self._recovery.is_backing_up:
             return
         changed = self.costmap is not self._checked
+        if self._ends_short and followed.left_m < _EXTEND_BEFORE_M and self._time - self._planned_at >= _EXTEND_EVERY_S:
+            self._replan(pose, twist)
+            return
         interval_s = self.settings.replan_interval_s
         due = interval_s is not None and self._time - self._planned_at >= interval_s - 1e-9
         if not (changed or due or self._obstacle.is_blocked):
