@@ -14,6 +14,8 @@ WRITES = {
     "04_make_map": {"warehouse.yaml", "warehouse.png"},
     "05_drive_to_goal": {"overlay.png"},
     "06_evaluate_planners": {"evaluation"},
+    "07_unknown_warehouse": {"unknown.png"},
+    "08_people": {"people.png"},
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -22,10 +24,12 @@ SAYS = {
     "04_make_map": "cells of 0.05 m",
     "05_drive_to_goal": "arrived",
     "06_evaluate_planners": "16 of 16 episodes, 16 arrived",
+    "07_unknown_warehouse": "arrived",
+    "08_people": "arrived",
 }
 
 
-def test_there_is_an_example_for_each_step_and_for_evaluations() -> None:
+def test_there_is_an_example_for_each_step_for_evaluations_and_for_sensing() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 

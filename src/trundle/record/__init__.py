@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from trundle.record.mover_trails import MoverTrails
     from trundle.record.overlay import draw_paths, draw_plan, draw_run
     from trundle.record.run_folder import RunFolder, save_png
 
 __getattr__ = lazy_names(
     __name__,
     {
+        "MoverTrails": "trundle.record.mover_trails",
         "RunFolder": "trundle.record.run_folder",
         "draw_paths": "trundle.record.overlay",
         "draw_plan": "trundle.record.overlay",
@@ -21,4 +23,4 @@ __getattr__ = lazy_names(
     },
 )
 
-__all__ = ["RunFolder", "draw_paths", "draw_plan", "draw_run", "save_png"]
+__all__ = ["MoverTrails", "RunFolder", "draw_paths", "draw_plan", "draw_run", "save_png"]

@@ -138,6 +138,8 @@ def draw_run(
 ) -> Image.Image:
     """Draw a run on its map: planned paths, the driven trajectory coloured by speed, and the outcome.
 
+    The path that was followed last to each goal is wide, those that it replaced are thin.
+
     Args:
         costmap: The costmap of the run; None draws it on an empty floor.
         robot: The robot, for its footprint.
@@ -151,8 +153,9 @@ def draw_run(
     zones = speed_zones(speed_mask, robot)
     costmap = empty_floor(np.concatenate(seen), robot) if costmap is None else costmap
     view = MapView(costmap, np.concatenate(seen), zones=zones)
-    for path in episode.paths:
-        view.line(path.poses[:, :2], PLANNED, 11)
+    kept = _kept_paths(trajectory)
+    for index, path in enumerate(episode.paths):
+        view.line(path.poses[:, :2], PLANNED, 11 if index in kept else 2)
     poses = trajectory.poses
     _draw_outlines(view, robot, poses, arc_lengths(poses))
     top_speed = robot.limits.linear_speed
@@ -226,6 +229,11 @@ def thin(pixels: FloatArray, gap: float) -> list[int]:
     driven = arc_lengths(pixels)
     marks = np.searchsorted(driven, np.arange(0.0, driven[-1], gap))
     return sorted({*marks.tolist(), len(pixels) - 1})
+
+
+def _kept_paths(trajectory: Trajectory) -> set[int]:
+    """Indices of the paths that were followed last to each goal; the others were replaced on the way."""
+    return {int(trajectory.path[trajectory.goal == goal][-1]) for goal in np.unique(trajectory.goal)}
 
 
 def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatArray) -> None:
