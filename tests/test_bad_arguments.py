@@ -84,7 +84,7 @@ CALLS = {
     "run goals": (lambda: run(goal=[(1, 2), 3]), "a pose is .* got 3"),
     "run limit": (lambda: run(time_limit_s="a"), "the time limit must be a number, got 'a'"),
     "run observers": (lambda: run(observers=5), "observers must be of type Sequence, got int"),
-    "Navigator(None)": (lambda: Navigator(None, CARTER), "a navigator's map must be of type OccupancyGrid, Costmap,"),
+    "Navigator(3)": (lambda: Navigator(3, CARTER), "a navigator's map must be of type OccupancyGrid, Costmap,"),
     "Navigator(world)": (lambda: Navigator(WORLD, CARTER), "got World; OccupancyGrid.from_world"),
     "Navigator(robot=None)": (lambda: Navigator(GRID, None), "a robot must be of type"),
     "planner=5": (lambda: navigator(planner=5), "a planner is given by its name or as an object"),
