@@ -142,9 +142,9 @@ def test_a_scan_is_moved_by_what_the_robot_has_driven_since():
     assert report.point[0] == pytest.approx(FRONT + 0.5, abs=0.05)
 
 
-def watch_mover(start, velocity, *, command, seconds=1.0):
+def watch_mover(start, velocity, *, command, seconds=1.0, settings=None):
     """Reports of a standing robot that is about to send `command`, while a box moves."""
-    monitor = CollisionMonitor(CARTER)
+    monitor = CollisionMonitor(CARTER, settings)
     reports = []
     for tick in range(round(seconds / DT)):
         time = tick * DT
@@ -155,12 +155,30 @@ def watch_mover(start, velocity, *, command, seconds=1.0):
 
 
 def test_what_comes_towards_the_robot_counts_with_its_speed():
-    standing = watch_mover((2.3, 0.0), (0.0, 0.0), command=Twist2D(0.5, 0.0))
+    alone = MonitorSettings(moving_padding=0.0)
+    standing = watch_mover((2.3, 0.0), (0.0, 0.0), command=Twist2D(0.5, 0.0), settings=alone)
     assert {report.action for report in standing} == {"none"}
-    coming = watch_mover((3.2, 0.0), (-1.2, 0.0), command=Twist2D(0.5, 0.0))
+    coming = watch_mover((3.2, 0.0), (-1.2, 0.0), command=Twist2D(0.5, 0.0), settings=alone)
     gap = 3.2 - 1.2 * 0.95 - 0.2 - FRONT
     assert coming[-1].action == "approach"
     assert coming[-1].time_to_contact == pytest.approx(gap / 1.7, abs=0.06)
+
+
+def test_something_that_moves_close_by_stops_the_robot():
+    beside = watch_mover((-1.0, 0.7), (0.6, 0.0), command=Twist2D(0.5, 0.0))
+    assert beside[-1].action == "stop"
+    assert beside[-1].command == Twist2D()
+    farther = watch_mover((-1.0, 1.1), (0.6, 0.0), command=Twist2D(0.5, 0.0))
+    assert farther[-1].action == "none"
+    still = watch_mover((-0.4, 0.7), (0.0, 0.0), command=Twist2D(0.5, 0.0))
+    assert still[-1].action == "none"
+
+
+def test_the_robot_may_drive_away_from_something_that_moves_close_by():
+    behind = watch_mover((-1.7, 0.0), (0.6, 0.0), command=Twist2D(0.8, 0.0))
+    assert behind[-1].action == "none"
+    towards = watch_mover((-1.7, 0.0), (0.6, 0.0), command=Twist2D(-0.3, 0.0))
+    assert towards[-1].action == "stop"
 
 
 def test_what_crosses_in_front_of_the_robot_is_waited_for():

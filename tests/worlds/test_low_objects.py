@@ -46,3 +46,13 @@ def test_otherwise_there_are_objects_that_it_misses(name):
 def test_whether_there_are_low_objects_is_true_or_false(name):
     with pytest.raises(InputError, match=f"{name}: low_objects must be true or false, got 'no'"):
         World.generate(name, low_objects="no")
+
+
+def test_forklifts_carry_crates_that_hide_their_forks():
+    (crowd,) = World.generate("warehouse", low_objects=False, forklifts=1).movers
+    for plane in PLANES:
+        seen = [part for part in crowd.parts if part.bounds()[0][2] < plane < part.bounds()[1][2]]
+        assert max(part.bounds()[1][0] for part in seen) == max(part.bounds()[1][0] for part in crowd.parts)
+        assert max(part.bounds()[1][1] for part in seen) == max(part.bounds()[1][1] for part in crowd.parts)
+    (bare,) = World.generate("warehouse", forklifts=1).movers
+    assert bare.parts is None

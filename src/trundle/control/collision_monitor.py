@@ -33,6 +33,8 @@ _SAME_M = 1e-6
 _TICK_S = 0.05
 _MARGIN_M = 0.1
 _MOST_STEPS = 1000
+_MOVER_STEPS = 5
+_AT_HERE = np.zeros((1, 3))
 
 
 class MonitorSettings(Config):
@@ -44,6 +46,10 @@ class MonitorSettings(Config):
         slowdown_ratio: Share of the commanded speed that is left while something is in the slowdown polygon.
         time_before_collision: The robot approaches what it would touch within this time [s] as slowly as to take that
             time; 0 means that it does not look ahead further than it takes to stop.
+        moving_padding: Something that moves and is nearer to the footprint than this, or will be within
+            `moving_time`, stops the robot unless the command keeps it as far away [m]; 0 means no such stop. What moves
+            may turn at any moment, and nothing tells how.
+        moving_time: How far ahead that is looked [s].
         simulation_time_step: Between two poses that are tested on the way [s].
         min_points: So many points of scans count as something.
         source_timeout: A lidar that is silent for longer than this [s] stops the robot.
@@ -57,6 +63,8 @@ class MonitorSettings(Config):
     slowdown_padding: NotNegative = 0.05
     slowdown_ratio: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
     time_before_collision: NotNegative = 1.2
+    moving_padding: NotNegative = 0.4
+    moving_time: NotNegative = 0.8
     simulation_time_step: Positive = 0.05
     min_points: Annotated[int, Field(ge=1)] = 3
     source_timeout: Positive = 1.0
@@ -176,6 +184,9 @@ class CollisionMonitor:
             nearest = np.partition(apart, settings.min_points - 1, axis=1)[:, settings.min_points - 1]
             here, least = float(nearest[0]), float(nearest.min())
         contact = self._look_ahead(command, points)
+        index = self._meets_mover(command, points)
+        if index is not None:
+            return _report(_STAND, "stop", points, index, contact.time)
         allowed = min(here, settings.stop_padding)
         if least < allowed - _CLOSER_SHARE * max(allowed, 0.0) - _SAME_M:
             return _report(_STAND, "stop", near, int(apart.min(axis=0).argmin()), contact.time)
@@ -188,6 +199,24 @@ class CollisionMonitor:
             slower = Twist2D(settings.slowdown_ratio * command.v, settings.slowdown_ratio * command.w)
             return _report(slower, "slow", near, int(apart[0].argmin()), contact.time)
         return MonitorReport(command, time_to_contact=contact.time)
+
+    def _meets_mover(self, command: Twist2D, points: Points) -> int | None:
+        """The nearest point of something that moves and comes too close, unless the command keeps it as far away."""
+        settings = self.settings
+        moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
+        if settings.moving_padding <= 0.0 or command == _STAND or len(moving) < settings.min_points:
+            return None
+        times = np.linspace(0.0, settings.moving_time, _MOVER_STEPS)
+        driven = np.array([integrate_twist(0.0, 0.0, 0.0, command.v, command.w, time) for time in times.tolist()])
+        places, velocities = points.places[moving], points.velocities[moving]
+        kth = settings.min_points - 1
+        standing, driving = (
+            np.partition(self._edges.distances(places, poses, velocities, times), kth, axis=1)[:, kth].min()
+            for poses in (np.zeros_like(driven), driven)
+        )
+        if standing >= settings.moving_padding <= driving or driving > standing + _SAME_M:
+            return None
+        return int(moving[self._edges.distances(places, _AT_HERE)[0].argmin()])
 
     def _braking(self, command: Twist2D, twist: Twist2D) -> FloatArray:
         """Poses of one control period and then braking, from where the robot is, shape (K, 3)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from trundle.geometry import Twist2D
@@ -17,6 +19,8 @@ from trundle.worlds import World
 _STANDING_V = 0.05
 _STANDING_W = 0.05
 """A robot whose speeds [m/s, rad/s] are below these stands."""
+_PUSH_S = 0.5
+"""A robot that something has run into slides on, and is touched again."""
 
 
 class RunLog:
@@ -26,7 +30,8 @@ class RunLog:
         paths: Every path that was followed, in order.
         hit: A contact of the last row that counts as a collision, or none.
         contacts: Names of what the robot touched, in order of first touch.
-        standing_contacts: Names of moving obstacles that ran into the robot while it stood.
+        standing_contacts: Names of moving obstacles that ran into the robot while it stood, and of what they pushed it
+            against while its commands were to stand.
         monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
     """
 
@@ -39,6 +44,7 @@ class RunLog:
         self._rows: list[tuple[float, ...]] = []
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
+        self._pushed_at = -math.inf
         self._twist = Twist2D()
         self._lidars: set[str] = set()
         self._stopped = False
@@ -66,7 +72,7 @@ class RunLog:
             )
         )
         if state.contacts or self._touching:
-            self._note_contacts(state)
+            self._note_contacts(state, sent)
         if state.scans:
             self._lidars.update(scan.lidar for scan in state.scans)
         self._twist = state.twist
@@ -91,12 +97,17 @@ class RunLog:
         unseen = unseen_names(world, robot, lidars)
         return tuple(name for name in touched if name in unseen)
 
-    def _note_contacts(self, state: RobotState) -> None:
+    def _note_contacts(self, state: RobotState, sent: Twist2D) -> None:
         names = frozenset(contact.other for contact in state.contacts)
+        pushed = state.time - self._pushed_at <= _PUSH_S and sent == Twist2D()
         # How it moved when the touch began: a collision itself stops the robot, or a mover pushes it.
         stood = abs(self._twist.v) < _STANDING_V and abs(self._twist.w) < _STANDING_W
-        movers = frozenset(mover.name for mover in state.movers) & names
-        self._spared = frozenset(name for name in movers if (name in self._spared if name in self._touching else stood))
+        spared = {name for name in names & self._touching if name in self._spared}
+        new = names - self._touching
+        movers = {mover.name for mover in state.movers}
+        self._spared = frozenset(spared | {name for name in new if pushed or (stood and name in movers)})
+        if self._spared:
+            self._pushed_at = state.time
         self._touching = names
         self.hit = None
         for contact in state.contacts:

@@ -31,7 +31,7 @@ from trundle.worlds.generators.props import (
     pallet,
     place,
 )
-from trundle.worlds.movers import Crowd
+from trundle.worlds.movers import Crowd, forklift_body
 from trundle.worlds.world import World
 
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
@@ -110,7 +110,8 @@ def generate_warehouse(
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
         wall_height: [m].
         low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
-            boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m.
+            boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m, and
+            forklifts that drive carry crates.
         forklifts: Number of forklifts that drive to random places, as a `Crowd` named `forklifts`; 0 to 100.
         people: Number of people who walk to random places, as a `Crowd` named `people`; 0 to 100.
         mover_speed: The fastest of them [m/s], 0.1 to 10.
@@ -129,10 +130,15 @@ def generate_warehouse(
     sees_robot = check_flag("warehouse", "sees_robot", sees_robot)
     mover_speed = check_number("warehouse", "mover_speed", mover_speed, 0.1, 10.0)
     movers = tuple(
-        Crowd(name, count, kind, mover_speed, sees_robot)
-        for name, kind, count in (
-            ("forklifts", "forklift", check_whole("warehouse", "forklifts", forklifts, 0, 100)),
-            ("people", "person", check_whole("warehouse", "people", people, 0, 100)),
+        Crowd(name, count, kind, mover_speed, sees_robot, parts=parts)
+        for name, kind, count, parts in (
+            (
+                "forklifts",
+                "forklift",
+                check_whole("warehouse", "forklifts", forklifts, 0, 100),
+                None if low_objects else forklift_body(loaded=True),
+            ),
+            ("people", "person", check_whole("warehouse", "people", people, 0, 100), None),
         )
         if count
     )

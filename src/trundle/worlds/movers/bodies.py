@@ -15,6 +15,7 @@ _CLOTHES: Color = (0.95, 0.45, 0.10, 1.0)
 _SKIN: Color = (0.78, 0.60, 0.46, 1.0)
 _YELLOW: Color = (0.95, 0.74, 0.10, 1.0)
 _DARK: Color = (0.16, 0.17, 0.19, 1.0)
+_WOOD: Color = (0.70, 0.52, 0.32, 1.0)
 _STEEL: Color = (0.42, 0.44, 0.47, 1.0)
 _HEAD = 0.125  # radius [m]
 
@@ -33,14 +34,19 @@ def person_body(*, radius: float = PERSON_RADIUS, height: float = PERSON_HEIGHT)
     )
 
 
-def forklift_body() -> tuple[Solid, ...]:
+def forklift_body(*, loaded: bool = False) -> tuple[Solid, ...]:
     """A compact forklift, 2.0 m long with its forks and 0.9 m wide, its origin in the middle.
 
     The forks are from 0.14 to 0.20 m above the floor, and reach 0.8 m beyond what is higher.
+
+    Args:
+        loaded: Whether it carries a crate that covers the forks, from just above the floor to a height of 1.1 m.
     """
     fork = (FORK_LOW + FORK_HIGH) / 2.0
     thick = FORK_HIGH - FORK_LOW
+    crate = (_box("crate", (0.80, 0.80, 1.05), (0.60, 0.0, 0.575), _WOOD),) if loaded else ()
     return (
+        *crate,
         _box("body", (1.08, 0.90, 1.00), (-0.46, 0.0, 0.56), _YELLOW),
         _box("mast", (0.12, 0.80, 1.90), (0.14, 0.0, 1.05), _STEEL),
         _box("roof", (1.00, 0.86, 0.06), (-0.46, 0.0, 2.05), _DARK),

@@ -1,0 +1,45 @@
+"""Which contacts are counted as the robot's own."""
+
+import pytest
+
+from trundle.geometry import Pose2D, Twist2D
+from trundle.mission.run_log import RunLog
+from trundle.observation import Estimate
+from trundle.robots import WheelSpeeds
+from trundle.sim import Contact, MoverState, RobotState
+
+STILL, STAND = WheelSpeeds(0.0, 0.0), Twist2D()
+HERE = Pose2D(0.0, 0.0)
+
+
+def make_log(*steps):
+    """A log of (what is touched, true speed [m/s], what was sent)."""
+    log = RunLog()
+    movers = (MoverState("cart", Pose2D(1.0, 0.0)),)
+    for index, (names, speed, sent) in enumerate(steps):
+        contacts = tuple(Contact("chassis", name, 0.0, 0.0) for name in names)
+        state = RobotState(0.05 * index, HERE, Twist2D(speed, 0.0), STILL, STILL, HERE, contacts, movers=movers)
+        log.add(state, sent, Estimate(0.05 * index, HERE), 0, None)
+    return log
+
+
+@pytest.mark.parametrize("other", ["rack", "cart2"])
+def test_what_a_standing_robot_is_pushed_against_is_no_collision(other):
+    log = make_log(((), 0.0, STAND), (("cart",), 0.4, STAND), (("cart", other), 0.4, STAND), ((other,), 0.1, STAND))
+    assert tuple(log.standing_contacts) == ("cart", other)
+    assert not log.contacts
+    assert log.hit is None
+
+
+def test_a_pushed_robot_that_drives_collides():
+    log = make_log(((), 0.0, STAND), (("cart",), 0.4, STAND), (("cart", "rack"), 0.4, Twist2D(0.1, 0.0)))
+    assert tuple(log.standing_contacts) == ("cart",)
+    assert tuple(log.contacts) == ("rack",)
+
+
+def test_a_push_that_is_over_spares_nothing_more():
+    slides = [((), 0.4, STAND)]
+    steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *slides, (("rack",), 0.3, STAND)]
+    assert not make_log(*steps).contacts
+    steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *(12 * slides), (("rack",), 0.3, STAND)]
+    assert tuple(make_log(*steps).contacts) == ("rack",)
