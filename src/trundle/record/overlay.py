@@ -233,7 +233,7 @@ def thin(pixels: FloatArray, gap: float) -> list[int]:
 
 def _kept_paths(trajectory: Trajectory) -> set[int]:
     """Indices of the paths that were followed last to each goal; the others were replaced on the way."""
-    return {int(trajectory.path[trajectory.goal == goal][-1]) for goal in np.unique(trajectory.goal)}
+    return {int(trajectory.path[trajectory.goal == goal][-1]) for goal in set(trajectory.goal.tolist())}
 
 
 def _draw_outlines(view: MapView, robot: Robot, poses: FloatArray, along: FloatArray) -> None:
