@@ -11,6 +11,7 @@ from trundle.mission.fields import ScenarioFields
 from trundle.navigation import Latency
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
+from trundle.sim.wrapper import SimulatorWrapper
 from trundle.worlds import World
 
 
@@ -67,6 +68,6 @@ def wrap_backend(scenario: ScenarioFields, backend: Simulator) -> Simulator:
 
 def backend_of(simulator: Simulator) -> Simulator:
     """The backend that `wrap_backend` was given."""
-    while (inner := getattr(simulator, "inner", None)) is not None:
-        simulator = inner
+    while isinstance(simulator, SimulatorWrapper):
+        simulator = simulator.inner
     return simulator

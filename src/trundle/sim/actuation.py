@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Self
+from typing import Annotated
 
 from pydantic import Field
 
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
-from trundle.robots import Robot
-from trundle.sim.simulator import RobotState, Simulator, world_of
-from trundle.worlds import World
+from trundle.sim.simulator import RobotState, Simulator
+from trundle.sim.wrapper import SimulatorWrapper
 
 _Factor = Annotated[float, Field(ge=0.5, le=2.0)]
 
@@ -34,7 +33,7 @@ class Actuation(Config):
         return sim if self == Actuation() else ActuatedSimulator(sim, self)
 
 
-class ActuatedSimulator:
+class ActuatedSimulator(SimulatorWrapper):
     """A simulator whose robot has other wheels than its software believes.
 
     The simulated robot is the true one. Commands are turned into wheel speeds with the believed radius and track, as a
@@ -46,25 +45,10 @@ class ActuatedSimulator:
     """
 
     def __init__(self, sim: Simulator, actuation: Actuation) -> None:
-        self._sim = sim
+        super().__init__(sim)
         self._actuation = actuation
         self._odometry = Pose2D(0.0, 0.0)
         self._wheels = (0.0, 0.0)
-
-    @property
-    def robot(self) -> Robot:
-        """The true robot."""
-        return self._sim.robot
-
-    @property
-    def world(self) -> World | None:
-        """The world that it moves through; none where the simulator does not say."""
-        return world_of(self._sim)
-
-    @property
-    def inner(self) -> Simulator:
-        """The simulator that moves the true robot."""
-        return self._sim
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame)."""
@@ -79,16 +63,6 @@ class ActuatedSimulator:
         state = self._sim.step(Twist2D(command.v * radius, command.w * radius / track), dt)
         self._count(state)
         return replace(state, odometry=self._odometry)
-
-    def close(self) -> None:
-        """Close the simulator."""
-        self._sim.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _count(self, state: RobotState) -> None:
         """Integrate the odometry with the believed wheels."""

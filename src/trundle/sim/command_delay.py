@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
-from typing import Self
 
 from trundle.geometry import Pose2D, Twist2D
-from trundle.robots import Robot
-from trundle.sim.simulator import Contact, RobotState, Simulator, world_of
-from trundle.worlds import World
+from trundle.sim.simulator import Contact, RobotState, Simulator
+from trundle.sim.wrapper import SimulatorWrapper
 
 _TICK_S = 0.005
 """Delays are multiples of this [s], the length of a physics step."""
 
 
-class DelayedSimulator:
+class DelayedSimulator(SimulatorWrapper):
     """A simulator whose robot receives its commands late; until the first one arrives, it is commanded to stand.
 
     Args:
@@ -24,20 +22,10 @@ class DelayedSimulator:
     """
 
     def __init__(self, sim: Simulator, delay_s: float) -> None:
-        self._sim = sim
+        super().__init__(sim)
         self._ticks = round(delay_s / _TICK_S)
         self._pending: deque[tuple[int, Twist2D]] = deque()
         self._command = Twist2D()
-
-    @property
-    def robot(self) -> Robot:
-        """The simulated robot."""
-        return self._sim.robot
-
-    @property
-    def world(self) -> World | None:
-        """The world that it moves through; none where the simulator does not say."""
-        return world_of(self._sim)
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame), with no command on its way."""
@@ -61,16 +49,6 @@ class DelayedSimulator:
         states.append(self._sim.step(self._command, rest))
         self._pending = deque((due - period, waiting) for due, waiting in self._pending)
         return _join(states)
-
-    def close(self) -> None:
-        """Close the simulator."""
-        self._sim.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _join(states: list[RobotState]) -> RobotState:

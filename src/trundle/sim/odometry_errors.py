@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from dataclasses import replace
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -13,10 +13,9 @@ from pydantic import BeforeValidator, Field
 from trundle.files.config_fields import read_angle
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
-from trundle.robots import Robot
-from trundle.sim.simulator import RobotState, Simulator, world_of
+from trundle.sim.simulator import RobotState, Simulator
+from trundle.sim.wrapper import SimulatorWrapper
 from trundle.values import check_seed
-from trundle.worlds import World
 
 _STREAM = zlib.crc32(b"odometry")
 """Keeps its random numbers apart from those that the simulator draws with the same seed."""
@@ -50,7 +49,7 @@ class OdometryErrors(Config):
         return sim if self == OdometryErrors() else ErringOdometry(sim, self)
 
 
-class ErringOdometry:
+class ErringOdometry(SimulatorWrapper):
     """A simulator whose robot has odometry with errors. The motion, and the same seed's noise of lidars, are unchanged.
 
     `reset` puts the odometry at the robot's pose; from then on errors accumulate.
@@ -61,25 +60,10 @@ class ErringOdometry:
     """
 
     def __init__(self, sim: Simulator, errors: OdometryErrors) -> None:
-        self._sim = sim
+        super().__init__(sim)
         self._errors = errors
         self._draw(0)
         self._counted = self._odometry = Pose2D(0.0, 0.0)
-
-    @property
-    def robot(self) -> Robot:
-        """The simulated robot."""
-        return self._sim.robot
-
-    @property
-    def world(self) -> World | None:
-        """The world that it moves through; none where the simulator does not say."""
-        return world_of(self._sim)
-
-    @property
-    def inner(self) -> Simulator:
-        """The simulator with its own odometry."""
-        return self._sim
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame), and draw the direction of each bias from the seed."""
@@ -91,16 +75,6 @@ class ErringOdometry:
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period; see `Simulator.step`."""
         return self._falsify(self._sim.step(command, dt), dt)
-
-    def close(self) -> None:
-        """Close the simulator."""
-        self._sim.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _draw(self, seed: int) -> None:
         self._rng = np.random.default_rng([seed, _STREAM])
