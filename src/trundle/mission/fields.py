@@ -11,10 +11,11 @@ from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
+from trundle.latency import Latency
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
 from trundle.mission.movers import MoverChoice
 from trundle.mission.unmapped import Unmapped
-from trundle.navigation import Latency, NavigatorSettings
+from trundle.navigation import NavigatorSettings
 from trundle.planning.planner import PLANNERS
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors

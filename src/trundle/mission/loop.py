@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trundle.geometry import Pose2D
+from trundle.latency import Latency
 from trundle.localization import Localizer
 from trundle.mission.episode import Episode
 from trundle.mission.observers import Observer
 from trundle.mission.session import Monitor, Session
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation import Agent, Latency
+from trundle.navigation import Agent
 from trundle.sim import Simulator
 
 

@@ -13,6 +13,7 @@ from typing import Protocol, Self
 from trundle.control import CollisionMonitor
 from trundle.errors import PlanningError, ScenarioError, SimulationError
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import plan_legs, read_goals
@@ -20,7 +21,7 @@ from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
 from trundle.mission.run_log import RunLog
 from trundle.mission.truth import Measure, Truth, measure_truth
-from trundle.navigation import Agent, Latency, NavigationStatus, Navigator, NavigatorSettings
+from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.observation import Estimate, Scan

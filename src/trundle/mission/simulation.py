@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any, TypedDict
 
 from trundle.control import CollisionMonitor
+from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission.fields import ScenarioFields
-from trundle.navigation import Latency
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper

@@ -1,7 +1,8 @@
 """Navigation: plan, follow, replan and recover behind one call, for any simulator or robot."""
 
 from trundle.files.choice import Choice
-from trundle.navigation.agent import Agent, CommandScript, Latency
+from trundle.latency import Latency
+from trundle.navigation.agent import Agent, CommandScript
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Protocol, runtime_checkable
-
-from pydantic import Field
+from typing import Protocol, runtime_checkable
 
 from trundle.errors import InputError
-from trundle.files.yaml_config import Config
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation
@@ -17,21 +14,6 @@ from trundle.values import as_number, as_sequence
 
 CONTROL_PERIOD_S = 0.05
 """Length of the control periods of an agent that does not say it [s]."""
-
-_Delay = Annotated[float, Field(ge=0.0, le=2.0)]
-
-
-class Latency(Config):
-    """How late data and commands arrive: `{scan_age_s: 0.1, command_delay_s: 0.05}`.
-
-    Attributes:
-        scan_age_s: Time [s] from the measurement of a scan until the robot's software gets it, at most 2. The scan
-            keeps the time of its measurement.
-        command_delay_s: Time [s] from a command until the wheels receive it, rounded to 5 ms; at most 2.
-    """
-
-    scan_age_s: _Delay = 0.0
-    command_delay_s: _Delay = 0.0
 
 
 @runtime_checkable

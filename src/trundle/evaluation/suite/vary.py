@@ -12,8 +12,8 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from trundle.errors import InputError
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, wrap_angle
+from trundle.latency import Latency
 from trundle.mission import Scenario
-from trundle.navigation import Latency
 from trundle.sim.actuation import Actuation
 from trundle.sim.odometry_errors import OdometryErrors
 
