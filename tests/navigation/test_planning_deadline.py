@@ -11,7 +11,7 @@ from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
-from trundle.navigation import navigator as module
+from trundle.navigation import replanner as module
 from trundle.planning import create_planner
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
 from trundle.planning.grid_planners.manhattan_astar import ManhattanAstarPlanner

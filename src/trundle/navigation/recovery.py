@@ -1,76 +1,98 @@
-"""`Recovery`: what a robot tries when it is blocked, and when it gives up."""
+"""`Recovery`: what a navigator does where the controller makes no progress."""
 
 from __future__ import annotations
 
-import math
+from trundle.control.collision import can_stop
+from trundle.geometry import FloatArray, Twist2D
+from trundle.navigation.drive import Drive, Now
+from trundle.navigation.replanner import Replanner
+from trundle.navigation.retries import Retries
+from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.status import NavigationStatus
+from trundle.robots import Robot
 
-from trundle.geometry import Twist2D
-from trundle.navigation.block_watch import BlockWatch
-
-_RETRIES = 6
-_BACK_UP_M = 0.3
-_BACK_UP_MPS = 0.15
-_PROGRESS_M = 0.5  # Nav2's required_movement_radius; more than the robot backs up
+_STAND = Twist2D(0.0, 0.0)
 
 
 class Recovery:
-    """A blocked robot replans, every second time after backing up, up to six times in a row.
-
-    Six is the number in Nav2's default behavior tree (`NavigateRecovery`), which counts until the goal is reached. Here
-    the count restarts once the robot has made progress: once 0.5 m less of its path is left than at any place where it
-    was blocked before. So people may step into a long path many times, and a robot that only comes back gives up.
+    """Replans or backs up where the controller makes no progress, waits where something was sensed, and gives up.
 
     Args:
+        drive: The drive, whose status it keeps.
+        robot: The robot.
+        sensed: The costmap with what its scans saw.
+        replanner: Plans again.
+        padded: The footprint's outline [m], base_link, widened by the clearance to keep.
         dt: Control period [s].
     """
 
-    def __init__(self, dt: float) -> None:
-        self._dt = dt
-        self._watch = BlockWatch(dt)
-        self.reset()
+    def __init__(
+        self, drive: Drive, robot: Robot, sensed: SensedMap, replanner: Replanner, padded: FloatArray, dt: float
+    ) -> None:
+        self._drive, self._robot, self._sensed, self._replanner = drive, robot, sensed, replanner
+        self._padded, self._dt = padded, dt
+        self._retries = Retries(dt)
 
     def reset(self) -> None:
         """Start over."""
-        self._watch.reset()
-        self._count = 0
-        self._least_left = math.inf
-        self._back_up_left = 0.0
-
-    def is_blocked(self, command: Twist2D, twist: Twist2D, left_m: float) -> bool:
-        """Whether the robot makes no progress, given its command, its twist and the remaining path length [m]."""
-        if left_m < self._least_left - _PROGRESS_M:
-            self._count = 0
-        return self._watch.is_blocked(command, twist)
-
-    def try_again(self, left_m: float) -> bool:
-        """Whether to try again when blocked with this remaining path length [m], or to give up."""
-        self._least_left = min(self._least_left, left_m)
-        if self._count == _RETRIES:
-            return False
-        self._count += 1
-        return True
-
-    @property
-    def backs_up_first(self) -> bool:
-        """Whether this try backs up before it plans."""
-        return self._count % 2 == 0
-
-    # Backing up -----------------------------------------------------------------------------------------------------
+        self._retries.reset()
 
     @property
     def is_backing_up(self) -> bool:
         """Whether the robot is backing up."""
-        return self._back_up_left > 0.0
+        return self._retries.is_backing_up
 
-    def start_backing_up(self) -> None:
-        """Start driving back by 0.3 m."""
-        self._back_up_left = _BACK_UP_M
+    def watch(self, command: Twist2D, now: Now) -> Twist2D:
+        """Pass the controller's command on; if it makes no progress before the goal, replan or back up."""
+        followed, drive = self._replanner.followed, self._drive
+        left_m = 0.0 if followed is None else followed.left_m
+        if not self._retries.is_blocked(command, now.twist, left_m):
+            if command != _STAND:
+                drive.status = NavigationStatus.DRIVING
+            return command
+        if self._replanner.obstacle.is_blocked:
+            return self._wait_for_obstacle(now)
+        if not self._retries.try_again(left_m) and not self._is_patient():
+            self._give_up()
+            return _STAND
+        drive.status = NavigationStatus.BLOCKED
+        drive.progress_checker.reset()
+        if self._retries.backs_up_first or not self._replanner.replan(now):
+            self._retries.start_backing_up()
+        return _STAND
 
-    def stop_backing_up(self) -> None:
-        """Stop driving back."""
-        self._back_up_left = 0.0
+    def _is_patient(self) -> bool:
+        """Whether to start over with the tries of recovery: what holds the robot may be sensed, and may move away."""
+        if not self._sensed.is_active or self._replanner.obstacle.gives_up:
+            return False
+        self._retries.reset()
+        return True
 
-    def back_up(self) -> Twist2D:
-        """The command for one control period."""
-        self._back_up_left -= _BACK_UP_MPS * self._dt
-        return Twist2D(-_BACK_UP_MPS, 0.0)
+    def _wait_for_obstacle(self, now: Now) -> Twist2D:
+        """Stand in front of what was sensed on the path, back up now and then, and give up after a while."""
+        obstacle, drive = self._replanner.obstacle, self._drive
+        if obstacle.gives_up:
+            if self._replanner.searches_less and self._replanner.replan(now):
+                obstacle.clear()
+                return _STAND
+            self._give_up()
+            return _STAND
+        drive.status = NavigationStatus.BLOCKED
+        drive.progress_checker.reset()
+        if drive.error is not None and obstacle.backs_up(now.time):
+            self._retries.start_backing_up()
+        return _STAND
+
+    def _give_up(self) -> None:
+        self._drive.status = NavigationStatus.STUCK if self._drive.error is None else NavigationStatus.NO_PATH
+
+    def back_up(self, now: Now) -> Twist2D:
+        """Drive straight back while that is clear, then replan."""
+        command = self._retries.back_up()
+        limits = self._robot.limits
+        clear = can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
+        if clear and self._retries.is_backing_up:
+            return command
+        self._retries.stop_backing_up()
+        self._replanner.replan(now)
+        return _STAND

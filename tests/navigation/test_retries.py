@@ -10,7 +10,7 @@ from trundle.geometry import Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
-from trundle.navigation.recovery import Recovery
+from trundle.navigation.retries import Retries
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -18,13 +18,13 @@ from trundle.worlds import World
 STAND, DRIVE = Twist2D(), Twist2D(0.5, 0.0)
 
 
-def tries(left, *, recovery=None):
+def tries(left, *, retries=None):
     """How often it is tried again where the robot stands with each of these [m] of its path left, in turn."""
-    recovery = recovery or Recovery(0.05)
+    retries = retries or Retries(0.05)
     done = []
     for left_m in left:
-        recovery.is_blocked(DRIVE, DRIVE, left_m)
-        done.append(recovery.try_again(left_m))
+        retries.is_blocked(DRIVE, DRIVE, left_m)
+        done.append(retries.try_again(left_m))
     return done
 
 
@@ -46,24 +46,24 @@ def test_coming_back_to_where_it_was_does_not():
 
 
 def test_a_new_goal_resets_the_count():
-    recovery = Recovery(0.05)
-    tries([5.0] * 7, recovery=recovery)
-    recovery.reset()
-    assert tries([5.0] * 7, recovery=recovery) == [True] * 6 + [False]
+    retries = Retries(0.05)
+    tries([5.0] * 7, retries=retries)
+    retries.reset()
+    assert tries([5.0] * 7, retries=retries) == [True] * 6 + [False]
 
 
 def test_it_backs_up_every_second_time_by_a_third_of_a_metre():
-    recovery = Recovery(0.05)
+    retries = Retries(0.05)
     first = []
     for _ in range(6):
-        recovery.try_again(5.0)
-        first.append(recovery.backs_up_first)
+        retries.try_again(5.0)
+        first.append(retries.backs_up_first)
     assert first == [False, True] * 3
-    assert not recovery.is_backing_up
-    recovery.start_backing_up()
+    assert not retries.is_backing_up
+    retries.start_backing_up()
     driven = 0.0
-    while recovery.is_backing_up:
-        driven += recovery.back_up().v * 0.05
+    while retries.is_backing_up:
+        driven += retries.back_up().v * 0.05
     assert driven == pytest.approx(-0.3, abs=0.01)
 
 

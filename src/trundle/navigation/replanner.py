@@ -1,0 +1,232 @@
+"""`Replanner`: the path that a navigator follows; planned, checked against the costmap, and planned again."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+
+from trundle.costmap import Costmap
+from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
+from trundle.navigation.drive import Drive, Now
+from trundle.navigation.followed_path import FollowedPath
+from trundle.navigation.free_pose import free_ends
+from trundle.navigation.obstacle_watch import ObstacleWatch
+from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
+from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.status import NavigationStatus
+from trundle.navigation.window_goal import goal_in_window
+from trundle.planning import PathHit, Planner
+from trundle.robots import Robot
+
+_EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0
+"""A path that ends short of the goal, as that lies outside of a moving window, is planned again before its end [m]."""
+
+
+class Replanner:
+    """Plans a path to the goal of a drive, and replans where that is blocked or there may be a better one.
+
+    Args:
+        drive: The drive, whose status, error and counts it keeps.
+        robot: The robot.
+        sensed: The costmap with what its scans saw.
+        quick: What plans instead round something that was sensed, while the robot moves; none means the planner.
+        take: Called with every path that is followed from now on.
+
+    Attributes:
+        followed: The path that is followed, or None.
+        tries: The deadline of plans.
+        obstacle: Since when the path is blocked by something that was sensed.
+    """
+
+    def __init__(
+        self,
+        drive: Drive,
+        robot: Robot,
+        sensed: SensedMap,
+        quick: Planner | None,
+        take: Callable[[FollowedPath], None],
+    ) -> None:
+        self._drive, self._robot, self._sensed = drive, robot, sensed
+        self._quick, self._take_up = quick, take
+        settings = drive.settings
+        self.tries = PlanningTries(settings.planning_deadline_s)
+        self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s)
+        self.followed: FollowedPath | None = None
+        self._ends_short = False
+        self._checked: Costmap | None = None
+        self._planned_at = 0.0
+
+    def begin(self, costmap: Costmap) -> None:
+        """Forget the path: there is another goal."""
+        self.followed = None
+        self._ends_short = False
+        self._checked = costmap
+        self._planned_at = 0.0
+        self.obstacle.reset()
+        self.tries.reset()
+
+    @property
+    def searches_less(self) -> bool:
+        """Whether plans round what was sensed search less than the planner does."""
+        return self._quick is not None
+
+    # Planning -------------------------------------------------------------------------------------------------------
+
+    def plan(self, now: Now) -> FollowedPath:
+        """Plan from here to the goal; the path that is followed stays.
+
+        Raises:
+            InputError: If there is no goal.
+            PlanningError: If there is no path.
+        """
+        drive = self._drive
+        if drive.target is None:
+            raise InputError("there is no goal to plan to; call set_goal first")
+        self._planned_at, self._checked = now.time, now.costmap
+        deadline_s = self.tries.deadline_s(now.twist)
+        began = clock.perf_counter()
+        try:
+            start, target, goal = now.pose, drive.target, drive.target.pose
+            if self._sensed.is_active:
+                target = goal_in_window(now.costmap, start, target)
+                tolerance = drive.goal_checker.xy_tolerance
+                start, goal = free_ends(now.costmap, self._sensed.static, start, target, tolerance)
+            self._ends_short = target is not drive.target
+            path = self._choose_planner(now).plan(
+                now.costmap, start, goal, goal_yaw_free=target.yaw_free, deadline_s=deadline_s
+            )
+            smooth = path if drive.smoother is None else drive.smoother.smooth(path, now.costmap)
+        except PlanningStoppedError as error:
+            if timed_out(error):
+                self.tries.time_out(now.twist, now.time)
+            raise
+        finally:
+            seconds = clock.perf_counter() - began
+            drive.planning_time_s += seconds
+        self.tries.succeed(seconds)
+        return FollowedPath(path, smooth)
+
+    def take(self, followed: FollowedPath) -> None:
+        """Follow a path from now on."""
+        self.followed = followed
+        self._take_up(followed)
+
+    def _choose_planner(self, now: Now) -> Planner:
+        """The planner; while something that was sensed blocks the path and the robot moves, one that searches less."""
+        if self._quick is None or not self.obstacle.is_blocked:
+            return self._drive.planner
+        stands = not moves(now.twist)
+        return self._drive.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
+
+    def plan_first(self, now: Now) -> bool:
+        """Make the plan that the robot waits for; return whether it may drive on."""
+        if self.obstacle.is_blocked and not self.obstacle.may_plan(now.time):
+            return False
+        if not self._attempt(now):
+            self.obstacle.fail()
+            return True if self.followed is not None else self._wait_for_path(now)
+        if not self.tries.pending:
+            self.obstacle.clear()
+        return not self.tries.pending
+
+    def _wait_for_path(self, now: Now) -> bool:
+        """Stand where there is no path, for a while if what was sensed may move away; return False."""
+        drive = self._drive
+        drive.status = NavigationStatus.NO_PATH
+        if self._sensed.is_active:
+            self.obstacle.see(now.time)
+            if not self.obstacle.gives_up:
+                drive.status, drive.message = NavigationStatus.BLOCKED, f"blocked: {drive.error}"
+        return False
+
+    # Planning again -------------------------------------------------------------------------------------------------
+
+    def reconsider(self, followed: FollowedPath, now: Now) -> None:
+        """Plan again where a changed map blocks the path, or it is time to look for a better one."""
+        changed = now.costmap is not self._checked
+        if self._ends_short and followed.left_m < _EXTEND_BEFORE_M and now.time - self._planned_at >= _EXTEND_EVERY_S:
+            self.replan(now)
+            return
+        interval_s = self._drive.settings.replan_interval_s
+        due = interval_s is not None and now.time - self._planned_at >= interval_s - 1e-9
+        if not (changed or due or self.obstacle.is_blocked):
+            return
+        self._checked = now.costmap
+        hit = followed.first_hit(now.costmap)
+        if hit is None:
+            self._drive.error = None
+            self.obstacle.clear()
+        if hit is not None and self._sensed.is_active:
+            self._go_round(hit, followed, now)
+        elif hit is not None:
+            self.replan(now)
+        elif due and not self.tries.stops_first(now.twist):
+            self._look_for_better(now)
+
+    def _go_round(self, hit: PathHit, followed: FollowedPath, now: Now) -> None:
+        """Plan a path round what was sensed on this one, and take it unless waiting is better."""
+        drive = self._drive
+        self.obstacle.see(now.time)
+        x, y = self._sensed.obstacle_near(hit.pose[0], hit.pose[1], self._robot.circumscribed_radius + 0.2)
+        drive.message = f"blocked: obstacle ahead at ({x:.2f}, {y:.2f})"
+        if not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
+            return
+        drive.replans += 1
+        try:
+            found = self.plan(now)
+        except PlanningError as error:
+            drive.error = error
+            if isinstance(error, BlockedPoseError):
+                drive.message = f"blocked: {error}"
+            self.obstacle.fail()
+            self.tries.settle()
+            return
+        drive.error = None
+        if self.obstacle.takes(float(found.check.along[-1]), followed.left_m, now.time):
+            self.take(found)
+            self.obstacle.clear()
+
+    def replan(self, now: Now) -> bool:
+        """Plan now and follow the new path; False if there is none."""
+        self._drive.replans += 1
+        return self._attempt(now)
+
+    def _attempt(self, now: Now) -> bool:
+        """Plan now, or leave the plan pending until the robot stands or a pause is over; False if there is no path."""
+        drive = self._drive
+        if self.tries.must_wait(now.twist, now.time):
+            return True
+        try:
+            followed = self.plan(now)
+        except PlanningError as error:
+            drive.error = error
+            if not timed_out(error):
+                self.tries.settle()
+                return False
+            drive.progress_checker.reset()
+            drive.status = NavigationStatus.PLANNING_TIMED_OUT if self.tries.all_spent else NavigationStatus.BLOCKED
+            return True
+        drive.error = None
+        self.take(followed)
+        return True
+
+    def _look_for_better(self, now: Now) -> None:
+        """Plan again, and follow the new path if it is cheaper by the margin."""
+        drive = self._drive
+        drive.replans += 1
+        try:
+            followed = self.plan(now)
+        except PlanningError as error:
+            drive.error = error
+            self.tries.settle()
+            return
+        drive.error = None
+        if self._is_cheaper(followed, now):
+            self.take(followed)
+
+    def _is_cheaper(self, other: FollowedPath, now: Now) -> bool:
+        """Whether a new path from here is cheaper by the margin than what is left of the old one."""
+        if self.followed is None:
+            return True
+        left = self.followed.cost_from(now.costmap, now.pose)
+        return other.check.cost_from(now.costmap) < (1.0 - self._drive.settings.replan_margin) * left
