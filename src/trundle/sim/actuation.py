@@ -9,6 +9,7 @@ from pydantic import Field
 
 from trundle.files.yaml_config import Config
 from trundle.geometry import Pose2D, Twist2D, integrate_twist, wrap_angle
+from trundle.robots import WheelSpeeds
 from trundle.sim.simulator import RobotState, Simulator
 from trundle.sim.wrapper import SimulatorWrapper
 
@@ -62,7 +63,13 @@ class ActuatedSimulator(SimulatorWrapper):
         radius, track = self._actuation.wheel_radius, self._actuation.track_width
         state = self._sim.step(Twist2D(command.v * radius, command.w * radius / track), dt)
         self._count(state)
-        return replace(state, odometry=self._odometry)
+        return replace(state, odometry=self._odometry, odometry_twist=self._believed_twist(state.wheel_speeds))
+
+    def _believed_twist(self, speeds: WheelSpeeds) -> Twist2D:
+        """The twist of wheel speeds [rad/s], by the believed wheels."""
+        true = self._sim.robot.twist(speeds)
+        v, w = true.v / self._actuation.wheel_radius, true.w / self._actuation.wheel_radius
+        return Twist2D(v, w * self._actuation.track_width)
 
     def _count(self, state: RobotState) -> None:
         """Integrate the odometry with the believed wheels."""

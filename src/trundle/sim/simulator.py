@@ -88,7 +88,8 @@ class RobotState:
         odometry: Pose from wheel odometry, in the odom frame (REP-105), which starts at the reset's pose.
         contacts: Contacts during the last control period, except with the floor.
         scans: Lidar scans taken during the last control period, at most one per lidar.
-        odometry_twist: Twist from wheel odometry, base_link; None where it is the true one.
+        odometry_twist: Twist from the speeds of the wheels, base_link; None where wheels never slip: then it is the
+            true one.
         movers: The world's moving obstacles now.
     """
 

@@ -191,7 +191,7 @@ def _drive(world: World, robot: Robot) -> tuple[list[Pose2D], list[Observation]]
         states += [sim.step(Twist2D(speed, turn), _DT) for _ in range(80)]
     truths = [state.pose for state in states]
     observations = [
-        Observation(state.time, state.twist, _ODOM_ORIGIN @ state.odometry, state.scans) for state in states
+        Observation(state.time, state.observation.twist, _ODOM_ORIGIN @ state.odometry, state.scans) for state in states
     ]
     return truths, observations
 

@@ -367,4 +367,5 @@ class IsaacSimulator:
             wheel_speeds=speeds,
             odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
             contacts=tuple(touched.values()),
+            odometry_twist=self._robot.twist(speeds),
         )

@@ -245,15 +245,17 @@ class MujocoSimulator:
         (left, right), (left_start, right_start) = self._wheel_qpos, self._wheel_start
         left_speed, right_speed = self._wheel_qvel
         scans: tuple[Scan, ...] = self._lidars.scan(pose, since, time)
+        wheel_speeds = WheelSpeeds(speeds[left_speed], speeds[right_speed])
         return RobotState(
             time=time,
             pose=pose,
             twist=twist,
             wheel_positions=WheelSpeeds(positions[left] - left_start, positions[right] - right_start),
-            wheel_speeds=WheelSpeeds(speeds[left_speed], speeds[right_speed]),
+            wheel_speeds=wheel_speeds,
             odometry=Pose2D(self._odometry[0], self._odometry[1], wrap_angle(self._odometry[2])),
             contacts=contacts,
             scans=scans,
+            odometry_twist=self._robot.twist(wheel_speeds),
             movers=() if self._movers is None else self._movers.field.states(),
         )
 
