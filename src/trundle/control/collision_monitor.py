@@ -14,11 +14,13 @@ import numpy as np
 from pydantic import Field
 
 from trundle.control.collision import stopping_poses
+from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.sensed_points import Edges, Points, SensedPoints, box_around
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative, Positive
 from trundle.files.yaml_config import Config
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.latency import Latency
 from trundle.observation import Scan, check_scans
 from trundle.robots import Robot
 from trundle.values import as_number, check_kind
@@ -80,7 +82,8 @@ class MonitorReport:
         action: "none", "slow" (something is in the slowdown polygon), "approach" (something would be touched before
             `time_before_collision`), or "stop".
         source: Name of the lidar that saw it, or that is silent; None where nothing was done or no lidar sent a scan.
-        point: Where it is, base_link [m]; None where nothing was done, and for a silent lidar.
+        point: Where it is when the command takes effect, base_link [m]; None where nothing was done, and for a silent
+            lidar.
         time_to_contact: Of the command as it was given [s]; infinite where it leads to no contact in the time that is
             looked ahead.
     """
@@ -118,11 +121,18 @@ class CollisionMonitor:
         self._robot = robot
         self._edges = Edges(robot.planar)
         self._points = SensedPoints(robot.planar)
+        self._delayed = DelayedCommands(robot.limits)
         self.reset()
+
+    def set_latency(self, latency: Latency) -> None:
+        """Check commands from now on for the pose that the robot has when they take effect; a session calls it."""
+        check_kind(latency, Latency, "a latency", "Latency(command_delay_s=0.1) makes one")
+        self._delayed.delay_s = latency.command_delay_s
 
     def reset(self) -> None:
         """Forget all scans, at the start of a run."""
         self._points.clear()
+        self._delayed.clear()
         self._since: float | None = None
 
     def check(
@@ -148,11 +158,18 @@ class CollisionMonitor:
         self._points.add(check_scans(scans), now, Pose2D.of(odometry))
         if self._since is None or now < self._since:
             self._since = now
+        report = self._judge(command, twist, now, Pose2D.of(odometry))
+        self._delayed.send(report.command, now)
+        return report
+
+    def _judge(self, command: Twist2D, twist: Twist2D, now: float, odometry: Pose2D) -> MonitorReport:
         silent, name = self._silent(now)
         if silent:
             return MonitorReport(_STAND, "stop", name)
+        oldest = now - self.settings.source_timeout
+        there, twist = self._delayed.predict(odometry, twist, now)
         ahead_s, reach = self._reach(command, twist)
-        points = self._points.around(now, odometry, reach, ahead_s, now - self.settings.source_timeout)
+        points = self._points.around(now + self._delayed.delay_s, there, reach, ahead_s, oldest)
         if len(points.places) < self.settings.min_points:
             return MonitorReport(command)
         return self._limit(command, twist, points)

@@ -135,9 +135,9 @@ class Session:
             None if localizer is None else create_localizer(localizer, getattr(agent, "grid", None), robot)
         )
         agent.reset(seed=seed)
-        report_latency = getattr(agent, "set_latency", None)
-        if callable(report_latency):
-            report_latency(latency)
+        self._latency = latency
+        _report_latency(agent, latency)
+        _report_latency(self._monitor, latency)
         paths, self._unreachable = _prepare(agent, begin, goals)
         self._info = RunInfo(
             name=name,
@@ -289,10 +289,13 @@ class Session:
         report, sent, seen = None, command, self._observation
         if self._waits_for_scans and seen.scans:
             self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
+            _report_latency(self._monitor, self._latency)
         if self._monitor is not None:
             report = self._monitor.check(command, seen.twist, seen.scans, seen.time, seen.odometry)
             self._log.add_report(report)
             sent = report.command
+            if sent != command and callable(report_sent := getattr(self._agent, "set_sent_command", None)):
+                report_sent(sent)
         self._state = self._sim.step(sent, getattr(self._agent, "dt", CONTROL_PERIOD_S))
         self._observe()
         self._record(command, sent, report)
@@ -503,6 +506,13 @@ def _prepare(agent: Agent, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[P
         return plan_legs(agent, start, goals)
     agent.set_goal(goals[0])
     return [], None
+
+
+def _report_latency(one: object, latency: Latency) -> None:
+    """Tell an agent or a monitor that can take it into account how late scans and commands arrive."""
+    report_latency = getattr(one, "set_latency", None)
+    if callable(report_latency):
+        report_latency(latency)
 
 
 def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal], paths: Sequence[Path]) -> float:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from types import NoneType
 from typing import Literal, cast, overload
 
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M
+from trundle.control.delayed_commands import DelayedCommands
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import InputError, NoValidControlError
 from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.drive import Drive, Now
@@ -134,6 +137,7 @@ class Navigator(Drive):
             self.smoother = create_smoother(smoother, **options)
         self.dt = 1.0 / self.settings.control_frequency
         self._padded = self.robot.planar.padded(FOOTPRINT_PADDING_M).outline
+        self._delayed = DelayedCommands(self.robot.limits)
         self._replanner = Replanner(self, self.robot, self._sensed, quick, self._take)
         self._recovery = Recovery(self, self.robot, self._sensed, self._replanner, self._padded, self.dt)
         self.reset()
@@ -143,11 +147,35 @@ class Navigator(Drive):
         names = f"{self.robot.name}, {self.planner_name}, {self.controller_name}"
         return f"Navigator({names}, {goal}, {self.status.value})"
 
+    # Latency --------------------------------------------------------------------------------------------------------
+
+    def set_latency(self, latency: Latency) -> None:
+        """Take into account from now on how late commands arrive; a session calls it before a run.
+
+        A command is then computed for the pose that the robot has when the command takes effect. Scans of some age
+        need nothing: they have their own times.
+        """
+        check_kind(latency, Latency, "a latency", "Latency(command_delay_s=0.1) makes one")
+        self._delayed.delay_s = latency.command_delay_s
+        report_latency = getattr(self.controller, "set_latency", None)
+        if callable(report_latency):
+            report_latency(latency)
+
+    def set_sent_command(self, command: Twist2D) -> None:
+        """Take what was sent to the robot instead of the last command, where something changed it on the way.
+
+        A session calls it with what its collision monitor made of the command.
+        """
+        check_kind(command, Twist2D, "a command", "Twist2D(v, w) makes one")
+        self._command = command
+        self._delayed.replace_last(command)
+
     # Goals ----------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and everything about it, and what was sensed."""
         self._clock = 0.0
+        self._delayed.clear()
         self._sensed.reset(self.costmap)
         self.costmap = self._sensed.costmap
         self._begin(None)
@@ -267,14 +295,20 @@ class Navigator(Drive):
         else:
             estimate = None
         here = read_pose(pose)
-        moving = self._command if twist is None else credible_twist(twist, self.robot)
         now = self._clock + self.dt if time is None else as_number(time, "time")
         if not math.isfinite(now):
             raise InputError(f"time must be a finite number of seconds, got {time!r}")
+        moving = self._last_command(now) if twist is None else credible_twist(twist, self.robot)
         self._look(here, now, check_scans(scans) if scans else (), estimate)
         self._clock = self._time = now
         self._command = self._decide(Now(now, here, moving, self.costmap))
+        self._delayed.send(self._command, now)
         return self._command
+
+    def _last_command(self, now: float) -> Twist2D:
+        """The command that the robot follows now."""
+        arrived = self._delayed.in_effect(now)
+        return self._command if arrived is None else arrived
 
     def _look(self, pose: Pose2D, now: float, scans: tuple[Scan, ...], estimate: Estimate | None) -> None:
         """Put scans into the costmap; drop the path where the robot turns out to be somewhere else."""
@@ -293,12 +327,27 @@ class Navigator(Drive):
             self.message = f"the pose jumped by {jump_m:.1f} m: planning a new path"
 
     def _decide(self, now: Now) -> Twist2D:
-        pose, twist, replanner = now.pose, now.twist, self._replanner
         if self.target is None or self.status in FINAL:
             return _STAND
-        if self.goal_checker.is_reached(pose, twist, self.target.pose, any_yaw=self.target.yaw_free):
+        soon = self._when_taking_effect(now)
+        if self._is_reached(now) and self._is_reached(soon):
             self.status = NavigationStatus.ARRIVED
             return _STAND
+        return self._drive(soon)
+
+    def _when_taking_effect(self, now: Now) -> Now:
+        """Where the robot is when the next command reaches its wheels."""
+        if self._delayed.delay_s <= 0.0:
+            return now
+        pose, twist = self._delayed.predict(now.pose, now.twist, now.time)
+        return replace(now, pose=pose, twist=twist)
+
+    def _is_reached(self, now: Now) -> bool:
+        goal = self.target
+        return goal is not None and self.goal_checker.is_reached(now.pose, now.twist, goal.pose, any_yaw=goal.yaw_free)
+
+    def _drive(self, now: Now) -> Twist2D:
+        pose, twist, replanner = now.pose, now.twist, self._replanner
         replanner.obstacle.follow(pose, now.time)
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
             return _STAND
