@@ -1,4 +1,4 @@
-"""What a robot observes, and where it believes to be: `Scan`, `Observation` and `Estimate`.
+"""What a robot observes, and where it believes to be: `Scan`, `Observation`, `Estimate` and `Track`.
 
 None of them holds the truth of a simulation. Frames are those of REP-105: `map`, `odom` (continuous, but it drifts) and
 `base_link`.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
@@ -132,6 +132,60 @@ class Estimate:
     def odom_pose(self) -> Pose2D:
         """Pose of base_link in the odom frame."""
         return self.T_map_odom.inverse() @ self.pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Something that a tracker follows from scan to scan.
+
+    Attributes:
+        id: Number of the track; one track keeps it.
+        time: Of the state [s], on the clock of the scans.
+        x, y: Centre [m], in the frame of the tracks that it belongs to: odom from a tracker, map from a navigator.
+        vx, vy: Velocity of the centre in that frame [m/s].
+        covariance: Of (x, y, vx, vy) [m², m²/s, m²/s²], shape (4, 4), read-only.
+        radius: Of a circle around the centre that has the width that was seen [m].
+        confirmed: Whether scans have shown that it moves: it entered space, or left space, that was seen free. What is
+            not confirmed may be part of a wall.
+        moving: Whether it is confirmed and moves now.
+    """
+
+    id: int
+    time: float
+    x: float
+    y: float
+    vx: float
+    vy: float
+    covariance: FloatArray
+    radius: float
+    confirmed: bool = False
+    moving: bool = False
+
+    @property
+    def speed(self) -> float:
+        """[m/s]."""
+        return math.hypot(self.vx, self.vy)
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Where its centre is at a time [s], at constant velocity."""
+        seconds = time - self.time
+        return self.x + seconds * self.vx, self.y + seconds * self.vy
+
+    def seen_from(self, frame: Pose2D) -> Track:
+        """The same in the frame in which its frame has this pose: `track.seen_from(T_map_odom)` is in the map frame."""
+        cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
+        turn = np.zeros((4, 4))
+        turn[:2, :2] = turn[2:, 2:] = ((cos, -sin), (sin, cos))
+        covariance = turn @ self.covariance @ turn.T
+        covariance.flags.writeable = False
+        return replace(
+            self,
+            x=frame.x + cos * self.x - sin * self.y,
+            y=frame.y + sin * self.x + cos * self.y,
+            vx=cos * self.vx - sin * self.vy,
+            vy=sin * self.vx + cos * self.vy,
+            covariance=covariance,
+        )
 
 
 class PoseBuffer:

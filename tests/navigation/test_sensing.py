@@ -17,6 +17,7 @@ from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.solids import Box, Solid
 from trundle.worlds import World
+from trundle.worlds.movers import Mover, Waypoints, person_body
 
 CARTER = Robot.load("nova_carter")
 _LIDARS = {name: lidar.model_copy(update={"beams": 360, "noise": 0.01}) for name, lidar in CARTER.lidars.items()}
@@ -315,3 +316,47 @@ def test_an_observation_needs_an_estimate():
     navigator = open_floor()
     with pytest.raises(InputError):
         navigator.update(Observation(0.0, Twist2D(), START, ()))
+
+
+def test_a_navigator_tracks_what_moves_and_gives_it_to_its_controller():
+    given = []
+
+    class Watching:
+        def set_path(self, path):
+            pass
+
+        def set_tracks(self, tracks):
+            given.append(tracks)
+
+        def compute_velocity(self, pose, twist, costmap, dt):
+            return Twist2D()
+
+    walker = Mover("walker", person_body(), Waypoints(((0.0, 5.0, 1.0), (4.0, 5.0, 5.0))))
+    world = World("room", room().solids, movers=(walker,))
+    navigator = Navigator(None, ROBOT, controller=Watching())
+    navigator.set_goal(GOAL)
+    to_map = Pose2D(1.0, 0.0, 0.5 * math.pi)
+    with simulate(world, ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        for _ in range(40):
+            seen = Observation(state.time, state.twist, state.pose, state.scans)
+            navigator.update(seen, Estimate(state.time, to_map @ state.pose, None, to_map))
+            state = sim.step(Twist2D(), 0.05)
+    (track,) = [track for track in navigator.tracks if track.moving]
+    truth = to_map @ Pose2D(5.0, 1.0 + 1.95)
+    assert (track.x, track.y) == pytest.approx((truth.x, truth.y), abs=0.1)
+    assert (track.vx, track.vy) == pytest.approx((-1.0, 0.0), abs=0.15)
+    assert given[-1] == navigator.tracks
+    navigator.reset()
+    assert navigator.tracks == ()
+
+
+def test_a_navigator_may_track_nothing():
+    navigator = Navigator(None, ROBOT, tracking=False)
+    navigator.set_goal(GOAL)
+    with simulate(room(), ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
+    assert navigator.tracks == ()
+    with pytest.raises(InputError, match="tracking"):
+        Navigator(None, ROBOT, tracking=True)

@@ -23,13 +23,16 @@ CONTROLLERS: Registry[Controller] = Registry(
 
 
 _ADDED = ("reset", "set_speed_limit")
+_OPTIONAL = ("set_tracks",)
 
 
 @runtime_checkable
 class Controller(Protocol):
     """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`.
 
-    One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it.
+    One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it. One that
+    has `set_tracks(tracks)` gets what the navigator's scans show to move before each command: every
+    `trundle.observation.Track`, predicted to now, map frame.
     """
 
     def reset(self, *, seed: int = 0) -> None:
@@ -102,7 +105,7 @@ class OlderController(Controller):
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
         # Either may be there without the other.
-        for name in _ADDED:
+        for name in (*_ADDED, *_OPTIONAL):
             if callable(own := getattr(controller, name, None)):
                 setattr(self, name, own)
 

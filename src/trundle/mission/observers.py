@@ -12,7 +12,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
 from trundle.navigation import NavigationStatus
-from trundle.observation import Estimate, Observation, Scan
+from trundle.observation import Estimate, Observation, Scan, Track
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import MoverState, RobotState, Substep
@@ -86,6 +86,7 @@ class Step:
         estimate: Where the robot believes to be now.
         costmap: What the agent drives on, or none.
         monitor: What the collision monitor did with the command, or none without one.
+        tracks: What the agent's scans show to move, map frame; see `Navigator.tracks`.
     """
 
     index: int
@@ -99,6 +100,7 @@ class Step:
     estimate: Estimate | None = None
     costmap: Costmap | None = None
     monitor: MonitorReport | None = None
+    tracks: tuple[Track, ...] = ()
 
     @property
     def scans(self) -> tuple[Scan, ...]:

@@ -331,6 +331,7 @@ class Session:
             self._estimate,
             getattr(agent, "costmap", None),
             report,
+            getattr(agent, "tracks", ()),
         )
         self._audience.on_step(step)
 

@@ -26,14 +26,16 @@ from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, r
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.sensed_tracks import SensedTracks
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.unseen_space import slow_down_in_unseen
-from trundle.observation import Estimate, Observation, Scan, check_scans
+from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
 from trundle.robots import Robot
+from trundle.tracking import TrackerSettings
 from trundle.values import as_number, check_kind
 
 _STAND = Twist2D(0.0, 0.0)
@@ -67,6 +69,8 @@ class Navigator(Drive):
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
         layers: How scans are put into the costmap; None means the defaults, False that scans are left out.
+        tracking: What in the scans is taken for something that moves; None means the defaults, False that nothing is
+            tracked.
         settings: When the goal is reached, when the robot is stuck, and when it plans again.
 
     Attributes:
@@ -80,6 +84,7 @@ class Navigator(Drive):
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         target: The goal, or None; as a goal, it says whether any yaw will do.
+        tracks: What its scans show to move, predicted to the time of the last `update`, map frame.
         status: What it is doing.
         error: The last planning error, or None.
         message: What blocks the robot, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
@@ -104,6 +109,7 @@ class Navigator(Drive):
         keepout: KeepoutMask | str | os.PathLike[str] | None = None,
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
         layers: LayersSettings | Literal[False] | None = None,
+        tracking: TrackerSettings | Literal[False] | None = None,
         settings: NavigatorSettings | None = None,
     ) -> None:
         self.robot = Robot.load(robot)
@@ -116,6 +122,9 @@ class Navigator(Drive):
             check_kind(layers, (LayersSettings, NoneType), "layers", "LayersSettings(rolling_window=True) makes them")
         self.grid, static = load_costmap(grid, self.robot, costmap, keepout)
         self._sensed = SensedMap(static, self.robot, costmap=costmap, layers=layers)
+        if tracking is not False:
+            check_kind(tracking, (TrackerSettings, NoneType), "tracking", "TrackerSettings(max_range=10.0) makes them")
+        self._tracked = SensedTracks(self.robot, tracking, warn=layers is False)
         self.costmap = self._sensed.costmap
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
@@ -178,6 +187,8 @@ class Navigator(Drive):
         self._delayed.clear()
         self._sensed.reset(self.costmap)
         self.costmap = self._sensed.costmap
+        self._tracked.reset()
+        self.tracks: tuple[Track, ...] = ()
         self._begin(None)
         self.controller.reset(seed=seed)
         self.status = NavigationStatus.IDLE
@@ -221,6 +232,7 @@ class Navigator(Drive):
         self._time = 0.0
         self._command = _STAND
         self._sensed.begin()
+        self._tracked.begin()
         self._replanner.begin(self.costmap)
         self._recovery.reset()
 
@@ -317,6 +329,9 @@ class Navigator(Drive):
         goal = None if self.target is None else self.target.pose
         estimate = Estimate(now, pose) if estimate is None else estimate
         self.costmap = self._sensed.update(self.costmap, scans, estimate, goal)
+        self.tracks = self._tracked.update(scans, estimate)
+        if callable(set_tracks := getattr(self.controller, "set_tracks", None)):
+            set_tracks(self.tracks)
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
         jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time))
         if jump_m is not None and self._replanner.followed is not None:

@@ -29,10 +29,12 @@ class ScanGate:
     Args:
         robot: The robot, with its lidars and limits.
         source_timeout: Age from which on a scan is stale [s].
+        warn: Whether to warn; else events are only counted.
     """
 
-    def __init__(self, robot: Robot, source_timeout: float) -> None:
+    def __init__(self, robot: Robot, source_timeout: float, *, warn: bool = True) -> None:
         self._robot = robot
+        self._warns = warn
         self._source_timeout = source_timeout
         self._poses = PoseBuffer()
         self.reset()
@@ -86,7 +88,7 @@ class ScanGate:
     def warn(self, kind: str, message: str) -> None:
         """Count an event, and warn of the first of its kind."""
         self.counts[kind] += 1
-        if self.counts[kind] == 1:
+        if self.counts[kind] == 1 and self._warns:
             warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=4)
 
     def _place(self, scan: Scan) -> FloatArray | None:

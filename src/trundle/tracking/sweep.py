@@ -1,0 +1,163 @@
+"""`Sweep`: one scan in the odom frame, by the directions of its beams, and what it says about points elsewhere."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray
+from trundle.observation import Scan
+
+BoolArray = npt.NDArray[np.bool_]
+IndexArray = npt.NDArray[np.intp]
+
+_BEAMS_ASIDE = 2
+_GRAZING_RAD = math.radians(10.0)
+_LEAST_GAP_M = 0.12
+_PAST_M = 0.15
+
+
+class Sweep:
+    """One scan, sorted by direction as seen from one place: where the sensor was in the middle of it.
+
+    Args:
+        scan: The scan.
+        poses: Of the sensor in the odom frame, shape (1, 3), or (beams, 3) where it was measured beam by beam.
+        max_range: Hits farther away are left out [m].
+        body: Outline of the robot, counter-clockwise, base_link [m]; hits inside are its own body.
+
+    Attributes:
+        time: Of the scan [s].
+        sensor: (x, y) of the sensor [m].
+        points: Its hits by direction, odom frame [m], shape (N, 2).
+        beams: Of each hit, the index of its beam, shape (N,).
+        ranges: Of each hit [m], shape (N,).
+        sight: How far each beam saw [m], minus infinity where it measured nothing, shape (beams,).
+        spacing: Angle between two beams [rad].
+    """
+
+    def __init__(self, scan: Scan, poses: FloatArray, max_range: float, body: FloatArray) -> None:
+        self.time = scan.time
+        middle = poses[len(poses) // 2]
+        self.sensor = middle[:2]
+        measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
+        reach = np.where(measured, scan.ranges, scan.range_max)
+        directions = scan.angles + poses[:, 2]
+        ends = poses[:, :2] + reach[:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
+        if len(poses) == 1:
+            bearings, ranges = directions, reach
+        else:
+            offset = ends - self.sensor
+            bearings, ranges = np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(offset[:, 0], offset[:, 1])
+        self._zero = float(bearings[0]) if len(bearings) else 0.0
+        if len(bearings) > 1 and bearings[1] < bearings[0]:
+            self._zero = float(bearings[-1])
+        bearings = (bearings - self._zero + 1e-9) % math.tau
+        order = np.argsort(bearings, kind="stable")
+        self._bearings, measured = bearings[order], measured[order]
+        self.spacing = math.tau / max(len(order), 1)
+        if len(order) > 1:
+            self.spacing = float(np.median(np.diff(self._bearings)))
+        given = scan.ranges[order]
+        # Infinity is a measurement: nothing up to the longest range.
+        self.sight: FloatArray = np.where(measured | (given == math.inf), ranges[order], -np.inf)
+        self._through = _least_around(self.sight, np.isnan(given))
+        self._ends = np.where(measured[:, None], ends[order], np.inf)
+        taken = measured & (ranges[order] <= max_range)
+        taken &= ~_hits_body(scan, body)[order]
+        self.beams: IndexArray = np.flatnonzero(taken)
+        self.points: FloatArray = self._ends[self.beams]
+        self.ranges: FloatArray = ranges[order][self.beams]
+
+    def beams_at(self, points: FloatArray) -> tuple[IndexArray, FloatArray, BoolArray]:
+        """The beam towards each point, the point's distance [m], and whether there is a beam; each of shape (N,)."""
+        dx, dy = points[:, 0] - self.sensor[0], points[:, 1] - self.sensor[1]
+        count = len(self._bearings)
+        if count == 0:
+            return np.zeros(len(points), dtype=np.intp), np.hypot(dx, dy), np.zeros(len(points), dtype=bool)
+        bearings = (np.arctan2(dy, dx) - self._zero + 1e-9) % math.tau
+        after: IndexArray = np.searchsorted(self._bearings, bearings - 0.5 * self.spacing)
+        index = np.minimum(after, count - 1)
+        off = np.abs((bearings - self._bearings[index] + math.pi) % math.tau - math.pi)
+        first = off > 1.01 * self.spacing  # past the last beam: of a full turn the first one is the nearest
+        index = np.where(first, 0, index)
+        off = np.abs((bearings - self._bearings[index] + math.pi) % math.tau - math.pi)
+        return index, np.hypot(dx, dy), off <= 1.01 * self.spacing
+
+    def saw_through(self, points: FloatArray, margin: float) -> BoolArray:
+        """Whether it saw farther than to a point, with a margin [m], in all beams beside it; shape (N,)."""
+        if len(self._through) == 0:
+            return np.zeros(len(points), dtype=bool)
+        index, distances, seen = self.beams_at(points)
+        return seen & (self._through[index] > distances + margin)
+
+    def compare(self, points: FloatArray, margin: float) -> tuple[BoolArray, BoolArray]:
+        """Whether it saw through points, and whether it saw a surface there, both within a margin [m]; shape (N,)."""
+        if len(self._through) == 0:
+            return np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
+        index, distances, seen = self.beams_at(points)
+        through = seen & (self._through[index] > distances + margin)
+        count = len(self._through)
+        near = margin + 0.5 * self.spacing * distances
+        least = np.full(len(points), np.inf)
+        for shift in range(-_BEAMS_ASIDE, _BEAMS_ASIDE + 1):
+            ends = self._ends[(index + shift) % count]
+            apart: FloatArray = (ends[:, 0] - points[:, 0]) ** 2 + (ends[:, 1] - points[:, 1]) ** 2
+            least = np.minimum(least, apart)
+        return through, seen & ~through & (least < near * near)
+
+    def split(self) -> IndexArray:
+        """Order the hits so that each thing is a run of them, and return where things begin, and their end.
+
+        Things are apart where neighbouring hits have a gap: that of Borges and Aldon, Line Extraction in 2D Range
+        Images for Mobile Robotics (2004), what a surface that the beams graze at 10 degrees leaves between two of them.
+        """
+        count = len(self.points)
+        if count == 0:
+            return np.zeros(1, dtype=np.intp)
+        steps = self.points - self.points[np.arange(-1, count - 1)]
+        allowed = self.ranges * (math.sin(self.spacing) / math.sin(max(_GRAZING_RAD - self.spacing, 0.05)))
+        starts = np.flatnonzero(np.hypot(steps[:, 0], steps[:, 1]) > _LEAST_GAP_M + allowed)
+        if len(starts) == 0:
+            return np.array([0, count])
+        if starts[0] > 0:  # the ends of a full turn are one thing
+            order = np.roll(np.arange(count), -int(starts[0]))
+            self.beams, self.points, self.ranges = self.beams[order], self.points[order], self.ranges[order]
+        return np.append(starts - starts[0], count)
+
+    def sees_past(self, hits: IndexArray, side: int) -> BoolArray:
+        """Whether the beams on one side (−1 or 1) of some hits see farther: nothing hides what is there."""
+        beams = self.beams[hits]
+        count = len(self.sight)
+        beside = np.minimum(self.sight[(beams + side) % count], self.sight[(beams + 2 * side) % count])
+        return beside > self.ranges[hits] + _PAST_M
+
+
+def _least_around(ranges: FloatArray, missing: BoolArray) -> FloatArray:
+    """The least of each beam's range and those beside it, minus infinity where half of them are missing."""
+    if len(ranges) == 0:
+        return ranges
+    holes = bool(missing.any())
+    least = ranges = np.where(missing, np.inf, ranges) if holes else ranges
+    for shift in range(1, _BEAMS_ASIDE + 1):
+        least = np.minimum(np.minimum(least, np.roll(ranges, shift)), np.roll(ranges, -shift))
+    if not holes:
+        return least
+    count = sum(np.roll(missing, shift).astype(np.intp) for shift in range(-_BEAMS_ASIDE, _BEAMS_ASIDE + 1))
+    return np.where(count > _BEAMS_ASIDE, -np.inf, least)
+
+
+def _hits_body(scan: Scan, body: FloatArray) -> BoolArray:
+    """Which beams end inside the robot, shape (beams,)."""
+    inside = np.zeros(len(scan.ranges), dtype=bool)
+    reach = float(np.hypot(body[:, 0] - scan.mount.x, body[:, 1] - scan.mount.y).max())
+    near = np.flatnonzero((scan.ranges <= reach) & (scan.ranges >= 0.0))
+    if len(near):
+        angles, ranges = scan.angles[near] + scan.mount.yaw, scan.ranges[near]
+        x, y = scan.mount.x + ranges * np.cos(angles), scan.mount.y + ranges * np.sin(angles)
+        along = np.roll(body, -1, axis=0) - body
+        sides = along[:, 0, None] * (y - body[:, 1, None]) - along[:, 1, None] * (x - body[:, 0, None])
+        inside[near] = (sides >= 0.0).all(axis=0)
+    return inside

@@ -1,0 +1,101 @@
+"""`Tracker`: follows what moves through scans."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+
+from trundle.costmap.layers.scan_gate import ScanGate
+from trundle.errors import InputError, SensorWarning
+from trundle.geometry import FloatArray, Pose2D
+from trundle.observation import Estimate, Scan, Track, check_scans
+from trundle.robots import Robot
+from trundle.tracking.evidence import Evidence
+from trundle.tracking.followed import Followed
+from trundle.tracking.settings import TrackerSettings
+from trundle.tracking.sweep import Sweep
+from trundle.values import as_number, check_kind
+
+_BODY_M = 0.02
+
+
+class Tracker:
+    """Follows what moves through scans: clusters that are matched to Kalman filters of constant velocity.
+
+    A track is confirmed by what the scans saw through: something moves that is where an earlier scan saw free space,
+    or that has left a place through which the scans now see. A wall of which the robot sees another part does neither.
+
+    Args:
+        robot: The robot; points inside its footprint are its own body.
+        settings: The settings; none means the defaults.
+        warn: Whether to warn of scans that are left out; a navigator's layers do that already.
+
+    Attributes:
+        settings: The same.
+        tracks: The latest, odom frame.
+
+    Raises:
+        InputError: If one of these is of another kind.
+    """
+
+    def __init__(self, robot: Robot, settings: TrackerSettings | None = None, *, warn: bool = True) -> None:
+        check_kind(robot, Robot, "a tracker's robot", "Robot.load(name) makes one")
+        self.settings = TrackerSettings() if settings is None else settings
+        check_kind(self.settings, TrackerSettings, "a tracker's settings", "TrackerSettings(max_range=10.0) makes them")
+        self._body = robot.planar.padded(_BODY_M).outline
+        self._gate = ScanGate(robot, self.settings.source_timeout, warn=warn)
+        self._warns = warn
+        self.reset()
+
+    def __repr__(self) -> str:
+        moving = sum(track.moving for track in self.tracks)
+        return f"Tracker({len(self.tracks)} tracks, {moving} moving)"
+
+    def reset(self) -> None:
+        """Forget all scans and tracks, at the start of a run."""
+        self._gate.reset()
+        self._time: float | None = None
+        self._forget()
+
+    def _forget(self) -> None:
+        self._followed = Followed(self.settings)
+        self._evidence: dict[str, Evidence] = {}
+        self.tracks: tuple[Track, ...] = ()
+
+    def update(self, scans: Sequence[Scan], time: float, odometry: Pose2D | Sequence[float]) -> tuple[Track, ...]:
+        """Take the scans that arrived by now, and return what is followed, predicted to now, in the odom frame.
+
+        Args:
+            scans: Scans since the last call, oldest first.
+            time: Now [s], on the clock of the scans.
+            odometry: Pose of base_link in the odom frame now.
+
+        Raises:
+            InputError: If the time is no finite number, or one of the others is of another kind.
+
+        Warns:
+            SensorWarning: If scans are left out, or all tracks are forgotten as the time went back or the pose jumped.
+        """
+        now = as_number(time, "time of a tracker")
+        if not math.isfinite(now):
+            raise InputError(f"time must be a finite number of seconds, got {time!r}")
+        scans, pose = check_scans(scans), Pose2D.of(odometry)
+        if self._time is not None and now < self._time:
+            if self._warns:
+                message = f"the time went back from {self._time:g} s to {now:g} s: all tracks are forgotten"
+                warnings.warn(message, SensorWarning, stacklevel=2)
+            self.reset()
+        if (self._time is None or now > self._time) and self._gate.follow(Estimate(now, pose)):
+            self._forget()
+        self._time = now
+        for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: admitted[0].time):
+            self._take(scan, poses)
+        self.tracks = self._followed.tracks(now)
+        return self.tracks
+
+    def _take(self, scan: Scan, poses: FloatArray) -> None:
+        sweep = Sweep(scan, poses, self.settings.max_range, self._body)
+        evidence = self._evidence.setdefault(scan.lidar, Evidence(self.settings))
+        self._followed.see(sweep, evidence)
+        evidence.add(sweep)
