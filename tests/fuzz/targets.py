@@ -16,6 +16,7 @@ from fuzz import (
     fuzz_layers,
     fuzz_least_cost,
     fuzz_map_reader,
+    fuzz_mppi,
     fuzz_png_filter,
     fuzz_raster,
     fuzz_rays,
@@ -50,6 +51,7 @@ TARGETS = {
     "hybrid_astar": Target(fuzz_hybrid_astar.one_round, ("HybridAStar", "flood_poses"), 700),
     "smoothing": Target(fuzz_smoothing.one_round, ("PathSmoother",), 250),
     "curves": Target(fuzz_curves.one_round, ("shortest_curves",), 500),
+    "mppi": Target(fuzz_mppi.one_round, ("Mppi",), 150),
     "inflation": Target(fuzz_inflation.one_round, ("inflate",), 150),
     "footprint": Target(
         fuzz_footprint.one_round, ("footprint_collides", "footprint_clearance", "footprint_sweep"), 400

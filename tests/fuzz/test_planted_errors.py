@@ -15,6 +15,7 @@ from fuzz import (
     fuzz_curves,
     fuzz_inflation,
     fuzz_layers,
+    fuzz_mppi,
     fuzz_png_filter,
     fuzz_rays,
     fuzz_zbuffer,
@@ -120,6 +121,17 @@ def first_cell_changed(mark: Function) -> Function:
     return change
 
 
+class HeavyMppi(_core.Mppi):
+    """Takes the horizon's mean for its end."""
+
+    def step(self, *arguments: Any) -> Any:
+        changed = list(arguments)
+        weights = changed[-2].copy()
+        weights[[2, 3]] = weights[[3, 2]]
+        changed[-2] = weights
+        return super().step(*changed)
+
+
 def painted_beside(paint: Function) -> Function:
     def change(*arguments):
         paint(*arguments)
@@ -160,6 +172,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "path in walls": ("hybrid_astar", HybridAStarPlanner, "plan", shifted),
     "smoothed course": ("smoothing", ConstrainedSmoother, "explain", off_course),
     "curve": ("curves", fuzz_curves, "shortest_curves", scaled(1e-5)),
+    "cost of rollouts": ("mppi", fuzz_mppi, "Mppi", lambda _: HeavyMppi),
     "inflation": ("inflation", fuzz_inflation, "inflate", last_cell_changed),
     "local update": ("inflation", Costmap, "update", last_cost_changed),
     "touching": ("footprint", Costmap, "footprint_collides", inverted),

@@ -72,12 +72,26 @@ GRID = _core.BinaryGrid(BLOCKED, 8, "jps")
 LEAST_COST = _core.LeastCost(LINE_WEIGHTS)
 HYBRID_ASTAR = _core.HybridAStar(**HYBRID)
 SMOOTHER = _core.PathSmoother()
+MPPI_STEP = (
+    *(np.array([1.2, 1.2, 0.3, 0.0, 0.0, 0.0, 0.0]), np.zeros((10, 2), np.float32)),
+    *(np.array([0.05, -0.2, 0.5, 1.0, 1.0, 1.0, 2.0]), np.array([0.2, 0.3, 0.1, 1.0, 1.0]), np.array([(0.0, 0.1)])),
+    *(COSTS, RNG.random((SIDE, SIDE), np.float32), 0.1, 0.01, np.array([2.0, 2.0, 1.0, 1.0, 0.5, 0.2, 1.0])),
+    *(np.array([(1.0, 0.5, 0.1, 0.0, 0.2, 0.01, 0.01)]), np.ones(15), np.ones(5)),
+)
+MPPI = _core.Mppi(128, 10, 3)
+MPPI.step(*MPPI_STEP)
 
 
 def marked(kernel: Callable[..., Any], cells: Any, *arguments: Any) -> Any:
     """What a kernel returns, and what it made of its first argument."""
     cells = cells.copy()
     return kernel(cells, *arguments), cells
+
+
+def step_mppi() -> Any:
+    state, controls, *others = MPPI_STEP
+    controls = controls.copy()
+    return MPPI.step(state, controls, *others), controls
 
 
 def painted_marks() -> Any:
@@ -158,6 +172,11 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "PathSmoother.smooth": lambda: SMOOTHER.smooth(
         OPEN, 0.1, OUTLINE, np.array([(0.5, 0.5, 0.0), (1.0, 0.5, 0.0), (1.5, 0.7, 0.0)]), OPEN[0, :2], **SMOOTH
     ),
+    "Mppi": lambda: _core.Mppi(128, 10, 3, "base").level,
+    "Mppi.level": lambda: MPPI.level,
+    "Mppi.step": step_mppi,
+    "Mppi.costs": lambda: MPPI.costs(),
+    "Mppi.rollouts": lambda: MPPI.rollouts(5),
     "draw_triangles": lambda: _core.draw_triangles(
         np.array([[(-1.0, -1.0, 2.0), (1.0, -1.0, 2.0), (0.0, 1.0, 3.0)]]), 32, 24, 20.0, 0.1, True
     ),

@@ -111,6 +111,78 @@ class HybridAStar:
     @property
     def bytes(self) -> int: ...
 
+class Mppi:
+    """Model predictive path integral control; keeps its memory, and the last step for `costs` and `rollouts`.
+
+    Samples are a multiple of 16 from 128 on: 64 constant arcs, then draws in antithetic pairs around the sequence of
+    controls, with a knot every `knot_steps` steps. `level` is base or avx2; without one it is the best that the
+    processor has. Both give the same bits. Calls of several threads wait for each other.
+    """
+
+    def __init__(self, samples: int, steps: int, knot_steps: int, level: str | None = None) -> None: ...
+    @property
+    def level(self) -> str: ...
+    def step(
+        self,
+        state: npt.NDArray[np.float64],
+        controls: npt.NDArray[np.float32],
+        model: npt.NDArray[np.float64],
+        noise: npt.NDArray[np.float64],
+        discs: npt.NDArray[np.float64],
+        nearness: npt.NDArray[np.uint8],
+        to_go: npt.NDArray[np.float32],
+        resolution: float,
+        unit: float,
+        goal: npt.NDArray[np.float64],
+        movers: npt.NDArray[np.float64],
+        weights: npt.NDArray[np.float64],
+        bounds: npt.NDArray[np.float64],
+    ) -> tuple[float, float, float, float, int, int, int, int, int, float, float, bool]:
+        """Improve a sequence of controls in place by one iteration.
+
+        All is in the window's frame: origin in the lower left corner of cell (0, 0), axes along the grid, metres.
+        Beyond the window its border cells go on. Costs are in metres of cost to go.
+
+        Args:
+            state: x, y, yaw, v, w now, and the accelerations of v and w during the last period.
+            controls: v, w at the end of each step, shape (steps, 2): those of the last tick, or 0; then the new ones,
+                which keep all limits.
+            model: dt [s], v_min (at most 0), v_max, w_max, acceleration, deceleration [m/s²], angular acceleration.
+            noise: Standard deviations of v and w; share of the samples that is to take effect (0 to 1), by which the
+                temperature is chosen; seed of the draws, the same every tick or not; steps by which the controls are
+                shifted first (the period / dt), their end held.
+            discs: Their centres ahead of base_link and their radii, shape (1 to 8, 2).
+            nearness: As `inflate` makes it: 254 occupied, 255 unknown (taken as occupied), otherwise
+                254 − distance / unit, at least 0. A disc touches where 254 − radius / unit is reached. Discs that touch
+                something at the start may stay as near, but come no nearer.
+            to_go: Cost from each cell's centre to the goal [m]; infinity and no number are unreachable.
+            resolution: Edge of a cell [m].
+            unit: What a step of `nearness` stands for [m].
+            goal: x, y, yaw; whether the yaw counts (1 or 0); reach: within this distance [m] the straight distance to
+                the goal is the cost to go (0 if the goal is not in sight); fade: within this distance [m] the cost of
+                the heading gives way to that of the goal's yaw; direction in which to drive (1, -1, or 0 for both).
+            movers: x, y, vx, vy, radius, variance of the position [m²], of the velocity [m²/s²], shape (M, 7).
+            weights: collision; contact with a mover; cost to go, mean over the horizon; the same at its end; heading
+                (0 to 1: off the direction in which the cost to go falls); goal's yaw (0 to 1); overshoot (metres by
+                which the robot cannot stop before the goal); obstacle (per metre right beside one, falling with the
+                square); obstacle by speed (the same per m/s); mover (per second in touch); direction (per metre the
+                other way); twirl (per radian); acceleration (mean square, as a share of the limits); jerk (mean
+                square of its changes, as a share of the limits); speed (per second and (m/s)² above the limit).
+            bounds: Distance from the discs up to which obstacles have a cost [m]; distance from movers up to which
+                they have one [m], and standard deviations by which it grows; heading error that is free [rad];
+                speed limit [m/s].
+
+        Returns:
+            v and w at the end of the first step; cost of the new sequence; lowest cost; how many samples are free, how
+            many touch something, how many touch a mover, how many were dropped for want of a finite cost; how many
+            discs touch something at the start; the temperature; the effective sample size; and whether the sequence is
+            the best sample, as the mean of all touches something.
+        """
+    def costs(self) -> npt.NDArray[np.float32]:
+        """What each sample of the last step costs."""
+    def rollouts(self, count: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """The best samples of the last step: poses (x, y, yaw), shape (count, steps + 1, 3), and their costs."""
+
 class PathSmoother:
     """Keeps memory for the next path; several threads may smooth with one."""
 
