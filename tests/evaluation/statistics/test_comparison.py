@@ -38,7 +38,28 @@ def test_an_evaluation_compared_with_itself_did_not_change():
     comparison = compare(table, table)
     assert not comparison.worse
     assert (comparison.only_first, comparison.only_second) == (0, 0)
-    assert all(change.difference.value == 0.0 and not change.clear for change in comparison.pairs[0].changes)
+    changes = [change for change in comparison.pairs[0].changes if change.difference.n]
+    assert len(changes) == 10
+    assert all(change.difference.value == 0.0 and not change.clear for change in changes)
+
+
+def test_figures_of_sensing_are_compared_where_some_episode_has_them():
+    first, second = rows(), rows(name="b")
+    plain = compare(Table.of(first), Table.of(second))
+    assert plain.pairs[0].change("position_error_m").difference.n == 0
+    lost = [replace(row, position_error_m=0.3, standing_contacts=0) for row in second]
+    sensed = compare(
+        Table.of([replace(row, position_error_m=0.1, standing_contacts=0) for row in first]), Table.of(lost)
+    )
+    change = sensed.pairs[0].change("position_error_m")
+    assert change.difference.value == pytest.approx(0.2, abs=1e-6)
+    assert change.direction == "worse"
+    assert not change.worse  # for information
+    assert sensed.pairs[0].change("standing_contacts").difference.n == 0
+    assert sensed.count == plain.count + 1
+    text = "\n".join(comparison_lines(sensed))
+    assert "error of the estimate" in text
+    assert "while it stood" not in text
 
 
 @pytest.mark.parametrize(("slower", "worse"), [(3.0, True), (0.05, False)])

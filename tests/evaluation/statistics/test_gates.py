@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,24 @@ def test_no_contact_is_asked_of_every_episode_and_comes_with_its_bound():
     assert clean.passed
     assert "at most 1 % of missions do not" in clean.text
     assert Gate.parse("contacts<=0").judge(table(200, failing=0.2)).state == "failed"
+
+
+@pytest.mark.parametrize("figure", ["standing_contacts", "unseen_contacts"])
+def test_no_contact_of_any_kind_can_be_asked_of_every_episode(figure):
+    rows = list(make_rows(100, worlds=("office",), planners=("astar",)))
+    clean = [replace(row, **{figure: 0}) for row in rows]
+    assert Gate.parse(f"{figure}<=0").judge(Table.of(clean)).passed
+    assert Gate.parse(f"{figure}<=0").judge(Table.of([replace(clean[0], **{figure: 1}), *clean[1:]])).state == "failed"
+    assert Gate.parse(f"{figure}<=0").judge(Table.of(rows)).state == "undecided"  # rows of an older evaluation
+
+
+def test_the_error_of_the_estimate_and_stops_of_the_monitor_can_be_required():
+    rows = make_rows(200, worlds=("office",), planners=("astar",))
+    sensed = [replace(row, position_error_m=0.2 + 0.001 * (row.index % 7), monitor_stops=row.index % 3) for row in rows]
+    table = Table.of(sensed)
+    assert Gate.parse("position_error_m<=0.3").judge(table).passed
+    assert Gate.parse("position_error_m<=0.1").judge(table).state == "failed"
+    assert "stops by the collision monitor" in Gate.parse("monitor_stops<=5").judge(table).text
 
 
 @pytest.mark.parametrize(

@@ -276,6 +276,8 @@ def _compare_pair(first: Table, second: Table, pairing: Pairing) -> PairComparis
         """A figure at a time: all at once would need much memory for a million episodes."""
         for figure in FIGURES:
             one, other = figure.values(first)[mine], figure.values(second)[theirs]
+            if not figure.is_used(one, other):
+                one = np.full_like(one, np.nan)
             known = ~(np.isnan(one) | np.isnan(other))
             before.append(float(one[known].mean()) if known.any() else math.nan)
             after.append(float(other[known].mean()) if known.any() else math.nan)

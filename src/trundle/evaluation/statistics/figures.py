@@ -23,6 +23,8 @@ class Figure:
         better: Whether more or less of it is better; None where neither is.
         arrived: Whether its mean goes over the episodes that arrived alone; of pairs, over those where both did.
         measured: Whether it depends on the machine.
+        sensing: Whether it is of runs with lidars, movers or a localizer alone: where it is 0 or missing in every
+            episode, tables and comparisons leave it out.
     """
 
     name: str
@@ -31,6 +33,7 @@ class Figure:
     better: Literal["more", "less"] | None = None
     arrived: bool = False
     measured: bool = False
+    sensing: bool = False
 
     def values(self, table: Table) -> FloatArray:
         """Its value for each row, shape (N,); NaN for those that it leaves out."""
@@ -38,6 +41,10 @@ class Figure:
             return table.arrived.astype(float)
         values = table.numbers[self.name].astype(float)
         return np.where(table.arrived, values, np.nan) if self.arrived else values
+
+    def is_used(self, *values: FloatArray) -> bool:
+        """Whether it says anything about episodes with these values; only figures of sensing may not."""
+        return not self.sensing or any(bool(np.nan_to_num(some).any()) for some in values)
 
 
 FIGURES = (
@@ -50,6 +57,10 @@ FIGURES = (
     Figure("replans", "replans", better="less", arrived=True),
     Figure("max_cross_track_error_m", "cross-track error", "m", better="less", arrived=True),
     Figure("smoothness_rad_per_m", "turning", "rad/m", better="less", arrived=True),
+    Figure("standing_contacts", "contacts while it stood", better="less", sensing=True),
+    Figure("unseen_contacts", "contacts out of the lidars' sight", better="less", sensing=True),
+    Figure("position_error_m", "error of the estimate", "m", better="less", sensing=True),
+    Figure("monitor_stops", "stops by the collision monitor", sensing=True),
     Figure("planning_ms", "planning", "ms", better="less", measured=True),
 )
 BY_NAME = {figure.name: figure for figure in FIGURES}

@@ -20,7 +20,7 @@ from trundle.evaluation.statistics.table import LABELS, Table
 _PATTERN = re.compile(
     r"\s*(?P<name>[A-Za-z_]\w*)\s*(?:\[(?P<labels>[^\]]*)\])?\s*(?P<sign>>=|<=)\s*(?P<bound>[^\s<>=]+)\s*"
 )
-_EVERY = ("contacts",)
+_EVERY = ("contacts", "standing_contacts", "unseen_contacts")
 """Figures that no episode may exceed: an interval of their mean never ends at 0."""
 State = Literal["passed", "failed", "undecided"]
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from support.evaluation_rows import make_rows
+from trundle.evaluation.report.html.marks import kind_of
 from trundle.evaluation.report.html.page import render_page
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.gates import Gate
@@ -195,3 +196,27 @@ def test_settings_are_compared_in_tables_and_more_than_three_are_folded():
     assert found.tags.count("details") >= 2
     assert "Holm" in found.shown
     assert "Compared" not in page(make_rows(10, planners=("a",))).shown
+
+
+def test_what_lidars_movers_and_localizers_add_is_shown_where_there_is_some():
+    rows = list(make_rows(60))
+    assert "error of the estimate" not in page(rows).shown
+    sensed = [
+        replace(row, standing_contacts=int(row.index == 3), unseen_contacts=0, position_error_m=0.25, monitor_stops=2)
+        for row in rows
+    ]
+    shown = page(sensed).shown
+    assert "run into while standing 1 episodes" in shown
+    assert "error of the estimate 0.25 m" in shown
+    assert "monitor stops 2 of the collision monitor" in shown
+    assert "out of sight" not in shown
+
+
+@pytest.mark.parametrize("outcome", ["arrived_by_estimate", "finished"])
+def test_outcomes_that_are_neither_success_nor_failure_to_drive_have_marks_of_their_own(outcome):
+    rows = [replace(row, outcome=outcome) if row.outcome != "arrived" else row for row in make_rows(60, failing=(0.2,))]
+    text = page(rows).text
+    assert kind_of(outcome) == outcome
+    assert f'<g id="m-{outcome}" class="c-{outcome}">' in text
+    assert f".c-{outcome}{{" in text
+    assert f'href="#m-{outcome}"' in text

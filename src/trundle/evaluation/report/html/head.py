@@ -67,6 +67,7 @@ def tiles(table: Table) -> str:
     ]
     if len(clearance):
         entries.append(("closest pass", f"{write_number(float(clearance.min()))} m", "of those that arrived"))
+    entries += _sensing_tiles(table)
     cpu = float(np.nansum(table.numbers["cpu_s"].astype(float)))
     if cpu > 0.0:
         entries.append(("CPU time", _duration(cpu), f"{write_number(cpu / n)} s per episode"))
@@ -75,6 +76,28 @@ def tiles(table: Table) -> str:
         for title, value, note in entries
     )
     return f'<div class="tiles">{"".join(cells)}</div>'
+
+
+def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
+    """What lidars, movers and localizers add: only what some episode has."""
+    entries: list[tuple[str, str, str]] = []
+    for name, title, note in (
+        ("standing_contacts", "run into while standing", "episodes in which a mover touched a robot that stood"),
+        ("unseen_contacts", "out of sight", "episodes with a contact with what no lidar could see"),
+    ):
+        values = BY_NAME[name].values(table)
+        if BY_NAME[name].is_used(values):
+            entries.append((title, f"{int((np.nan_to_num(values) > 0).sum()):,}", note))
+    errors, stops = (BY_NAME[name].values(table) for name in ("position_error_m", "monitor_stops"))
+    if BY_NAME["position_error_m"].is_used(errors):
+        median, most = float(np.nanmedian(errors)), float(np.nanmax(errors))
+        note = f"from the true position at the end, median; {write_number(most)} m at most"
+        entries.append(("error of the estimate", f"{write_number(median)} m", note))
+    if BY_NAME["monitor_stops"].is_used(stops):
+        entries.append(
+            ("monitor stops", write_number(float(np.nanmean(stops))), "of the collision monitor, per episode")
+        )
+    return entries
 
 
 def groups(table: Table, gates: Sequence[GateResult]) -> str:

@@ -14,10 +14,13 @@ _SHAPES = {
     "stuck": '<path d="M-7-7h14v14h-14z"/>',
     "timed_out": '<path d="M0-10 10 0 0 10-10 0z"/>',
     "no_path": '<path d="M0-9 10 8h-20z"/>',
+    "arrived_by_estimate": '<path d="M-8 0 -3 6 8 -6" fill="none" stroke="currentColor" stroke-width="3" '
+    'stroke-dasharray="4 2.5"/>',
+    "finished": '<path d="M-6 9V-9h13l-4 4.5 4 4.5h-10.5V9z"/>',
     "broken": '<circle r="8"/>',
     CLOSE: '<path d="M0-8 8 0 0 8-8 0z" fill="none" stroke="currentColor" stroke-width="3"/>',
 }
-_KIND = {"planning_timed_out": "timed_out", "finished": "timed_out", "arrived_by_estimate": "stuck"}
+_KIND = {"planning_timed_out": "timed_out"}
 MARKED = tuple(_SHAPES)
 
 # Dashes beside the colours, so that lines are told apart in grey as well.

@@ -6,11 +6,11 @@ STYLE = """
 :root{color-scheme:light dark;--page:#fff;--card:#f6f7f9;--ink:#1f2430;--faint:#5b6472;--line:#d6dae2;--code:#eceff3;
 --good:#1b7837;--bad:#b2182b;--warn:#8a5a00;--accent:#2563cd;--trail:#2563cd;--fail:#c2410c;--free:#fcfcfd;
 --arrived:#1b7f5c;--collided:#c5270c;--stuck:#b85c00;--timed_out:#94257a;--no_path:#0068a8;--broken:#4b5563;
---close:#00796b}
+--close:#00796b;--arrived_by_estimate:#6b7a00;--finished:#3f51b5}
 @media screen and (prefers-color-scheme:dark){:root{--page:#14171d;--card:#1c2129;--ink:#e6e9ef;--faint:#a2abba;
 --line:#363d4a;--code:#272d38;--good:#5fcf86;--bad:#ff8a80;--warn:#f0b34a;--accent:#7fb0ff;--trail:#7fb0ff;
 --fail:#ff9d5c;--free:#181b21;--arrived:#4fc39b;--collided:#ff7a66;--stuck:#ffa64d;--timed_out:#e58ad3;
---no_path:#6dbdf2;--broken:#c3cad6;--close:#4fd1c0}
+--no_path:#6dbdf2;--broken:#c3cad6;--close:#4fd1c0;--arrived_by_estimate:#c3d34a;--finished:#9fa8f0}
 .map{filter:invert(.9) hue-rotate(180deg)}}
 *{box-sizing:border-box}
 body{margin:0 auto;padding:1.25rem;max-width:75rem;background:var(--page);color:var(--ink);
@@ -83,7 +83,8 @@ details code{display:inline-block;margin:.15rem 0}
 .c-arrived{color:var(--arrived);fill:var(--arrived)}.c-collided{color:var(--collided);fill:var(--collided)}
 .c-stuck{color:var(--stuck);fill:var(--stuck)}.c-timed_out{color:var(--timed_out);fill:var(--timed_out)}
 .c-no_path{color:var(--no_path);fill:var(--no_path)}.c-broken{color:var(--broken);fill:var(--broken)}
-.c-close{color:var(--close);fill:var(--close)}
+.c-close{color:var(--close);fill:var(--close)}.c-finished{color:var(--finished);fill:var(--finished)}
+.c-arrived_by_estimate{color:var(--arrived_by_estimate);fill:var(--arrived_by_estimate)}
 footer{margin-top:2.5rem;border-top:1px solid var(--line);padding-top:.6rem;color:var(--faint);font-size:.85rem}
 @media(max-width:40rem){body{padding:.8rem}th,td{padding:.3rem .25rem}
 table{font-size:.86rem}table.stack{font-size:.94rem}
