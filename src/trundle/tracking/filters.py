@@ -16,6 +16,7 @@ _START_M = 0.1
 _RIM_M = 0.03  # of a point from the disc that stands for any shape: standard deviation
 _MOST_POINTS = 12.0  # the errors of neighbouring points are alike: more points tell no more than these
 _ROUNDS = 2
+_DRIFT_SHARE, _DRIFTING, _TURNING = 0.3, 1.0, 30.0
 
 
 class Filters:
@@ -35,6 +36,7 @@ class Filters:
         self.states: FloatArray = np.zeros((0, 4))
         self.covariances: FloatArray = np.zeros((0, 4, 4))
         self.radii: FloatArray = np.zeros(0)
+        self._drifts: FloatArray = np.zeros((0, 2))
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -46,15 +48,18 @@ class Filters:
         self.states = np.concatenate([self.states, np.column_stack([centres, np.zeros((count, 2))])])
         self.covariances = np.concatenate([self.covariances, np.broadcast_to(start, (count, 4, 4))])
         self.radii = np.concatenate([self.radii, radii])
+        self._drifts = np.concatenate([self._drifts, np.zeros((count, 2))])
 
     def keep(self, kept: npt.NDArray[np.bool_]) -> None:
         """Forget all others; shape (K,)."""
         self.states, self.covariances, self.radii = self.states[kept], self.covariances[kept], self.radii[kept]
+        self._drifts = self._drifts[kept]
 
     def predicted(self, seconds: float) -> Filters:
         """A copy that has gone on at constant velocity."""
         copy = Filters(math.sqrt(self._density))
         copy.states, copy.covariances, copy.radii = self.states.copy(), self.covariances.copy(), self.radii
+        copy._drifts = self._drifts
         copy.predict(seconds)
         return copy
 
@@ -67,10 +72,12 @@ class Filters:
         cross = cov[:, :2, 2:]
         cov[:, :2, :2] += seconds * (cross + cross.transpose(0, 2, 1)) + seconds**2 * cov[:, 2:, 2:]
         cov[:, :2, 2:] += seconds * cov[:, 2:, 2:]
+        drifts = np.hypot(self._drifts[:, 0], self._drifts[:, 1])
+        densities = self._density * (1.0 + _TURNING * np.clip(drifts - _DRIFTING, 0.0, 1.0))
         for axis in (0, 1):
-            cov[:, axis, axis] += self._density * seconds**3 / 3.0
-            cov[:, axis, axis + 2] += self._density * seconds**2 / 2.0
-            cov[:, axis + 2, axis + 2] += self._density * seconds
+            cov[:, axis, axis] += densities * (seconds**3 / 3.0)
+            cov[:, axis, axis + 2] += densities * (seconds**2 / 2.0)
+            cov[:, axis + 2, axis + 2] += densities * seconds
         cov[:, 2:, :2] = cov[:, :2, 2:].transpose(0, 2, 1)
 
     def correct(self, points: FloatArray, owners: IndexArray) -> IndexArray:
@@ -105,8 +112,13 @@ class Filters:
             change = _times(share, pull)
             centres = before + change[:, :2]
         self.states += change
+        variance = cov[:, (0, 1), (0, 1)]
         cov -= share @ info @ cov[:, :2, :]
         self.covariances = 0.5 * (cov + cov.transpose(0, 2, 1))
+        # Corrections of one sign, scan after scan: it speeds up or turns.
+        expected = np.sqrt(np.maximum(variance - self.covariances[:, (0, 1), (0, 1)], 1e-9))
+        seen = counts > 0
+        self._drifts[seen] += _DRIFT_SHARE * (change[seen, :2] / expected[seen] - self._drifts[seen])
         return counts
 
     def resize(self, which: IndexArray, radii: FloatArray, sensor: FloatArray) -> None:

@@ -28,6 +28,8 @@ _SIGNIFICANT = 2.5  # standard deviations
 _STAYS_SHARE = 0.6
 _FAST_MPS = 0.3
 _LOST_M = 1.0
+_JUST_S = 0.15
+_FASTEST_MPS = 5.0
 
 _FACTS = np.dtype(
     [
@@ -89,17 +91,21 @@ class Followed:
         sizes = _sizes(sweep.points, starts)
         things = np.repeat(np.arange(len(sizes)), np.diff(starts))
         small = sizes[things] <= self._settings.max_size
-        owners = self._assign(sweep, small | appeared, still)
+        owners = self._assign(sweep, small, still)
         self._correct(sweep, owners, appeared, still, seconds)
         self._begin(sweep, starts, owners, (sizes <= self._settings.max_size), still)
         self._end()
 
     # Points to tracks -----------------------------------------------------------------------------------------------
 
-    def _assign(self, sweep: Sweep, usable: BoolArray, still: BoolArray) -> IndexArray:
-        """The track that each hit belongs to, −1 for none; shape (N,)."""
+    def _assign(self, sweep: Sweep, small: BoolArray, still: BoolArray) -> IndexArray:
+        """The track that each hit belongs to, −1 for none; shape (N,).
+
+        What stands still belongs to no track that is fast. What is too large, such as a wall that somebody is close to,
+        only belongs to confirmed tracks that have just been seen.
+        """
         owners = np.full(len(sweep.points), -1, dtype=np.intp)
-        candidates = np.flatnonzero(usable)
+        candidates = np.flatnonzero(small | ~still)
         filters = self._filters
         if len(filters) == 0 or len(candidates) == 0:
             return owners
@@ -110,6 +116,8 @@ class Followed:
         beyond[beyond > gates[:, None]] = np.inf
         speeds = np.hypot(filters.states[:, 2], filters.states[:, 3])
         beyond[np.logical_and.outer(speeds > _FAST_MPS, still[candidates])] = np.inf
+        close = self._facts["confirmed"] & (sweep.time - self._facts["seen_at"] <= _JUST_S)
+        beyond[np.logical_and.outer(~close, ~small[candidates])] = np.inf
         beyond[~self._facts["confirmed"]] += _GATE_M  # of two, the confirmed one
         nearest = beyond.argmin(axis=0)
         taken = np.isfinite(beyond[nearest, np.arange(len(candidates))])
@@ -144,10 +152,17 @@ class Followed:
         facts["hits"] += seen
         centres = filters.states[:, :2]
         empty = ~seen & sweep.saw_through(centres, settings.same_surface)
+        facts["empty_s"][~seen & self._are_in_walls(sweep, still)] += _EMPTY_S  # once more, and it is gone
         facts["empty_s"] = np.where(seen, 0.0, facts["empty_s"] + seconds * empty)
         facts["seen_at"][seen] = sweep.time
         facts["seen_at"][seen & stays & ~facts["confirmed"] & (facts["hits"] > 3)] = -np.inf
         self._decide()
+
+    def _are_in_walls(self, sweep: Sweep, still: BoolArray) -> BoolArray:
+        """Which tracks have come to where something stands still; shape (K,)."""
+        offset = sweep.points[still] - self._filters.states[:, None, :2]
+        inside = np.hypot(offset[..., 0], offset[..., 1]) < self._filters.radii[:, None] + _GATE_M
+        return inside.sum(axis=1) >= self._settings.min_points
 
     def _decide(self) -> None:
         """Who is confirmed, and who moves."""
@@ -239,6 +254,7 @@ class Followed:
         silent = self._time - facts["seen_at"]
         kept = np.where(facts["confirmed"], silent <= self._settings.hidden_s, silent <= _TENTATIVE_S)
         kept &= facts["empty_s"] <= _EMPTY_S
+        kept &= np.hypot(filters.states[:, 2], filters.states[:, 3]) <= _FASTEST_MPS
         kept &= filters.covariances[:, 0, 0] + filters.covariances[:, 1, 1] < _LOST_M**2
         offset = filters.states[:, None, :2] - filters.states[:, :2]
         reach = 0.6 * np.maximum.outer(filters.radii, filters.radii)
