@@ -140,9 +140,7 @@ def walkers(seed: int) -> tuple[World, Pose2D]:
             (((0, -8.1), 0.0), ((0, 8.1), 0.0), ((-8.1, 0), 0.5 * math.pi), ((8.1, 0), 0.5 * math.pi))
         )
     )
-    crowds = tuple(
-        Crowd(f"walkers_{speed:g}", 2, speed=speed, seed=seed) for speed in (0.7, 1.2, 1.6, 2.0)
-    )
+    crowds = tuple(Crowd(f"walkers_{speed:g}", 2, speed=speed, seed=seed) for speed in (0.7, 1.2, 1.6, 2.0))
     return World("room", walls, movers=crowds), Pose2D(0.0, 0.0)
 
 

@@ -59,7 +59,7 @@ TARGETS = {
     "components": Target(
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
-    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays"), 1000),
+    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "compare_scan"), 1000),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
     "raster": Target(
         fuzz_raster.one_round,

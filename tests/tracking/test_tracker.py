@@ -89,7 +89,7 @@ def test_a_walker_in_front_of_a_wall_is_told_from_it():
 
 
 def test_a_walker_that_is_hidden_for_a_while_keeps_its_track():
-    screen = (-0.4, 1.0, 0.4, 1.0)
+    screen = (-0.25, 1.0, 0.25, 1.0)
     tracker, seen = follow(lambda t: [(-3.0 + 1.5 * t, 3.0, 0.3)], [screen], seconds=4.0)
     numbers = {track.id for tracks in seen for track in moving(tracks)}
     assert len(numbers) == 1

@@ -482,6 +482,20 @@ def cast_outline_rays(
 ) -> npt.NDArray[np.float64]:
     """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""
 
+def compare_scan(
+    bearings: npt.NDArray[np.float64],
+    through: npt.NDArray[np.float64],
+    ends: npt.NDArray[np.float64],
+    x: float,
+    y: float,
+    zero: float,
+    spacing: float,
+    points: npt.NDArray[np.float64],
+    margin: float,
+    aside: int,
+) -> npt.NDArray[np.uint8]:
+    """What an earlier scan says about points: 1 where it saw through, 2 where it met something, else 0."""
+
 def label_components(
     mask: npt.NDArray[np.uint8], diagonal: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64]]:

@@ -152,16 +152,19 @@ class Followed:
         facts["hits"] += seen
         centres = filters.states[:, :2]
         empty = ~seen & sweep.saw_through(centres, settings.same_surface)
-        facts["empty_s"][~seen & self._are_in_walls(sweep, still)] += _EMPTY_S  # once more, and it is gone
+        lost = np.flatnonzero(~seen)
+        facts["empty_s"][lost[self._are_in_walls(sweep, still, lost)]] += _EMPTY_S  # once more, and it is gone
         facts["empty_s"] = np.where(seen, 0.0, facts["empty_s"] + seconds * empty)
         facts["seen_at"][seen] = sweep.time
         facts["seen_at"][seen & stays & ~facts["confirmed"] & (facts["hits"] > 3)] = -np.inf
         self._decide()
 
-    def _are_in_walls(self, sweep: Sweep, still: BoolArray) -> BoolArray:
-        """Which tracks have come to where something stands still; shape (K,)."""
-        offset = sweep.points[still] - self._filters.states[:, None, :2]
-        inside = np.hypot(offset[..., 0], offset[..., 1]) < self._filters.radii[:, None] + _GATE_M
+    def _are_in_walls(self, sweep: Sweep, still: BoolArray, which: IndexArray) -> BoolArray:
+        """Whether some tracks have come to where something stands still; shape of `which`."""
+        if len(which) == 0:
+            return np.zeros(0, dtype=bool)
+        offset = sweep.points[still] - self._filters.states[which, None, :2]
+        inside = np.hypot(offset[..., 0], offset[..., 1]) < self._filters.radii[which, None] + _GATE_M
         return inside.sum(axis=1) >= self._settings.min_points
 
     def _decide(self) -> None:

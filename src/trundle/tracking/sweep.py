@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from trundle._core import compare_scan
 from trundle.geometry import FloatArray
 from trundle.observation import Scan
 
@@ -14,6 +15,7 @@ BoolArray = npt.NDArray[np.bool_]
 IndexArray = npt.NDArray[np.intp]
 
 _BEAMS_ASIDE = 2
+_THROUGH, _THERE = 1, 2  # of compare_scan
 _GRAZING_RAD = math.radians(10.0)
 _LEAST_GAP_M = 0.12
 _PAST_M = 0.15
@@ -51,15 +53,19 @@ class Sweep:
         else:
             offset = ends - self.sensor
             bearings, ranges = np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(offset[:, 0], offset[:, 1])
-        self._zero = float(bearings[0]) if len(bearings) else 0.0
-        if len(bearings) > 1 and bearings[1] < bearings[0]:
+        count = len(bearings)
+        self.spacing = math.tau / max(count, 1)
+        self._zero = float(bearings[0]) if count else 0.0
+        if count > 1 and bearings[1] < bearings[0]:
             self._zero = float(bearings[-1])
         bearings = (bearings - self._zero + 1e-9) % math.tau
-        order = np.argsort(bearings, kind="stable")
-        self._bearings, measured = bearings[order], measured[order]
-        self.spacing = math.tau / max(len(order), 1)
-        if len(order) > 1:
-            self.spacing = float(np.median(np.diff(self._bearings)))
+        order: slice | IndexArray = slice(None)
+        if count > 1:
+            if (bearings[1:] < bearings[:-1]).any():
+                order = np.argsort(bearings, kind="stable")
+                bearings = bearings[order]
+            self.spacing = float(bearings[-1] - bearings[0]) / (count - 1)
+        self._bearings, measured = bearings, measured[order]
         given = scan.ranges[order]
         # Infinity is a measurement: nothing up to the longest range.
         self.sight: FloatArray = np.where(measured | (given == math.inf), ranges[order], -np.inf)
@@ -71,42 +77,21 @@ class Sweep:
         self.points: FloatArray = self._ends[self.beams]
         self.ranges: FloatArray = ranges[order][self.beams]
 
-    def beams_at(self, points: FloatArray) -> tuple[IndexArray, FloatArray, BoolArray]:
-        """The beam towards each point, the point's distance [m], and whether there is a beam; each of shape (N,)."""
-        dx, dy = points[:, 0] - self.sensor[0], points[:, 1] - self.sensor[1]
-        count = len(self._bearings)
-        if count == 0:
-            return np.zeros(len(points), dtype=np.intp), np.hypot(dx, dy), np.zeros(len(points), dtype=bool)
-        bearings = (np.arctan2(dy, dx) - self._zero + 1e-9) % math.tau
-        after: IndexArray = np.searchsorted(self._bearings, bearings - 0.5 * self.spacing)
-        index = np.minimum(after, count - 1)
-        off = np.abs((bearings - self._bearings[index] + math.pi) % math.tau - math.pi)
-        first = off > 1.01 * self.spacing  # past the last beam: of a full turn the first one is the nearest
-        index = np.where(first, 0, index)
-        off = np.abs((bearings - self._bearings[index] + math.pi) % math.tau - math.pi)
-        return index, np.hypot(dx, dy), off <= 1.01 * self.spacing
-
     def saw_through(self, points: FloatArray, margin: float) -> BoolArray:
         """Whether it saw farther than to a point, with a margin [m], in all beams beside it; shape (N,)."""
-        if len(self._through) == 0:
-            return np.zeros(len(points), dtype=bool)
-        index, distances, seen = self.beams_at(points)
-        return seen & (self._through[index] > distances + margin)
+        return self._judge(points, margin) == _THROUGH
 
     def compare(self, points: FloatArray, margin: float) -> tuple[BoolArray, BoolArray]:
         """Whether it saw through points, and whether it saw a surface there, both within a margin [m]; shape (N,)."""
-        if len(self._through) == 0:
-            return np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
-        index, distances, seen = self.beams_at(points)
-        through = seen & (self._through[index] > distances + margin)
-        count = len(self._through)
-        near = margin + 0.5 * self.spacing * distances
-        least = np.full(len(points), np.inf)
-        for shift in range(-_BEAMS_ASIDE, _BEAMS_ASIDE + 1):
-            ends = self._ends[(index + shift) % count]
-            apart: FloatArray = (ends[:, 0] - points[:, 0]) ** 2 + (ends[:, 1] - points[:, 1]) ** 2
-            least = np.minimum(least, apart)
-        return through, seen & ~through & (least < near * near)
+        seen = self._judge(points, margin)
+        return seen == _THROUGH, seen == _THERE
+
+    def _judge(self, points: FloatArray, margin: float) -> npt.NDArray[np.uint8]:
+        x, y = self.sensor.tolist()
+        points = np.ascontiguousarray(points)
+        return compare_scan(
+            self._bearings, self._through, self._ends, x, y, self._zero, self.spacing, points, margin, _BEAMS_ASIDE
+        )
 
     def split(self) -> IndexArray:
         """Order the hits so that each thing is a run of them, and return where things begin, and their end.
@@ -141,12 +126,14 @@ def _least_around(ranges: FloatArray, missing: BoolArray) -> FloatArray:
         return ranges
     holes = bool(missing.any())
     least = ranges = np.where(missing, np.inf, ranges) if holes else ranges
-    for shift in range(1, _BEAMS_ASIDE + 1):
-        least = np.minimum(np.minimum(least, np.roll(ranges, shift)), np.roll(ranges, -shift))
+    around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
+    count = len(ranges)
+    for shift in range(len(around) - count + 1):
+        least = np.minimum(least, around[shift : shift + count])
     if not holes:
         return least
-    count = sum(np.roll(missing, shift).astype(np.intp) for shift in range(-_BEAMS_ASIDE, _BEAMS_ASIDE + 1))
-    return np.where(count > _BEAMS_ASIDE, -np.inf, least)
+    gaps = sum(np.roll(missing, shift).astype(np.intp) for shift in range(-_BEAMS_ASIDE, _BEAMS_ASIDE + 1))
+    return np.where(gaps > _BEAMS_ASIDE, -np.inf, least)
 
 
 def _hits_body(scan: Scan, body: FloatArray) -> BoolArray:
