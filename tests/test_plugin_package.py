@@ -13,10 +13,11 @@ import pytest
 
 from trundle.cli.entry import run_command
 from trundle.control import controller_names, create_controller
+from trundle.navigation.behaviors import behavior_names, create_behavior
 from trundle.planning import create_planner, planner_names
 from trundle.robots import Robot, robot_names
 from trundle.sim import simulate, simulator_names
-from trundle.testing import check_controller, check_planner, check_simulator
+from trundle.testing import check_behavior, check_controller, check_planner, check_simulator
 from trundle.worlds import World
 
 SOURCE = Path(__file__).parent / "plugin_package"
@@ -53,6 +54,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def test_its_names_are_listed() -> None:
     assert "grid_walk" in planner_names()
     assert "turn_then_drive" in controller_names()
+    assert "look_around" in behavior_names()
     assert "worn_tyres" in simulator_names()
     assert "mini_cart" in robot_names()
 
@@ -70,6 +72,11 @@ def test_its_planner_keeps_the_rules() -> None:
 @pytest.mark.usefixtures("installed")
 def test_its_controller_keeps_the_rules() -> None:
     check_controller(lambda robot: create_controller("turn_then_drive", robot))
+
+
+@pytest.mark.usefixtures("installed")
+def test_its_behavior_keeps_the_rules() -> None:
+    check_behavior(lambda: create_behavior("look_around", angle=0.5))
 
 
 @pytest.mark.usefixtures("installed")

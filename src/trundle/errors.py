@@ -183,6 +183,10 @@ class NoValidControlError(TrundleError):
     """A controller has a path to follow, and every command that it considered would cause a contact."""
 
 
+class BehaviorFailedError(TrundleError):
+    """A behavior cannot go on; the message says why."""
+
+
 def _remake(kind: type[TrundleError], *arguments: object) -> TrundleError:
     """An error with these `args`, created without `__init__`, whose parameters may differ; attributes are set next."""
     return kind.__new__(kind, *arguments)

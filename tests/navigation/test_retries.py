@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 
 from trundle.control import create_controller
 from trundle.geometry import Twist2D
@@ -50,21 +49,6 @@ def test_a_new_goal_resets_the_count():
     tries([5.0] * 7, retries=retries)
     retries.reset()
     assert tries([5.0] * 7, retries=retries) == [True] * 6 + [False]
-
-
-def test_it_backs_up_every_second_time_by_a_third_of_a_metre():
-    retries = Retries(0.05)
-    first = []
-    for _ in range(6):
-        retries.try_again(5.0)
-        first.append(retries.backs_up_first)
-    assert first == [False, True] * 3
-    assert not retries.is_backing_up
-    retries.start_backing_up()
-    driven = 0.0
-    while retries.is_backing_up:
-        driven += retries.back_up().v * 0.05
-    assert driven == pytest.approx(-0.3, abs=0.01)
 
 
 class Interrupted:

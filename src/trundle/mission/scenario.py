@@ -28,6 +28,7 @@ from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
 from trundle.mission.simulation import session_options, start_backend, wrap_backend
 from trundle.navigation import Navigator, NavigatorSettings
+from trundle.navigation.behaviors.choice import shorten_behavior
 from trundle.planning.planner import Planner
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator
@@ -105,6 +106,8 @@ class Scenario(ScenarioFields):
         for key in ("world", "planner", "controller", "smoother", "backend", "localizer"):
             if key in settings:
                 settings[key] = shorten(settings[key])
+        if "recovery" in settings:
+            settings["recovery"] = [shorten_behavior(step) for step in settings["recovery"]]
         if self.layers is not None and self.layers.obstacle is None:
             settings["layers"]["obstacle"] = None  # its default is something else
         return settings

@@ -34,6 +34,7 @@ class Now:
 class Drive:
     """The state of a drive that a navigator shares with what plans and recovers for it; see `Navigator`."""
 
+    costmap: Costmap
     planner: Planner
 
     def __init__(self, settings: NavigatorSettings) -> None:

@@ -20,16 +20,20 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
+from trundle.navigation.behavior_runner import BehaviorRunner, check_behavior_kind
+from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
+from trundle.navigation.retries import Retries
 from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.sensed_tracks import SensedTracks
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
+from trundle.navigation.tasks import Tasks
 from trundle.navigation.unseen_space import slow_down_in_unseen
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path
@@ -72,6 +76,7 @@ class Navigator(Drive):
         tracking: What in the scans is taken for something that moves; None means the defaults, False that nothing is
             tracked.
         settings: When the goal is reached, when the robot is stuck, and when it plans again.
+        recovery: The steps of recovery, by name or as objects, instead of those of the settings.
 
     Attributes:
         settings: As given, or the defaults.
@@ -111,6 +116,7 @@ class Navigator(Drive):
         layers: LayersSettings | Literal[False] | None = None,
         tracking: TrackerSettings | Literal[False] | None = None,
         settings: NavigatorSettings | None = None,
+        recovery: Sequence[str | Behavior] | None = None,
     ) -> None:
         self.robot = Robot.load(robot)
         check_kind(costmap, (CostmapSettings, NoneType), "costmap", "CostmapSettings(inflation_radius=0.5) makes them")
@@ -148,7 +154,19 @@ class Navigator(Drive):
         self._padded = self.robot.planar.padded(FOOTPRINT_PADDING_M).outline
         self._delayed = DelayedCommands(self.robot.limits)
         self._replanner = Replanner(self, self.robot, self._sensed, quick, self._take)
-        self._recovery = Recovery(self, self.robot, self._sensed, self._replanner, self._padded, self.dt)
+        self._runner = BehaviorRunner(
+            self, self.robot, self._sensed, self._replanner, self._slow_down, self._padded, self.dt
+        )
+        self._tasks = Tasks(self._runner)
+        steps = [step.make() for step in self.settings.recovery] if recovery is None else recovery
+        self._recovery = Recovery(
+            self,
+            self._sensed,
+            self._replanner,
+            self._runner,
+            [create_behavior(step) for step in steps],
+            Retries(self.dt, self.settings.recovery_retries),
+        )
         self.reset()
 
     def __repr__(self) -> str:
@@ -185,6 +203,7 @@ class Navigator(Drive):
         """Forget the goal and everything about it, and what was sensed."""
         self._clock = 0.0
         self._delayed.clear()
+        self._runner.reset()
         self._sensed.reset(self.costmap)
         self.costmap = self._sensed.costmap
         self._tracked.reset()
@@ -234,7 +253,49 @@ class Navigator(Drive):
         self._sensed.begin()
         self._tracked.begin()
         self._replanner.begin(self.costmap)
+        self._runner.interrupt("there is another goal" if target is not None else "cancelled")
         self._recovery.reset()
+        self._tasks.reset()
+        self._resumes = False
+
+    # Behaviors ------------------------------------------------------------------------------------------------------
+
+    def run(self, behavior: Behavior) -> None:
+        """Run a behavior from the next `update` on: `navigator.run(BackUp(0.3))`. The status is BEHAVING meanwhile.
+
+        Another one that runs is interrupted. Afterwards the robot plans again and drives on to its goal. Without a goal
+        it is FINISHED; or STUCK, if the behavior failed, and `message` says why.
+
+        Raises:
+            InputError: If it is no behavior.
+        """
+        check_behavior_kind(behavior)
+        if self.status is not NavigationStatus.BEHAVING:
+            self._resumes = self.target is not None and self.status not in FINAL
+        self._runner.interrupt(f"{behavior.name} was asked for")
+        self._tasks.ask(behavior)
+        self.status = NavigationStatus.BEHAVING
+
+    def cancel(self) -> None:
+        """Stop: interrupt what is running, and forget the goal. The robot stands, and the status is IDLE."""
+        self._begin(None)
+        self.status = NavigationStatus.IDLE
+
+    @property
+    def behavior_runs(self) -> tuple[BehaviorRun, ...]:
+        """The behaviors that ran since the last `reset`, in order: steps of recovery and what it was asked for."""
+        return self._runner.runs
+
+    def _after_tasks(self) -> None:
+        """Drive on to the goal, or say how a behavior without one ended."""
+        self.message = self._tasks.failure
+        if self._resumes:
+            self.status = NavigationStatus.DRIVING
+            self._replanner.drop_path()
+            self._recovery.reset()
+            self.progress_checker.reset()
+        else:
+            self.status = NavigationStatus.STUCK if self._tasks.failure else NavigationStatus.FINISHED
 
     # Driving --------------------------------------------------------------------------------------------------------
 
@@ -335,17 +396,24 @@ class Navigator(Drive):
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
         jump_m = self._sensed.jump(pose, fastest * max(0.0, now - self._time))
         if jump_m is not None and self._replanner.followed is not None:
-            self._replanner.followed = None
+            self._replanner.drop_path()
+            if self._runner.is_recovering:
+                self._runner.interrupt("the pose jumped")
             self._recovery.reset()
-            self._replanner.obstacle.clear()
             self.progress_checker.reset()
             self.message = f"the pose jumped by {jump_m:.1f} m: planning a new path"
 
     def _decide(self, now: Now) -> Twist2D:
+        soon = self._when_taking_effect(now)
+        if self._tasks.is_active:
+            command = self._tasks.step(soon)
+            if command is not None:
+                return command
+            self._after_tasks()
         if self.target is None or self.status in FINAL:
             return _STAND
-        soon = self._when_taking_effect(now)
         if self._is_reached(now) and self._is_reached(soon):
+            self._runner.interrupt("the goal is reached")
             self.status = NavigationStatus.ARRIVED
             return _STAND
         return self._drive(soon)
@@ -366,37 +434,43 @@ class Navigator(Drive):
         replanner.obstacle.follow(pose, now.time)
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
             return _STAND
-        if not self.progress_checker.is_moving_on(pose, now.time):
+        recovering = self._runner.is_recovering
+        if not recovering and not self.progress_checker.is_moving_on(pose, now.time):
             self.status = NavigationStatus.STUCK
             return _STAND
         followed = cast("FollowedPath", replanner.followed)
         followed.advance(pose)
-        if not self._recovery.is_backing_up:
+        if not recovering:
             replanner.reconsider(followed, now)
         if replanner.tries.pending:
             return _STAND
+        if recovering:
+            return self._recovery.continue_step(now)
         self._limit_speed(now)
-        if self._recovery.is_backing_up:
-            return self._slow_down(self._recovery.back_up(now), now)
+        reason = ""
         try:
             command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
         except NoValidControlError:
-            command = _STAND
-        return self._recovery.watch(self._slow_down(command, now), now)
+            command, reason = _STAND, "no valid control"
+        return self._recovery.watch(self._cut(command, now), now, reason)
 
     # Speed limits ---------------------------------------------------------------------------------------------------
 
-    def _limit_speed(self, now: Now) -> None:
+    def _limit_speed(self, now: Now, *, backwards: bool = False) -> None:
         """Hand the speed that the mask allows to the controller."""
         if self._limiter is None:
             return
         followed = self._replanner.followed
         index = 0 if followed is None else followed.index
-        backwards = self._recovery.is_backing_up
         self.speed_limit = self._limiter.limit(now.pose, now.twist, index, self.dt, backwards=backwards)
         self.controller.set_speed_limit(self.speed_limit)
 
     def _slow_down(self, command: Twist2D, now: Now) -> Twist2D:
+        """The same arc within the speed limit of now, and within what was seen."""
+        self._limit_speed(now, backwards=command.v < 0.0)
+        return self._cut(command, now)
+
+    def _cut(self, command: Twist2D, now: Now) -> Twist2D:
         """The same arc within the speed limit, and within what was seen."""
         command = slow_down(command, self.speed_limit)
         if not self._sensed.is_active:

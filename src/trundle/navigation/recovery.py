@@ -2,48 +2,68 @@
 
 from __future__ import annotations
 
-from trundle.control.collision import can_stop
-from trundle.geometry import FloatArray, Twist2D
+from collections.abc import Sequence
+
+from trundle.geometry import Twist2D
+from trundle.navigation.behavior_runner import BehaviorRunner
+from trundle.navigation.behaviors import Behavior, Replan, ReplanWith
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
 from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.status import NavigationStatus
-from trundle.robots import Robot
 
 _STAND = Twist2D(0.0, 0.0)
 
 
 class Recovery:
-    """Replans or backs up where the controller makes no progress, waits where something was sensed, and gives up.
+    """Runs the steps of recovery, one after the other, where the controller makes no progress.
+
+    Each time the robot is blocked, the next step runs; where a step fails, the one after it runs at once. The robot
+    then replans, unless the step itself did, and drives on. After progress the order begins again. In front of
+    something that was sensed, which may move away, the navigator replans by itself: there only the other steps run.
 
     Args:
         drive: The drive, whose status it keeps.
-        robot: The robot.
         sensed: The costmap with what its scans saw.
         replanner: Plans again.
-        padded: The footprint's outline [m], base_link, widened by the clearance to keep.
-        dt: Control period [s].
+        runner: Runs the steps.
+        steps: The steps, in order; without any, a blocked robot gives up.
+        retries: How often a robot that makes no progress tries again.
     """
 
     def __init__(
-        self, drive: Drive, robot: Robot, sensed: SensedMap, replanner: Replanner, padded: FloatArray, dt: float
+        self,
+        drive: Drive,
+        sensed: SensedMap,
+        replanner: Replanner,
+        runner: BehaviorRunner,
+        steps: Sequence[Behavior],
+        retries: Retries,
     ) -> None:
-        self._drive, self._robot, self._sensed, self._replanner = drive, robot, sensed, replanner
-        self._padded, self._dt = padded, dt
-        self._retries = Retries(dt)
+        self._drive, self._sensed, self._replanner, self._runner = drive, sensed, replanner, runner
+        self.steps = tuple(steps)
+        self._retries = retries
+        self._others = tuple(step for step in self.steps if isinstance(step, ReplanWith) or not _replans(step))
+        self.reset()
 
     def reset(self) -> None:
         """Start over."""
         self._retries.reset()
+        self._next = self._next_other = 0
+        self._untried: list[Behavior] = []
+        self._reason = ""
 
-    @property
-    def is_backing_up(self) -> bool:
-        """Whether the robot is backing up."""
-        return self._retries.is_backing_up
+    # Blocked --------------------------------------------------------------------------------------------------------
 
-    def watch(self, command: Twist2D, now: Now) -> Twist2D:
-        """Pass the controller's command on; if it makes no progress before the goal, replan or back up."""
+    def watch(self, command: Twist2D, now: Now, reason: str) -> Twist2D:
+        """Pass the controller's command on; if it makes no progress before the goal, begin to recover.
+
+        Args:
+            command: The command.
+            now: Where the robot is.
+            reason: Why the controller makes no progress, if it says so.
+        """
         followed, drive = self._replanner.followed, self._drive
         left_m = 0.0 if followed is None else followed.left_m
         if not self._retries.is_blocked(command, now.twist, left_m):
@@ -52,14 +72,16 @@ class Recovery:
             return command
         if self._replanner.obstacle.is_blocked:
             return self._wait_for_obstacle(now)
-        if not self._retries.try_again(left_m) and not self._is_patient():
+        if not self.steps or (not self._retries.try_again(left_m) and not self._is_patient()):
             self._give_up()
             return _STAND
         drive.status = NavigationStatus.BLOCKED
         drive.progress_checker.reset()
-        if self._retries.backs_up_first or not self._replanner.replan(now):
-            self._retries.start_backing_up()
-        return _STAND
+        if self._retries.count <= 1:
+            self._next = 0
+        self._untried = [self.steps[(self._next + k) % len(self.steps)] for k in range(len(self.steps))]
+        self._reason = reason or "no progress"
+        return self._run_next(now)
 
     def _is_patient(self) -> bool:
         """Whether to start over with the tries of recovery: what holds the robot may be sensed, and may move away."""
@@ -69,7 +91,7 @@ class Recovery:
         return True
 
     def _wait_for_obstacle(self, now: Now) -> Twist2D:
-        """Stand in front of what was sensed on the path, back up now and then, and give up after a while."""
+        """Stand in front of what was sensed on the path, run a step now and then, and give up after a while."""
         obstacle, drive = self._replanner.obstacle, self._drive
         if obstacle.gives_up:
             if self._replanner.searches_less and self._replanner.replan(now):
@@ -79,20 +101,39 @@ class Recovery:
             return _STAND
         drive.status = NavigationStatus.BLOCKED
         drive.progress_checker.reset()
-        if drive.error is not None and obstacle.backs_up(now.time):
-            self._retries.start_backing_up()
+        if self._others and drive.error is not None and obstacle.backs_up(now.time):
+            self._untried = [self._others[self._next_other % len(self._others)]]
+            self._next_other += 1
+            self._reason = drive.message
+            return self._run_next(now)
         return _STAND
 
     def _give_up(self) -> None:
         self._drive.status = NavigationStatus.STUCK if self._drive.error is None else NavigationStatus.NO_PATH
 
-    def back_up(self, now: Now) -> Twist2D:
-        """Drive straight back while that is clear, then replan."""
-        command = self._retries.back_up()
-        limits = self._robot.limits
-        clear = can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded)
-        if clear and self._retries.is_backing_up:
-            return command
-        self._retries.stop_backing_up()
-        self._replanner.replan(now)
+    # Steps ----------------------------------------------------------------------------------------------------------
+
+    def continue_step(self, now: Now) -> Twist2D:
+        """The command of the step that is running; when it ends, replan or run the next one."""
+        command = self._runner.step(now)
+        return self._after_step(now) if command is None else command
+
+    def _run_next(self, now: Now) -> Twist2D:
+        """Run the next of the steps that were not tried yet."""
+        self._step = self._untried.pop(0)
+        self._next += 1
+        command = self._runner.start(self._step, self._reason, now, recovery=True)
+        return self._after_step(now) if command is None else command
+
+    def _after_step(self, now: Now) -> Twist2D:
+        drive = self._drive
+        drive.progress_checker.reset()
+        if self._runner.runs[-1].result == "failed" and self._untried:
+            return self._run_next(now)
+        if not _replans(self._step):
+            self._replanner.replan(now)
         return _STAND
+
+
+def _replans(step: Behavior) -> bool:
+    return isinstance(step, Replan)

@@ -65,6 +65,11 @@ class Replanner:
         self.obstacle.reset()
         self.tries.reset()
 
+    def drop_path(self) -> None:
+        """Forget the path: the robot is somewhere else."""
+        self.followed = None
+        self.obstacle.clear()
+
     @property
     def searches_less(self) -> bool:
         """Whether plans round what was sensed search less than the planner does."""
@@ -72,8 +77,8 @@ class Replanner:
 
     # Planning -------------------------------------------------------------------------------------------------------
 
-    def plan(self, now: Now) -> FollowedPath:
-        """Plan from here to the goal; the path that is followed stays.
+    def plan(self, now: Now, planner: Planner | None = None) -> FollowedPath:
+        """Plan from here to the goal, by another planner if one is given; the path that is followed stays.
 
         Raises:
             InputError: If there is no goal.
@@ -92,9 +97,8 @@ class Replanner:
                 tolerance = drive.goal_checker.xy_tolerance
                 start, goal = free_ends(now.costmap, self._sensed.static, start, target, tolerance)
             self._ends_short = target is not drive.target
-            path = self._choose_planner(now).plan(
-                now.costmap, start, goal, goal_yaw_free=target.yaw_free, deadline_s=deadline_s
-            )
+            chosen = self._choose_planner(now) if planner is None else planner
+            path = chosen.plan(now.costmap, start, goal, goal_yaw_free=target.yaw_free, deadline_s=deadline_s)
             smooth = path if drive.smoother is None else drive.smoother.smooth(path, now.costmap)
         except PlanningStoppedError as error:
             if timed_out(error):
@@ -186,18 +190,18 @@ class Replanner:
             self.take(found)
             self.obstacle.clear()
 
-    def replan(self, now: Now) -> bool:
-        """Plan now and follow the new path; False if there is none."""
+    def replan(self, now: Now, planner: Planner | None = None) -> bool:
+        """Plan now, by another planner if one is given, and follow the new path; False if there is none."""
         self._drive.replans += 1
-        return self._attempt(now)
+        return self._attempt(now, planner)
 
-    def _attempt(self, now: Now) -> bool:
+    def _attempt(self, now: Now, planner: Planner | None = None) -> bool:
         """Plan now, or leave the plan pending until the robot stands or a pause is over; False if there is no path."""
         drive = self._drive
         if self.tries.must_wait(now.twist, now.time):
             return True
         try:
-            followed = self.plan(now)
+            followed = self.plan(now, planner)
         except PlanningError as error:
             drive.error = error
             if not timed_out(error):

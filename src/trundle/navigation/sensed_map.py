@@ -67,6 +67,11 @@ class SensedMap:
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
 
+    def clear(self) -> Costmap:
+        """Forget what was sensed until the next scan; the costmap without it."""
+        self.reset(None)
+        return self.costmap
+
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True

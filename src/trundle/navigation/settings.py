@@ -9,6 +9,8 @@ from pydantic import Field
 from trundle.control import GoalChecker, ProgressChecker
 from trundle.files.config_fields import Angle, NotNegative, Positive
 from trundle.files.yaml_config import Config
+from trundle.navigation.behaviors.choice import BehaviorChoice, BehaviorChoices
+from trundle.navigation.retries import RETRIES
 
 LEAST_FREQUENCY, MOST_FREQUENCY = 0.1, 1000.0
 """Of control [Hz]."""
@@ -36,6 +38,12 @@ class NavigatorSettings(Config):
             longer by more than 3 m.
         patience_s: How long it stands [s] where something that is not on the map leaves no path, or occupies the goal,
             before it gives up.
+        recovery: What a robot does that makes no progress, in order: `replan`, `back_up`, `spin`, `wait`,
+            `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with a value (`back_up=0.5`) or
+            options (`{back_up: {distance: 0.5}}`). Each time that it is blocked, the next step runs; where one fails,
+            the one after it runs at once. Without any, it gives up.
+        recovery_retries: How often it tries that in a row before it gives up (Nav2's `number_of_retries`). The count
+            restarts when 0.5 m less of the path is left.
 
     Raises:
         InputError: If a value is out of range.
@@ -51,6 +59,8 @@ class NavigatorSettings(Config):
     planning_deadline_s: Positive | None = 2.0
     wait_s: NotNegative = 2.0
     patience_s: NotNegative = 20.0
+    recovery: BehaviorChoices = (BehaviorChoice(name="replan"), BehaviorChoice(name="back_up"))
+    recovery_retries: Annotated[int, Field(ge=0, le=1000)] = RETRIES
 
     def make_goal_checker(self) -> GoalChecker:
         """Make what says whether the goal is reached."""

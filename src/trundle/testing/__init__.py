@@ -1,6 +1,7 @@
-"""Conformance checks of agents, planners, controllers, layers, localizers and simulators, built in or third-party."""
+"""Conformance checks of what plug-ins add: agents, behaviors, planners, controllers, layers, localizers, simulators."""
 
 from trundle.testing.agent import check_agent
+from trundle.testing.behavior import check_behavior
 from trundle.testing.conformance import ConformanceError
 from trundle.testing.controller import check_controller
 from trundle.testing.layer import check_layer
@@ -11,6 +12,7 @@ from trundle.testing.simulator import check_simulator
 __all__ = [
     "ConformanceError",
     "check_agent",
+    "check_behavior",
     "check_controller",
     "check_layer",
     "check_localizer",

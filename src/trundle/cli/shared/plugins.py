@@ -11,6 +11,7 @@ GROUPS = {
     "controllers": "trundle.controllers",
     "smoothers": "trundle.smoothers",
     "simulators": "trundle.simulators",
+    "behaviors": "trundle.behaviors",
 }
 """Kinds of plug-ins, each with its entry-point group."""
 

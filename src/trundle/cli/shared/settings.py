@@ -64,13 +64,23 @@ def choose(kind: str, name: str | None, pairs: list[str] | None, default: Choice
 def explain(error: ValidationError) -> InputError:
     """The error that names the option whose value the settings reject."""
     problems = error.errors(include_url=False)
-    field = str(problems[0]["loc"][-1]) if problems[0]["loc"] else ""
+    field = _field_of(problems[0]["loc"])
     model = RunSettings if field in RunSettings.model_fields else CostmapSettings
-    found = {str(problem["loc"][-1]): problem["input"] for problem in problems if problem["loc"]}
+    found = {_field_of(problem["loc"]): problem["input"] for problem in problems if problem["loc"]}
     texts = [(problem["loc"], describe_problems([problem], model, found)[0]) for problem in problems]
     return InputError("\n".join(_of_option(loc, text) for loc, text in texts))
 
 
 def _of_option(location: tuple[int | str, ...], text: str) -> str:
     """Rewrite a line about a field to name its option."""
-    return f"--{_option(str(location[-1]))} {text.partition(': ')[2]}" if location else text
+    if not location:
+        return text
+    field = _field_of(location)
+    place, _, rest = text.partition(": ")
+    return f"--{_option(field)} {rest if place.partition('.')[0] == field else text}"
+
+
+def _field_of(location: tuple[int | str, ...]) -> str:
+    """The field of a problem's place; that of a list's item is the list's."""
+    names = [part for part in location if isinstance(part, str)]
+    return names[-1] if names else ""

@@ -1,0 +1,29 @@
+"""Behaviors: back up, spin, wait and other steps of recovery, which also run on their own and as tasks of waypoints."""
+
+from trundle.navigation.behaviors.behavior import (
+    Behavior,
+    BehaviorContext,
+    BehaviorResult,
+    BehaviorRun,
+    behavior_names,
+    create_behavior,
+)
+from trundle.navigation.behaviors.map_steps import ClearCostmap, Replan, ReplanWith
+from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
+from trundle.navigation.behaviors.waiting import Wait
+
+__all__ = [
+    "BackUp",
+    "Behavior",
+    "BehaviorContext",
+    "BehaviorResult",
+    "BehaviorRun",
+    "ClearCostmap",
+    "DriveOnHeading",
+    "Replan",
+    "ReplanWith",
+    "Spin",
+    "Wait",
+    "behavior_names",
+    "create_behavior",
+]

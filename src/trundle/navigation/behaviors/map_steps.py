@@ -1,0 +1,88 @@
+"""Behaviors that change what the robot drives by: `ClearCostmap`, `Replan` and `ReplanWith`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from trundle.errors import BehaviorFailedError
+from trundle.geometry import Twist2D
+from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
+from trundle.planning import Planner, create_planner
+
+_STAND = Twist2D()
+_SCANS_WITHIN_S = 2.0
+
+
+class ClearCostmap(Behavior):
+    """Forget what the scans saw, and stand until new ones have come in. The map stays.
+
+    What no lidar sees from here is free again afterwards, even where something stands that was seen before.
+    """
+
+    def __init__(self) -> None:
+        self._began: float | None = None
+
+    def __repr__(self) -> str:
+        return "ClearCostmap()"
+
+    def start(self, context: BehaviorContext) -> None:
+        """Begin now."""
+        self._began = None
+
+    def update(self, context: BehaviorContext) -> Twist2D | None:
+        """Return zero; None when new scans have come in, or nothing was sensed.
+
+        Raises:
+            BehaviorFailedError: If none come in within 2 s: the robot would drive blindly.
+        """
+        if self._began is None:
+            self._began = context.time
+            if not context.sees:
+                return None
+            context.clear_costmap()
+        elif context.sees:
+            return None
+        if context.time - self._began > _SCANS_WITHIN_S:
+            raise BehaviorFailedError(f"no scans came in within {_SCANS_WITHIN_S:g} s after the costmap was cleared")
+        return _STAND
+
+
+class Replan(Behavior):
+    """Plan from here to the goal by the navigator's planner, and follow that path."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}()"
+
+    def update(self, context: BehaviorContext) -> Twist2D | None:
+        """Plan; done at once.
+
+        Raises:
+            BehaviorFailedError: If there is no goal, or no path to it.
+        """
+        context.replan(self._planner())
+
+    def _planner(self) -> Planner | None:
+        return None
+
+
+class ReplanWith(Replan):
+    """Plan from here to the goal by another planner, and follow that path. Later plans are the navigator's again.
+
+    Args:
+        planner: The planner: its name, or an object.
+        options: Its options.
+
+    Raises:
+        UnknownNameError: If there is no such planner.
+        InputError: If it does not take an option.
+    """
+
+    def __init__(self, planner: str | Planner, **options: Any) -> None:
+        self.planner = create_planner(planner, **options)
+        self._label = planner if isinstance(planner, str) else type(planner).__name__
+
+    def __repr__(self) -> str:
+        return f"ReplanWith({self._label!r})"
+
+    def _planner(self) -> Planner | None:
+        return self.planner

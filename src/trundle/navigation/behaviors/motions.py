@@ -1,0 +1,153 @@
+"""Behaviors that move the robot: `BackUp`, `DriveOnHeading` and `Spin`."""
+
+from __future__ import annotations
+
+import math
+
+from trundle.angles import parse_angle, warn_of_degrees
+from trundle.errors import BehaviorFailedError, InputError
+from trundle.geometry import Twist2D, wrap_angle
+from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
+from trundle.values import as_number, check_number
+
+BACK_UP_M, BACK_UP_MPS = 0.3, 0.15
+"""As in Nav2's `navigate_to_pose_w_replanning_and_recovery.xml`."""
+_SPIN_RADPS = 1.0  # Nav2's max_rotational_vel
+_BRAKING_SHARE = 0.8
+_DONE_M, _DONE_RAD = 0.005, 0.01
+_SLOWEST_MPS, _SLOWEST_RADPS = 0.02, 0.05
+
+
+class DriveOnHeading(Behavior):
+    """Drive straight on, by the robot's odometry.
+
+    Unlike Nav2's, which looks ahead at a fixed speed, it is sent only commands after which the robot can still stop.
+
+    Args:
+        distance: How far [m].
+        speed: How fast at most [m/s]; the robot slows down before the end.
+
+    Raises:
+        InputError: If one is not a positive number.
+    """
+
+    _direction = 1.0
+
+    def __init__(self, distance: float, speed: float = BACK_UP_MPS) -> None:
+        self.distance = _positive("distance", distance)
+        self.speed = _positive("speed", speed)
+        self._driven_m = self._time = 0.0
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.distance:g}, speed={self.speed:g})"
+
+    @property
+    def time_allowance(self) -> float:
+        """Twice the time that it takes at its speed, and 5 s [s]."""
+        return 2.0 * self.distance / self.speed + 5.0
+
+    def start(self, context: BehaviorContext) -> None:
+        """Begin here."""
+        limits = context.robot.limits
+        if self._direction < 0.0 and limits.reverse_speed == 0.0:
+            raise BehaviorFailedError(f"{context.robot.name} cannot reverse: its reverse_speed is 0")
+        self._driven_m, self._time = 0.0, context.time
+
+    def update(self, context: BehaviorContext) -> Twist2D | None:
+        """Return the command for the next control period; None when it has driven that far."""
+        self._driven_m += self._direction * context.twist.v * (context.time - self._time)
+        self._time = context.time
+        left_m = self.distance - self._driven_m
+        if left_m <= _DONE_M:
+            return None
+        speed = _speed_to_stop(left_m, context.robot.limits.linear_acceleration)
+        return Twist2D(self._direction * min(self.speed, max(speed, _SLOWEST_MPS)), 0.0)
+
+
+class BackUp(DriveOnHeading):
+    """Drive straight back, by the robot's odometry.
+
+    Args:
+        distance: How far [m].
+        speed: How fast at most [m/s], as a positive number.
+
+    Raises:
+        InputError: If one is not a positive number.
+    """
+
+    _direction = -1.0
+
+    def __init__(self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS) -> None:
+        super().__init__(distance, speed)
+
+
+class Spin(Behavior):
+    """Turn in place by an angle, or to a heading.
+
+    Args:
+        angle: How far to turn [rad], counter-clockwise; negative turns clockwise. Text may be degrees, `90deg`.
+        speed: How fast at most [rad/s].
+        heading: The yaw to turn to instead [rad], map frame, on the shorter side.
+
+    Raises:
+        InputError: If both an angle and a heading are given, or neither; if one is not finite, or the speed is not
+            positive.
+    """
+
+    def __init__(
+        self, angle: float | str | None = None, speed: float = _SPIN_RADPS, *, heading: float | str | None = None
+    ) -> None:
+        if (angle is None) == (heading is None):
+            raise InputError("spin turns by an angle or to a heading: give one of them, Spin(1.57) or Spin(heading=0)")
+        self.angle = None if angle is None else _read_angle("angle", angle)
+        self.heading = None if heading is None else _read_angle("heading", heading)
+        self.speed = _positive("speed", speed)
+        self._left_rad = self._time = 0.0
+
+    def __repr__(self) -> str:
+        what = f"{self.angle:g}" if self.angle is not None else f"heading={self.heading:g}"
+        return f"Spin({what}, speed={self.speed:g})"
+
+    @property
+    def time_allowance(self) -> float:
+        """Twice the time that it takes at its speed, and 5 s [s]."""
+        return 2.0 * abs(math.pi if self.angle is None else self.angle) / self.speed + 5.0
+
+    def start(self, context: BehaviorContext) -> None:
+        """Begin here."""
+        self._left_rad = wrap_angle((self.heading or 0.0) - context.pose.yaw) if self.angle is None else self.angle
+        self._time = context.time
+
+    def update(self, context: BehaviorContext) -> Twist2D | None:
+        """Return the command for the next control period; None when it has turned that far."""
+        self._left_rad -= context.twist.w * (context.time - self._time)
+        self._time = context.time
+        if abs(self._left_rad) <= _DONE_RAD:
+            return None
+        speed = _speed_to_stop(abs(self._left_rad), context.robot.limits.angular_acceleration)
+        return Twist2D(0.0, math.copysign(min(self.speed, max(speed, _SLOWEST_RADPS)), self._left_rad))
+
+
+def _speed_to_stop(left: float, deceleration: float) -> float:
+    """The speed from which a robot stops within `left`."""
+    return math.sqrt(2.0 * _BRAKING_SHARE * deceleration * left)
+
+
+def _positive(name: str, value: float) -> float:
+    number = check_number(name, value, 0.0, math.inf)
+    if not 0.0 < number < math.inf:
+        raise InputError(f"{name} must be a positive number, got {value!r}")
+    return number
+
+
+def _read_angle(name: str, value: float | str) -> float:
+    if isinstance(value, str):
+        try:
+            return parse_angle(value)
+        except ValueError as error:
+            raise InputError(f"{name} is an angle, as 1.57 or 90deg: {error}") from None
+    angle = as_number(value, name)
+    if not math.isfinite(angle):
+        raise InputError(f"{name} must be a finite angle [rad], got {value!r}")
+    warn_of_degrees(angle, name, stacklevel=3)
+    return angle

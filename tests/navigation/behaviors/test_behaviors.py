@@ -1,0 +1,196 @@
+"""Behaviors by themselves: what they command, when they end, and what they refuse."""
+
+import math
+
+import numpy as np
+import pytest
+
+from trundle.errors import AngleWarning, InputError, UnknownNameError
+from trundle.geometry import Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation.behaviors import (
+    BackUp,
+    Behavior,
+    ClearCostmap,
+    DriveOnHeading,
+    Replan,
+    ReplanWith,
+    Spin,
+    Wait,
+    behavior_names,
+    create_behavior,
+)
+from trundle.robots import Robot
+from trundle.testing import check_behavior
+
+CARTER = Robot.load("nova_carter")
+ROOM = OccupancyGrid(np.zeros((160, 160), np.int8), 0.05)
+
+
+def run_alone(behavior, *, robot=CARTER, start=(4.0, 4.0, 0.5), costmap=None, seconds=60.0):
+    """Run one for a robot without a goal that moves ideally within its limits; return navigator, pose and time."""
+    navigator = Navigator(ROOM, robot)
+    if costmap is not None:
+        navigator.costmap = costmap(navigator.costmap)
+    navigator.run(behavior)
+    pose, twist, time = Pose2D(*start), Twist2D(), 0.0
+    while navigator.status is NavigationStatus.BEHAVING and time < seconds:
+        command = navigator.update(pose, twist, time=time)
+        twist = robot.limits.approach(twist, command, navigator.dt)
+        pose, time = twist.integrate(pose, navigator.dt), time + navigator.dt
+    for _ in range(40):  # until it stands
+        twist = robot.limits.approach(twist, navigator.update(pose, twist), navigator.dt)
+        pose = twist.integrate(pose, navigator.dt)
+    return navigator, pose, time
+
+
+def weak(acceleration):
+    limits = CARTER.limits.model_copy(
+        update={"linear_acceleration": acceleration, "angular_acceleration": 2.0 * acceleration}
+    )
+    return CARTER.model_copy(update={"limits": limits})
+
+
+@pytest.mark.parametrize("robot", [CARTER, weak(0.3)], ids=["carter", "weak"])
+@pytest.mark.parametrize(("behavior", "along"), [(BackUp(0.4), -0.4), (DriveOnHeading(1.2, speed=0.5), 1.2)])
+def test_straight_motions_end_where_they_should(robot, behavior, along):
+    navigator, pose, _ = run_alone(behavior, robot=robot)
+    assert navigator.status is NavigationStatus.FINISHED
+    expected = Pose2D(4.0, 4.0, 0.5) @ Pose2D(along, 0.0)
+    assert pose.distance_to(expected) < 0.03
+    assert math.isclose(pose.yaw, 0.5)
+
+
+@pytest.mark.parametrize("robot", [CARTER, weak(0.3)], ids=["carter", "weak"])
+@pytest.mark.parametrize(
+    ("behavior", "yaw"), [(Spin(1.57), 2.07), (Spin("-90deg"), 0.5 - math.pi / 2), (Spin(heading=-2.0), -2.0)]
+)
+def test_spins_end_at_the_yaw_that_was_asked_for(robot, behavior, yaw):
+    navigator, pose, _ = run_alone(behavior, robot=robot)
+    assert navigator.status is NavigationStatus.FINISHED
+    assert math.isclose(pose.yaw, yaw, abs_tol=0.06)
+    assert pose.distance_to(Pose2D(4.0, 4.0)) < 1e-9
+
+
+def test_a_spin_may_turn_more_than_once():
+    with pytest.warns(AngleWarning):
+        behavior = Spin(4.0 * math.pi)
+    navigator, _, seconds = run_alone(behavior)
+    assert navigator.status is NavigationStatus.FINISHED
+    assert seconds > 4.0 * math.pi / 1.0
+
+
+def test_waiting_lasts_as_long_as_asked_for():
+    navigator, pose, seconds = run_alone(Wait(1.5))
+    assert navigator.status is NavigationStatus.FINISHED
+    assert math.isclose(seconds, 1.5, abs_tol=0.11)
+    assert pose == Pose2D(4.0, 4.0, 0.5)
+
+
+def wall_behind(costmap):
+    (row, row_end), (col, col_end) = costmap.world_to_cell(np.array([3.2, 3.25]), np.array([3.0, 5.0]))
+    return costmap.update(slice(int(row), int(row_end)), slice(int(col), int(col_end) + 1), 100)
+
+
+def test_a_behavior_stops_before_it_touches_something_and_says_where():
+    navigator, pose, _ = run_alone(BackUp(2.0, speed=0.5), start=(4.0, 4.0, 0.0), costmap=wall_behind)
+    assert navigator.status is NavigationStatus.STUCK
+    assert not navigator.costmap.footprint_collides(pose.as_tuple())[0]
+    assert pose.x < 4.0
+    assert "back_up" in navigator.message
+    assert "blocked at (" in navigator.message
+    (ran,) = navigator.behavior_runs
+    assert (ran.behavior, ran.reason, ran.result, ran.recovery) == ("back_up", "asked for", "failed", False)
+
+
+def test_a_behavior_that_takes_too_long_fails():
+    navigator = Navigator(ROOM, CARTER)
+    navigator.run(BackUp(0.3))
+    for k in range(1000):
+        navigator.update((4.0, 4.0, 0.0), Twist2D(), time=0.05 * k)  # its wheels are stuck
+        if navigator.status is not NavigationStatus.BEHAVING:
+            break
+    assert navigator.status is NavigationStatus.STUCK
+    assert "longer than 9.0 s" in navigator.message
+
+
+def test_a_robot_that_cannot_reverse_does_not_back_up():
+    limits = CARTER.limits.model_copy(update={"reverse_speed": 0.0})
+    navigator, _, _ = run_alone(BackUp(), robot=CARTER.model_copy(update={"limits": limits}))
+    assert navigator.status is NavigationStatus.STUCK
+    assert "cannot reverse" in navigator.message
+
+
+def test_replanning_needs_a_goal():
+    navigator, _, _ = run_alone(Replan())
+    assert navigator.status is NavigationStatus.STUCK
+    assert "there is no goal to plan to" in navigator.message
+
+
+def test_clearing_where_nothing_was_sensed_is_done_at_once():
+    navigator, _, seconds = run_alone(ClearCostmap())
+    assert navigator.status is NavigationStatus.FINISHED
+    assert seconds < 0.11
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: BackUp(0.2),
+        lambda: DriveOnHeading(0.5),
+        lambda: Spin(1.0),
+        lambda: Spin(heading=0.0),
+        lambda: Wait(1.0),
+        ClearCostmap,
+        Replan,
+        lambda: ReplanWith("least_cost"),
+    ],
+)
+def test_ours_keep_their_promises(make):
+    check_behavior(make)
+    check_behavior(make, robot=weak(0.1))
+
+
+def test_they_are_made_by_name():
+    assert behavior_names() == sorted(
+        ["back_up", "clear_costmap", "drive_on_heading", "replan", "replan_with", "spin", "wait"]
+    )
+    assert create_behavior("drive_on_heading", distance=1.0).name == "drive_on_heading"
+    assert create_behavior("spin", angle=1).name == "spin"
+    assert create_behavior("replan_with", planner="astar").name == "replan_with"
+    assert repr(create_behavior("back_up", distance=0.5)) == "BackUp(0.5, speed=0.15)"
+    assert isinstance(create_behavior("wait"), Behavior)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: BackUp(0.0),
+        lambda: BackUp(-0.3),
+        lambda: BackUp(math.nan),
+        lambda: BackUp(speed=math.inf),
+        lambda: DriveOnHeading("far"),
+        Spin,
+        lambda: Spin(1.0, heading=1.0),
+        lambda: Spin("ninety"),
+        lambda: Spin(math.inf),
+        lambda: Wait(-1.0),
+        lambda: Wait(math.inf),
+        lambda: create_behavior("back_up", length=1.0),
+        lambda: create_behavior("drive_on_heading"),
+        lambda: create_behavior(3),
+        lambda: Navigator(ROOM, CARTER).run(BackUp),
+        lambda: Navigator(ROOM, CARTER).run("back_up"),
+    ],
+)
+def test_bad_arguments_are_refused(make):
+    with pytest.raises(InputError):
+        make()
+
+
+def test_an_unknown_name_offers_the_nearest():
+    with pytest.raises(UnknownNameError, match="Did you mean 'spin'"):
+        create_behavior("spinn")
+    with pytest.raises(UnknownNameError, match="Did you mean 'least_cost'"):
+        ReplanWith("leastcost")
