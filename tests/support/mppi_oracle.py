@@ -334,7 +334,8 @@ def goal_costs(request: Request, courses: Courses) -> Doubles:
     if reach > 0.0 and has_yaw > 0.0:
         towards = cos * math.cos(goal_yaw) + sin * math.sin(goal_yaw)
         cost += request.weights[5] * (1.0 - half_cosine(towards) * near).mean(axis=1)
-    stop = courses.v[:, -1].astype(float) ** 2 / (2.0 * request.model[5])
+    speed = np.where(courses.hit_step < request.steps, 0.0, courses.v[:, -1])
+    stop = speed**2 / (2.0 * request.model[5])
     return cost + request.weights[6] * np.maximum(stop - to_go[:, -1], 0.0)
 
 

@@ -133,7 +133,9 @@ class Mppi {
     p.rows = static_cast<std::int32_t>(request.nearness.shape(0));
     p.cols = static_cast<std::int32_t>(request.nearness.shape(1));
     p.resolution = static_cast<float>(request.resolution);
-    p.nearness = request.nearness.data();
+    nearness_.resize(std::max(nearness_.size(), request.nearness.size() + 3));
+    std::copy_n(request.nearness.data(), request.nearness.size(), nearness_.data());
+    p.nearness = nearness_.data();
     const double *bounds = request.bounds.data(), *noise = request.noise.data();
     p.near_scale = static_cast<float>(request.unit / std::max(bounds[0], 1e-6));
     p.heading_free = static_cast<float>(std::cos(0.5 * std::min(bounds[3], 3.14159265)));
@@ -340,7 +342,7 @@ class Mppi {
   int touching_ = 0;
   std::vector<float> draws_, arcs_, nominal_, mean_, zeros_, knots_, costs_, to_go_;
   std::vector<std::int32_t> hit_step_;
-  std::vector<std::uint8_t> contact_;
+  std::vector<std::uint8_t> contact_, nearness_;
   std::vector<MoverStep> movers_;
   std::vector<int> order_;
   Softmin softmin_;

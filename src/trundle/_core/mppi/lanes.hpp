@@ -60,18 +60,35 @@ TRUNDLE_INLINE V floats(typename Ints<V>::Type numbers) {
   return __builtin_convertvector(numbers, V);
 }
 
+// Of numbers that are not negative.
 template <typename V>
 TRUNDLE_INLINE V roots(V numbers) {
-  for (int lane = 0; lane < kLaneCount<V>; ++lane) numbers[lane] = std::sqrt(numbers[lane]);
+  float lanes[kLaneCount<V>];
+  std::memcpy(lanes, &numbers, sizeof lanes);
+  for (float &lane : lanes) lane = std::sqrt(lane);
+  std::memcpy(&numbers, lanes, sizeof lanes);
   return numbers;
 }
 
-// What a table holds at each lane's index.
-template <typename Out, typename Entry, typename Index>
-TRUNDLE_INLINE Out looked_up(const Entry *table, Index index) {
-  Out out{};
-  for (int lane = 0; lane < kLaneCount<Index>; ++lane) out[lane] = static_cast<Lane<Out>>(table[index[lane]]);
+// What a table holds at each lane's index, which is not negative.
+template <typename V>
+TRUNDLE_INLINE V looked_up(const float *table, typename Ints<V>::Type index) {
+  V out{};
+  for (int lane = 0; lane < kLaneCount<V>; ++lane) out[lane] = table[static_cast<std::uint32_t>(index[lane])];
   return out;
+}
+
+// The same of bytes. Four are read at once, lowest first, as single ones are gathered slowly: the table needs three more
+// at its end.
+template <typename V>
+TRUNDLE_INLINE V looked_up(const std::uint8_t *table, typename Ints<V>::Type index) {
+  typename Ints<V>::Type out{};
+  for (int lane = 0; lane < kLaneCount<V>; ++lane) {
+    std::int32_t four;
+    std::memcpy(&four, table + static_cast<std::uint32_t>(index[lane]), sizeof four);
+    out[lane] = four;
+  }
+  return floats<V>(out & 0xff);
 }
 
 template <typename V>

@@ -63,7 +63,7 @@ struct Problem {
   float stop_scale;  // 1 / (2 deceleration)
   std::int32_t rows, cols;
   float resolution, unreachable, edge;  // cost to go of an unreachable cell; by how much one may exceed its neighbours
-  const std::uint8_t *nearness;         // 254 occupied, 255 unknown, otherwise 254 − distance in units
+  const std::uint8_t *nearness;         // 254 occupied, 255 unknown, otherwise 254 − distance in units; 3 more bytes
   const float *to_go;                   // 0 to unreachable, no NaN
   int mover_count;
   const MoverStep *movers;  // by step and mover

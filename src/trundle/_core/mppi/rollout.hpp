@@ -47,6 +47,10 @@ class Rollout {
         advance((v0 + dv * fraction) + nominal[0], (w0 + dw * fraction) + nominal[1], step);
       }
       look_ahead();
+      if (joined_bits(alive_) == 0) {
+        for (++knot; knot < p_.checkpoints; ++knot) add_checkpoint();  // nothing changes any more
+        break;
+      }
     }
     finish();
   }
@@ -99,7 +103,7 @@ class Rollout {
       const Disc &disc = p_.discs[k];
       const I col = whole(between(robot_.x + robot_.cos * disc.offset, zero, last_col));
       const I row = whole(between(robot_.y + robot_.sin * disc.offset, zero, last_row));
-      room = least(disc.room - floats<V>(looked_up<I>(p_.nearness, row * p_.cols + col)), room);
+      room = least(disc.room - looked_up<V>(p_.nearness, row * p_.cols + col), room);
     }
     return room;
   }
@@ -156,15 +160,21 @@ class Rollout {
       near = largest(1.0f - distance * p_.goal.inverse_fade, zero);
     }
     to_go_ = to_go;
-    to_go_sum_ = to_go_sum_ + to_go;
     const V slope = roots(largest(fall_x * fall_x + fall_y * fall_y, fill<V>(1e-12f)));
     const V along = (fall_x * robot_.cos + fall_y * robot_.sin) / slope;
     const V ahead = p_.goal.direction != 0.0f ? along * p_.goal.direction : absolute(along);
-    heading_sum_ = heading_sum_ + largest(p_.heading_free - cosine_of_half(ahead), zero) * (1.0f - near);
+    heading_ = largest(p_.heading_free - cosine_of_half(ahead), zero) * (1.0f - near);
     if (p_.goal.has_yaw) {
       const V towards = robot_.cos * p_.goal.cos + robot_.sin * p_.goal.sin;
-      yaw_sum_ = yaw_sum_ + (1.0f - cosine_of_half(towards) * near);  // highest away from the goal: no barrier around it
+      yaw_ = 1.0f - cosine_of_half(towards) * near;  // highest away from the goal: no barrier around it
     }
+    add_checkpoint();
+  }
+
+  TRUNDLE_INLINE void add_checkpoint() {
+    to_go_sum_ = to_go_sum_ + to_go_;
+    heading_sum_ = heading_sum_ + heading_;
+    yaw_sum_ = yaw_sum_ + yaw_;
   }
 
   // Falls most steeply at 180 degrees, where the cosine itself is flat.
@@ -176,7 +186,7 @@ class Rollout {
     const float share = 1.0f / static_cast<float>(p_.checkpoints), whole_time = 1.0f / static_cast<float>(p_.steps);
     cost_ = cost_ + to_go_sum_ * (weights.to_go * share) + to_go_ * weights.to_go_end;
     cost_ = cost_ + heading_sum_ * (weights.heading * share) + yaw_sum_ * (weights.yaw * share);
-    const V stop = robot_.v * robot_.v * p_.stop_scale;
+    const V stop = alive_ ? robot_.v * robot_.v * p_.stop_scale : zero;
     cost_ = cost_ + largest(stop - to_go_, zero) * weights.overshoot + contact_ * weights.contact;
     const V left = 1.0f + (static_cast<float>(p_.steps) - floats<V>(hit_step_)) * whole_time;
     cost_ = cost_ + (alive_ ? zero : left * weights.collision);
@@ -185,7 +195,7 @@ class Rollout {
   const Problem &p_;
   Motion<V> robot_;
   V v_change_, w_change_;
-  V cost_{}, to_go_{}, to_go_sum_{}, heading_sum_{}, yaw_sum_{}, contact_{};
+  V cost_{}, to_go_{}, heading_{}, yaw_{}, to_go_sum_{}, heading_sum_{}, yaw_sum_{}, contact_{};
   I alive_, hit_step_;
 };
 

@@ -1,5 +1,6 @@
 // Weights of samples by their costs: exp(−cost / temperature), with the temperature at which as many samples as are
-// wanted take effect (effective sample size: Kong, Liu and Wong 1994), found by bisection.
+// wanted take effect (effective sample size: Kong, Liu and Wong 1994). It is found by regula falsi, Illinois variant
+// (Dowell and Jarratt 1971).
 #pragma once
 
 #include <algorithm>
@@ -24,13 +25,24 @@ class Softmin {
     }
     const float mean = used > 0 ? static_cast<float>(sum / used) : 0.0f;
     const float scale = mean > 1e-20f ? mean : 1.0f;
-    float low = kColdest, high = kHottest;
-    for (int i = 0; i < kHalvings; ++i) {
-      const float middle = 0.5f * (low + high);
-      (total(scale, middle) > aim ? high : low) = middle;
+    float low = kColdest, high = kHottest, at = 0.0f;
+    float below = total(scale, low) - aim, above = total(scale, high) - aim, off = above;
+    for (int tries = 0, side = 0; tries < kTries && std::fabs(off) > kClose * aim; ++tries) {
+      const bool halve = tries < kHalvings || !(below < 0.0f && above > 0.0f);
+      at = halve ? 0.5f * (low + high) : (low * above - high * below) / (above - below);
+      off = total(scale, at) - aim;
+      if (off > 0.0f) {
+        high = at, above = off;
+        if (side == 1) below *= 0.5f;
+        side = 1;
+      } else {
+        low = at, below = off;
+        if (side == -1) above *= 0.5f;
+        side = -1;
+      }
     }
-    temperature_ = scale * power(0.5f * (low + high));
-    effective_ = total(scale, 0.5f * (low + high));
+    temperature_ = scale * power(at);
+    effective_ = off + aim;
     const float share = 1.0f / sum_;
     for (float &weight : weights_) weight *= share;
   }
@@ -45,7 +57,8 @@ class Softmin {
  private:
   using V = Floats<16>;
   using I = Ints<V>::Type;
-  static constexpr int kHalvings = 22;
+  static constexpr int kHalvings = 3, kTries = 40;
+  static constexpr float kClose = 1e-4f;
   static constexpr float kColdest = -14.0f, kHottest = 8.0f;  // powers of 2 of the mean gap
 
   // 2^x, of x ≤ 0: whole part into the exponent, Taylor's series of the rest. Below 2^−126 it is 0.
