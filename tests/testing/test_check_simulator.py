@@ -6,7 +6,9 @@ import pytest
 from trundle.errors import WorldError
 from trundle.geometry import Pose2D
 from trundle.sim.kinematic import KinematicSimulator
+from trundle.sim.lidar import LidarSet
 from trundle.sim.mujoco.simulator import MujocoSimulator
+from trundle.sim.scene_beams import SceneBeams
 from trundle.testing import ConformanceError, check_simulator
 from trundle.worlds import World
 
@@ -56,9 +58,9 @@ class Unseeing(KinematicSimulator):
 
     def __init__(self, world, robot):
         super().__init__(world, robot, lidar=True)
-
-    def _cast(self, x, y, z, angles, reach):
-        return self._outlines[z].cast(x, y, angles, reach)
+        beams = SceneBeams(world, None)
+        self._lidars = LidarSet(robot, True, beams.cast)
+        beams.prepare(self._lidars.heights)
 
 
 class Refusing(KinematicSimulator):

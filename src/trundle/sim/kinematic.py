@@ -11,11 +11,11 @@ import numpy as np
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
 from trundle.robots import Robot, WheelSpeeds
-from trundle.sim.beams import WorldOutline
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet
-from trundle.sim.movers import MoverField, MoverOutline
+from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
 from trundle.worlds import World
 
@@ -53,14 +53,9 @@ class KinematicSimulator:
         self._ramp = CommandRamp(robot, timestep)
         self._footprint = FootprintChecker(world, robot)
         self._movers = MoverField(world, robot) if world.movers else None
-        self._outlines: dict[float, WorldOutline] = {}
-        self._mover_outlines: dict[float, MoverOutline] = {}
-        self._lidars = LidarSet(robot, lidar, self._cast)
-        for height in self._lidars.heights:
-            if height not in self._outlines:
-                self._outlines[height] = WorldOutline(world, height)
-                if self._movers is not None:
-                    self._mover_outlines[height] = MoverOutline(self._movers, height)
+        beams = SceneBeams(world, self._movers)
+        self._lidars = LidarSet(robot, lidar, beams.cast)
+        beams.prepare(self._lidars.heights)
         self._closed = False
         self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
@@ -134,12 +129,6 @@ class KinematicSimulator:
     def _check_open(self) -> None:
         if self._closed:
             raise SimulationError("this simulator was closed; make a new one with trundle.simulate")
-
-    def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
-        ranges = self._outlines[z].cast(x, y, angles, reach)
-        if self._movers is not None:
-            np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
-        return ranges
 
     def _pass_movers(self, poses: list[tuple[float, float, float]], speeds: list[float]) -> dict[str, Contact]:
         """Move the movers along with the robot, and find the first contact with each of them."""

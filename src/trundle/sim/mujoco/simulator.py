@@ -16,14 +16,14 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_
 from trundle.observation import Scan
 from trundle.robots import Robot, WheelSpeeds
 from trundle.robots.balance import describe_imbalance
-from trundle.sim.beams import WorldOutline
 from trundle.sim.lidar import LidarChoice, LidarSet
-from trundle.sim.movers import MoverField, MoverOutline
+from trundle.sim.movers import MoverField
 from trundle.sim.mujoco.contacts import ContactReader
 from trundle.sim.mujoco.model import TIMESTEP, build_spec, robot_spec, within_reach
 from trundle.sim.mujoco.mover_bodies import MoverBodies
 from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_joints
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
+from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
@@ -98,14 +98,10 @@ class MujocoSimulator:
         scale_robot(self.model, mass=mass, friction=friction)
         self._movers = MoverBodies(self.model, self.data, MoverField(world, robot)) if world.movers else None
         self._contacts = ContactReader(self.model, world, self._movers.names if self._movers else {})
-        self._outlines: dict[float, WorldOutline] = {}
-        self._mover_outlines: dict[float, MoverOutline] = {}
-        self._lidars = LidarSet(robot, lidar, self._cast)
-        for height in self._lidars.heights:
-            if height not in self._outlines:
-                self._outlines[height] = WorldOutline(world, height)
-                if self._movers is not None:
-                    self._mover_outlines[height] = MoverOutline(self._movers.field, height)
+        # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
+        beams = SceneBeams(world, None if self._movers is None else self._movers.field)
+        self._lidars = LidarSet(robot, lidar, beams.cast)
+        beams.prepare(self._lidars.heights)
         self._closed = False
         self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
@@ -210,13 +206,6 @@ class MujocoSimulator:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
-        # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
-        ranges = self._outlines[z].cast(x, y, angles, reach)
-        if self._movers is not None:
-            np.minimum(ranges, self._mover_outlines[z].cast(x, y, angles, reach), out=ranges)
-        return ranges
 
     def _check_open(self) -> None:
         if self._closed:
