@@ -30,8 +30,8 @@ class FakeWindow:
     def read_keys(self) -> list[str]:
         return self.keys.get(self.look, [])
 
-    def show(self, pose: Pose2D, wheel_positions: WheelSpeeds) -> None:
-        self.shown.append(pose)
+    def show(self, state: RobotState) -> None:
+        self.shown.append(state.pose)
         self.look += 1
 
     def mark_route(self, path: FloatArray | None, goal: Pose2D | None) -> None:

@@ -26,6 +26,7 @@ from trundle.pictures.colors import (
     PAGE,
     START,
     UNKNOWN,
+    WARNING,
     cost_palette,
 )
 from trundle.pictures.plan import Plan
@@ -34,6 +35,7 @@ from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere
 from trundle.worlds import World
+from trundle.worlds.movers import Crowd, Mover, Waypoints
 
 SQUARE = [(0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)]
 
@@ -276,3 +278,14 @@ def test_free_cells_are_light():
     pixels = picture(OccupancyGrid(np.zeros((10, 10), dtype=np.int8), 0.05))
     assert places(pixels, FREE)[2] > 10_000
     assert places(pixels, PAGE)[2] > 10_000
+
+
+def test_a_world_shows_its_movers_where_they_start_and_where_they_go():
+    walls = tuple(Solid(f"wall_{side}", Box((0.2, 10.0, 1.0)), Pose3D((side, 0.0, 0.5))) for side in (-6.0, 6.0))
+    cart = (Solid("body", Box((1.0, 0.6, 1.0)), Pose3D((0.0, 0.0, 0.5))),)
+    mover = Mover("cart", cart, Waypoints(((0.0, -3.0, 2.0), (8.0, 3.0, 2.0))))
+    plain = picture(World("hall", walls)).astype(int)
+    moving = picture(World("hall", walls, movers=(mover, Crowd("people", 2)))).astype(int)
+    shown = abs(moving - WARNING).sum(axis=2) < 30
+    assert (abs(plain - WARNING).sum(axis=2) < 30).sum() == 0
+    assert np.ptp(np.flatnonzero(shown.any(axis=0))) > 0.3 * moving.shape[1]

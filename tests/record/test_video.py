@@ -6,7 +6,10 @@ import pytest
 from PIL import Image, ImageDraw
 
 from trundle.errors import InputError, OutputError
+from trundle.geometry import Pose2D
 from trundle.record.video import MAX_FRAMES, DrawnFrames, caption, encode, pick_rows, playing_rate, write_video
+from trundle.sim import MoverState
+from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 
 def pictures(count=5, shape=(48, 64)):
@@ -76,7 +79,7 @@ def test_a_run_is_drawn_and_reported(recorded, tmp_path):
 def test_drawn_frames_move_the_robot_and_keep_its_trail(recorded):
     poses = [recorded.steps[0].state.pose, recorded.steps[-1].state.pose]
     with DrawnFrames(recorded.info, recorded.episode) as source:
-        first, last = (source.render(pose).astype(int) for pose in poses)
+        first, last = (source.render(pose, ShownMovers()).astype(int) for pose in poses)
     assert first.shape == last.shape
     assert (abs(first - last).sum(axis=2) > 30).sum() > 500
 
@@ -91,7 +94,7 @@ def test_pictures_may_come_from_elsewhere_and_the_source_is_closed(recorded, tmp
         def __exit__(self, *_):
             Grey.closed = True
 
-        def render(self, pose):
+        def render(self, pose, movers):
             return np.full((360, 640, 3), 128, dtype=np.uint8)
 
     write_video(tmp_path / "v.mp4", recorded.info, recorded.episode, lambda run, episode: Grey())
@@ -124,3 +127,20 @@ def test_how_fast_a_video_plays_follows_from_its_frames():
     times = np.linspace(0.0, 100.0, 2001)[pick_rows(2001)]
     assert playing_rate(times, 30) == pytest.approx(10.0, rel=0.01)
     assert playing_rate(np.array([3.0]), 30) == 1.0
+
+
+def test_drawn_frames_show_the_movers_with_their_trails(recorded):
+    start = recorded.steps[0].state.pose
+    near = Pose2D(start.x + 0.4, start.y, 0.0)
+    square = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
+    trail = np.array([(near.x, near.y - 1.0 + 0.1 * index) for index in range(11)])
+    history = MoverHistory()
+    history.add(0.0, (MoverState("cart", near, outline=square),))
+    shown = history.at(0.0)._replace(trails=(trail,))
+    with DrawnFrames(recorded.info, recorded.episode) as source:
+        plain, moving = (source.render(start, each).astype(int) for each in (ShownMovers(), shown))
+        again = source.render(start, ShownMovers()).astype(int)
+    changed = abs(moving - plain).sum(axis=2) > 60
+    assert changed.sum() > 100
+    assert np.ptp(np.flatnonzero(changed.any(axis=1))) > 1.1 * np.ptp(np.flatnonzero(changed.any(axis=0)))
+    assert (abs(again - plain).sum(axis=2) > 60).sum() == 0  # nothing of it stays

@@ -165,7 +165,7 @@ def _drive_commands(
             log.begin(*commands[leg])
         log.add(step.state, step.sent)
         if window is not None:
-            window.show(step.state.pose, step.state.wheel_positions)
+            window.show(step.state)
             time.sleep(max(0.0, began + step.state.time - time.monotonic()))
     if session.error is not None:
         raise session.error

@@ -118,7 +118,7 @@ class MapView:
         """Draw a robot into a finished picture, without changing the view."""
         points = pose.transform_points(corners)
         box = self._box(self.to_pixels(points), 4.0)
-        patch = self._image.crop(_enlarged(box))
+        patch = _enlarge(picture, box)
         draw = ImageDraw.Draw(patch, "RGBA")
         pixels = (self.to_pixels(points) - box[:2]) * SMOOTH
         outline = [(float(x), float(y)) for x, y in pixels]
@@ -128,6 +128,17 @@ class MapView:
             self.to_pixels([(pose.x, pose.y), pose.transform_points([(float(corners[:, 0].max()), 0.0)])[0]]) - box[:2]
         ) * SMOOTH
         draw.line([(float(x), float(y)) for x, y in nose], fill=PAGE, width=2 * SMOOTH)
+        picture.paste(patch.reduce(SMOOTH), box)
+
+    def stamp_trail(self, picture: Image.Image, points: FloatArray, color: Rgb, width: float) -> None:
+        """Draw a polyline through points [m], shape (N, 2), into a finished picture, without changing the view."""
+        if len(points) < 2:
+            return
+        box = self._box(self.to_pixels(points), width + 1.0)
+        patch = _enlarge(picture, box)
+        pixels = (self.to_pixels(points) - box[:2]) * SMOOTH
+        line = [(float(x), float(y)) for x, y in pixels]
+        ImageDraw.Draw(patch, "RGBA").line(line, fill=color, width=max(1, round(width * SMOOTH)), joint="curve")
         picture.paste(patch.reduce(SMOOTH), box)
 
     # Drawing: widths and radii in pixels of the finished picture ----------------------------------------------------
@@ -198,6 +209,12 @@ class MapView:
 def _enlarged(box: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
     left, top, right, bottom = box
     return left * SMOOTH, top * SMOOTH, right * SMOOTH, bottom * SMOOTH
+
+
+def _enlarge(picture: Image.Image, box: tuple[int, int, int, int]) -> Image.Image:
+    """A part of a finished picture, large enough to draw smooth lines on."""
+    part = picture.crop(box)
+    return part.resize((part.width * SMOOTH, part.height * SMOOTH), Image.Resampling.NEAREST)
 
 
 def _find_crop(costmap: Costmap, focus: FloatArray | None) -> tuple[int, int, int, int]:

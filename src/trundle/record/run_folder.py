@@ -151,7 +151,10 @@ class RunFolder:
         for name, write in self._extras.items():
             self._save(name, lambda path, write=write: write(path, episode))
         if self._video:
-            self._save("video.mp4", lambda path: write_video(path, info, episode, self._frames, report=self._report))
+            self._save(
+                "video.mp4",
+                lambda path: write_video(path, info, episode, self._frames, movers=self._movers, report=self._report),
+            )
 
     def _save_record(self, episode: Episode, *, complete: bool) -> None:
         """Write episode.json, without which the folder holds no run.

@@ -19,10 +19,11 @@ from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
-from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START
+from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START, WARNING
 from trundle.pictures.text import font
 from trundle.record.map_view import MapView, empty_floor
 from trundle.record.zones import speed_zones
+from trundle.sim.mover_history import MoverHistory, ShownMovers
 
 FRAMES_PER_SECOND = 30
 MAX_FRAMES = 300
@@ -37,8 +38,11 @@ Report: TypeAlias = Callable[[str, int, int], None]
 class FrameSource(Protocol):
     """Gives a picture for each pose, in the order of the run."""
 
-    def render(self, pose: Pose2D) -> Pixels:
-        """Return the picture of the robot at a pose: RGB, uint8, shape (height, width, 3), always of the same size."""
+    def render(self, pose: Pose2D, movers: ShownMovers) -> Pixels:
+        """Return the picture of the robot at a pose, and of the movers then.
+
+        RGB, uint8, shape (height, width, 3), always of the same size.
+        """
         ...
 
 
@@ -51,6 +55,7 @@ def write_video(
     episode: Episode,
     frames: MakeFrames | None = None,
     *,
+    movers: MoverHistory | None = None,
     report: Report | None = None,
 ) -> str:
     """Write a time-lapse of a run, of at most 300 frames; as an animated GIF if PyAV is missing.
@@ -62,6 +67,7 @@ def write_video(
         run: The run.
         episode: Its episode.
         frames: Source of the pictures; None means a drawn view from above.
+        movers: Where the moving obstacles were; None shows none.
         report: Called with the progress.
 
     Returns:
@@ -78,8 +84,10 @@ def write_video(
 
     def pictures(source: FrameSource) -> Iterator[Pixels]:
         for number, row in enumerate(rows):
-            frame = source.render(Pose2D(*trajectory.poses[row].tolist()))
-            yield caption(frame, float(trajectory.time[row]), float(trajectory.v[row]), rate)
+            time = float(trajectory.time[row])
+            moving = ShownMovers() if movers is None else movers.at(time)
+            frame = source.render(Pose2D(*trajectory.poses[row].tolist()), moving)
+            yield caption(frame, time, float(trajectory.v[row]), rate)
             if report is not None:
                 report("video", number + 1, len(rows))
 
@@ -215,7 +223,7 @@ class DrawnFrames:
     def __exit__(self, *_: object) -> None:
         """Do nothing: there is nothing to release."""
 
-    def render(self, pose: Pose2D) -> Pixels:
+    def render(self, pose: Pose2D, movers: ShownMovers) -> Pixels:
         """Draw the next frame; the trajectory so far stays visible."""
         if self._last is not None:
             step = [(self._last.x, self._last.y), (pose.x, pose.y)]
@@ -223,5 +231,8 @@ class DrawnFrames:
             self._view.refresh(self._picture, step, 4.0)
         self._last = pose
         frame = self._picture.copy()
+        for trail, state in zip(movers.trails, movers.states, strict=True):
+            self._view.stamp_trail(frame, trail, WARNING, 2.0)
+            self._view.stamp(frame, state.pose, np.array(state.outline), WARNING)
         self._view.stamp(frame, pose, self._robot.outline, START)
         return np.asarray(frame)

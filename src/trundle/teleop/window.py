@@ -67,7 +67,7 @@ def drive_in_window(
     try:
         while (step := session.step()) is not None:
             log.add(step.state, step.sent)
-            window.show(step.state.pose, step.state.wheel_positions)
+            window.show(step.state)
             due += period_s
             time.sleep(max(0.0, due - time.monotonic()))
     except KeyboardInterrupt:

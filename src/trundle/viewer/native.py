@@ -17,8 +17,11 @@ import numpy.typing as npt
 
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D
-from trundle.robots import Robot, WheelSpeeds
+from trundle.robots import Robot
+from trundle.sim import RobotState
+from trundle.sim.mover_history import MoverHistory
 from trundle.viewer.cameras import Camera
+from trundle.viewer.moving import movers_at_start
 from trundle.viewer.route import goal_radius, mark_route
 from trundle.viewer.stage import AT_REST, SHOWN_GROUPS, Stage
 from trundle.worlds import World
@@ -73,7 +76,8 @@ class NativeWindow:
             pose = world.seeds[0] if world.seeds else (0.0, 0.0)
         pose = Pose2D.of(pose)
         self._stage = Stage(world, robot, size=(1280, 720), samples=4, shadow_size=4096)
-        self._stage.place(pose)
+        self._stage.place(pose, AT_REST, movers_at_start(world, robot, pose))
+        self._movers = MoverHistory()
         self._chase = chase
         self._stage.model.vis.map.shadowclip = _SHADOWS_M / self._stage.model.stat.extent
         camera = self._stage.aim("chase" if chase else "robot", pose)
@@ -94,11 +98,13 @@ class NativeWindow:
         """Whether it is still open."""
         return bool(self._handle.is_running())
 
-    def show(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST) -> None:
-        """Show the robot at another pose (map frame), its drive wheels turned by these angles [rad]."""
+    def show(self, state: RobotState) -> None:
+        """Show the robot in another state, and the movers with their trails."""
+        pose = state.pose
+        self._movers.add(state.time, state.movers)
         if self.is_open:
             with self._handle.lock():
-                self._stage.place(pose, wheel_positions)
+                self._stage.place(pose, state.wheel_positions, self._movers.at(state.time))
                 if self._chase:
                     self._point(self._stage.aim("chase", pose))
             self._handle.sync()

@@ -14,6 +14,7 @@ from trundle.geometry import Pose2D
 from trundle.robots import Robot
 from trundle.viewer.cameras import Camera
 from trundle.viewer.gl import describe_missing_gl
+from trundle.viewer.moving import movers_at_start
 from trundle.viewer.painters import RendererKind
 from trundle.viewer.scene import SceneRenderer
 from trundle.worlds import World
@@ -78,6 +79,7 @@ def render(
     with SceneRenderer(
         world, robot, size=size, camera=camera, path=path, goal=goal, samples=4, shadow_size=4096
     ) as scene:
-        pixels = scene.render(pose)
+        at = Pose2D.of(pose)
+        pixels = scene.render(at, movers=movers_at_start(world, robot, at))
         kind = scene.kind
     return Picture(pixels, kind, describe_missing_gl() if kind == "software" else "")

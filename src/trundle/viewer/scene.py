@@ -10,6 +10,7 @@ import numpy.typing as npt
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D
 from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.mover_history import ShownMovers
 from trundle.viewer.cameras import Camera
 from trundle.viewer.painters import Painter, Pixels, RendererKind, open_painter
 from trundle.viewer.stage import AT_REST, Stage
@@ -64,12 +65,19 @@ class SceneRenderer:
         """The kind of renderer: `egl`, `osmesa` or `software`."""
         return self._kind
 
-    def render(self, pose: Pose2D | Sequence[float], *, wheel_positions: WheelSpeeds = AT_REST) -> Pixels:
+    def render(
+        self,
+        pose: Pose2D | Sequence[float],
+        *,
+        wheel_positions: WheelSpeeds = AT_REST,
+        movers: ShownMovers | None = None,
+    ) -> Pixels:
         """Draw the robot at a pose.
 
         Args:
             pose: Pose of base_link in the map frame.
             wheel_positions: Angles of the drive wheels [rad].
+            movers: The moving obstacles; None leaves them where they were, at first where their motions begin.
 
         Returns:
             RGB, shape (height, width, 3).
@@ -80,7 +88,7 @@ class SceneRenderer:
         if self._painter is None:
             raise SimulationError("this SceneRenderer is closed; create a new one")
         pose = Pose2D.of(pose)
-        self._stage.place(pose, wheel_positions)
+        self._stage.place(pose, wheel_positions, movers)
         return self._painter.paint(self._stage.data, self._stage.aim(self._camera, pose))
 
     def close(self) -> None:

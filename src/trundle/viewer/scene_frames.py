@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING, Self
 
 from trundle.geometry import Pose2D
+from trundle.sim.mover_history import ShownMovers
 from trundle.viewer.scene import SceneRenderer
 
 if TYPE_CHECKING:
@@ -42,10 +43,10 @@ class SceneFrames:
             self._scene = self._open((1280, 720), shadow_size=2048)
         self._picture = self._scene.render(mission.start)
 
-    def render(self, pose: Pose2D) -> Pixels:
+    def render(self, pose: Pose2D, movers: ShownMovers) -> Pixels:
         """Return the picture for the next frame."""
         if self._count % self._stride == 0:
-            self._picture = self._scene.render(pose)
+            self._picture = self._scene.render(pose, movers=movers)
         self._count += 1
         return self._picture
 

@@ -10,10 +10,12 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray, Pose2D
 from trundle.robots import Robot, WheelSpeeds
+from trundle.sim.mover_history import ShownMovers
 from trundle.sim.mujoco.model import build_spec
 from trundle.sim.mujoco.world_parts import FLOOR
 from trundle.solids import Solid
 from trundle.viewer.cameras import Camera, aim
+from trundle.viewer.moving import MovingBodies
 from trundle.viewer.route import (
     GOAL_COLOR,
     GOAL_HALF_HEIGHT_M,
@@ -75,6 +77,7 @@ class Stage:
             _add_path(spec, path)
         if goal is not None:
             _add_goal(spec, goal, robot)
+        self._moving = MovingBodies(spec, world, _GROUP_MARKS) if world.movers else None
         _lay_slab(spec, world)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
@@ -83,8 +86,10 @@ class Stage:
         self._sight = np.array([1, 1, 0, 0, 0, 0], dtype=np.uint8)
         self.place(Pose2D(0.0, 0.0))
 
-    def place(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST) -> None:
-        """Put the robot at a pose (map frame), with its drive wheels turned by these angles [rad]."""
+    def place(self, pose: Pose2D, wheel_positions: WheelSpeeds = AT_REST, movers: ShownMovers | None = None) -> None:
+        """Put the robot at a pose (map frame), with its drive wheels turned by these angles [rad], and the movers."""
+        if self._moving is not None and movers is not None:
+            self._moving.place(self.model, self.data, movers)
         upright = (math.cos(pose.yaw / 2.0), 0.0, 0.0, math.sin(pose.yaw / 2.0))
         self.data.joint("base_link").qpos[:] = (pose.x, pose.y, 0.0, *upright)
         for wheel in self.robot.drive.wheels:

@@ -50,7 +50,7 @@ class Watcher:
         """Show the robot, and wait until real time has caught up."""
         if self._window.is_open:
             self._mark(step)
-            self._window.show(step.state.pose, step.state.wheel_positions)
+            self._window.show(step.state)
             time.sleep(max(0.0, self._began + step.state.time - time.monotonic()))
 
     def on_end(self, episode: Episode) -> None:

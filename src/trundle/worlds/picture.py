@@ -9,12 +9,15 @@ import numpy.typing as npt
 from PIL import Image
 
 from trundle._core import draw_triangles
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D
 from trundle.pictures.cells import merge_cells
-from trundle.pictures.colors import START
+from trundle.pictures.colors import START, WARNING
 from trundle.pictures.figure import make_figure
 from trundle.pictures.plan import Plan
 from trundle.solids import Box, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.worlds.movers.crowd import Crowd
+from trundle.worlds.movers.mover import Mover, outline_of
+from trundle.worlds.movers.walk import CrowdWalk, RobotMotion
 from trundle.worlds.tessellate import box_mesh, cylinder_mesh, sphere_mesh
 
 _CEILING_M = 2.0
@@ -23,13 +26,24 @@ _CEILING_M = 2.0
 _LONG_SIDE = 800
 _STEP_M = 0.08  # a drop in height from one pixel to the next that gets an outline
 _SUN = np.array([-0.45, 0.35, 0.82])
+_AHEAD_S, _AHEAD_STEPS = 8.0, 41
+_FILL = 110
+_NO_ROBOT = RobotMotion(1e6, 1e6, 0.0, 0.0, 0.0)
 _SAME = np.arange(256, dtype=np.uint8)
 
 
 def draw_world(
-    solids: Sequence[Solid], seeds: Sequence[tuple[float, float]], title: str, lines: Sequence[str]
+    solids: Sequence[Solid],
+    seeds: Sequence[tuple[float, float]],
+    title: str,
+    lines: Sequence[str],
+    *,
+    movers: Sequence[Mover | Crowd] = (),
 ) -> Image.Image:
-    """Draw solids from above, with the seed points and north up."""
+    """Draw solids from above, with the seed points, the movers where they start, and north up.
+
+    Each mover has a line along its first eight seconds.
+    """
     lows, highs = solids_bounds(solids)
     low_enough = lows[:, 2] < _CEILING_M
     shown = [solid for solid, keep in zip(solids, low_enough, strict=True) if keep]
@@ -40,7 +54,26 @@ def draw_world(
         plan.paste(pixels, covered)
     for seed in seeds:
         plan.disc(seed, 4.0, START)
+    _draw_movers(plan, movers, solids)
     return make_figure(plan.finish(), plan.pixels_per_metre, title, lines)
+
+
+def _draw_movers(plan: Plan, movers: Sequence[Mover | Crowd], solids: Sequence[Solid]) -> None:
+    scripted = [mover for mover in movers if isinstance(mover, Mover)]
+    crowds = [crowd for crowd in movers if isinstance(crowd, Crowd)]
+    times = np.linspace(0.0, _AHEAD_S, _AHEAD_STEPS)
+    paths = [np.array([mover.motion.at(time)[:3] for time in times.tolist()]) for mover in scripted]
+    outlines = [outline_of(mover.parts) for mover in scripted]
+    if crowds:
+        walk = CrowdWalk(crowds, scripted, solids)
+        walk.reset(0, _NO_ROBOT)
+        states = np.array([walk.at(time, _NO_ROBOT)[:, :3] for time in times.tolist()])
+        paths += list(states.transpose(1, 0, 2))
+        outlines += [outline_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
+    for path, outline in zip(paths, outlines, strict=True):
+        plan.line(path[:, :2], WARNING, 1.5)
+        corners = Pose2D(*path[0].tolist()).transform_points(outline)
+        plan.polygon(corners, WARNING, fill=_FILL)
 
 
 def _render(solids: Sequence[Solid], plan: Plan, top: float) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:

@@ -186,7 +186,8 @@ class World:
         from trundle.pictures.figure import to_png
         from trundle.worlds.picture import draw_world
 
-        return to_png(draw_world(self.solids, self.seeds, f"World {self.name}", [self._size_text()]))
+        lines = [self._size_text()]
+        return to_png(draw_world(self.solids, self.seeds, f"World {self.name}", lines, movers=self.movers))
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
