@@ -292,6 +292,17 @@ def cost_field(
     seconds: float | None,
     cancel: npt.NDArray[np.uint8] | None,
 ) -> tuple[int, npt.NDArray[np.float32] | None]: ...
+def eikonal_field(
+    classes: npt.NDArray[np.uint8],
+    costs: npt.NDArray[np.float32],
+    seeds: npt.NDArray[np.int64],
+    values: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float32]:
+    """Cost in any direction from each cell to the seeds (row, col), which start with `values`.
+
+    `costs`, shape (256,), are of a cell's length by the cell's class, infinite for walls.
+    """
+
 def line_costs(
     costs: npt.NDArray[np.uint8],
     weights: npt.NDArray[np.float64],

@@ -1,4 +1,5 @@
 // Cost to go from every cell of a grid to the nearest of some goals: the exact shortest paths over the whole map.
+#include "field/eikonal.hpp"
 #include "field/tiled_field.hpp"
 #include "shared/arrays.hpp"
 #include "shared/call_limits.hpp"
@@ -69,4 +70,6 @@ void bind_field(nanobind::module_ &m) {
   bind(&trundle::cost_field<std::uint8_t>);
   bind(&trundle::cost_field<std::uint16_t>);
   bind(&trundle::cost_field<float>);
+  m.def("eikonal_field", &trundle::eikonal_field, nb::arg("classes").noconvert(), nb::arg("costs").noconvert(),
+        nb::arg("seeds").noconvert(), nb::arg("values").noconvert());
 }
