@@ -209,3 +209,10 @@ def test_it_says_that_it_has_no_valid_control_in_front_of_a_wall():
         controller.compute_velocity(Pose2D(0, 0), Twist2D(), walled, DT)
     controller.reset()
     assert controller.compute_velocity(Pose2D(0, 0), Twist2D(), walled, DT) == Twist2D()
+
+
+def test_a_path_of_one_pose_that_is_reached_already_is_done_at_once():
+    controller = RegulatedPurePursuit(CARTER)
+    controller.set_path(Path(np.array([[1.0, 0.0, 0.5]])))
+    assert controller.compute_velocity(Pose2D(1.0, 0.0, 0.5), Twist2D(), costmap_with(), DT) == Twist2D()
+    assert controller.is_done

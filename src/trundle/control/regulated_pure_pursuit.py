@@ -9,6 +9,7 @@ way, with the speed negated.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -115,6 +116,25 @@ class RegulatedPurePursuit:
         self._done = True
         self._speed_limit = math.inf
 
+    @property
+    def remaining_m(self) -> float:
+        """How much of the path is left [m]; all of it until the first command on it."""
+        if self._done:
+            return 0.0
+        if self._sections is None:
+            return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in itertools.pairwise(self._vertices))
+        return sum(section.length for section in self._sections[self._index :]) - self._s
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether it turns in place."""
+        return self._turn is not None
+
+    @property
+    def is_done(self) -> bool:
+        """Whether it has no path, or has come to its end."""
+        return self._done
+
     def set_speed_limit(self, limit: float) -> None:
         """Drive no faster than this [m/s] from now on; infinity takes the limit away."""
         self._speed_limit = limit
@@ -135,7 +155,8 @@ class RegulatedPurePursuit:
             return _STAND
         if self._sections is None:
             self._lay_out(pose, costmap)
-        self._finish_what_is_done(pose)
+        if not self._done:
+            self._finish_what_is_done(pose)
         if self._done:
             return _STAND
         if self._turn is not None:
