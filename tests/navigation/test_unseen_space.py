@@ -47,3 +47,15 @@ def test_beside_unseen_space_it_creeps_on():
 
 def test_blocked_unknown_space_is_left_to_the_controller():
     assert slowed(seen_up_to(0.1, unknown="blocked"), Twist2D(0.8, 0.0)) == Twist2D(0.8, 0.0)
+
+
+def test_where_it_stands_it_has_seen_enough_to_drive_on():
+    # Everything was seen from a lidar at the front but the rear, and the cells that the robot itself hides.
+    cells = np.zeros((120, 200), np.int8)
+    rear, side = HERE.x + float(CARTER.outline[:, 0].min()), float(CARTER.outline[:, 1].max())
+    cells[:, : round(rear / 0.05)] = -1
+    cells[round((HERE.y - side) / 0.05) - 1 : round((HERE.y + side) / 0.05) + 1, : round((HERE.x - 0.2) / 0.05)] = -1
+    costmap = Costmap.from_grid(OccupancyGrid(cells, 0.05), CARTER, unknown="costly")
+    padded = CARTER.planar.padded(0.01).outline
+    command = slow_down_in_unseen(costmap, CARTER.limits, HERE, Twist2D(), Twist2D(0.8, 0.0), DT, padded=padded)
+    assert command == Twist2D(0.8, 0.0)
