@@ -17,6 +17,7 @@ CONTROLLERS: Registry[Controller] = Registry(
     {
         "regulated_pure_pursuit": "trundle.control.regulated_pure_pursuit:RegulatedPurePursuit",
         "lookahead": "trundle.control.lookahead:LookaheadFollower",
+        "mppi": "trundle.control.mppi.controller:MppiController",
     },
     removed={"blog": "was renamed; use lookahead"},
 )

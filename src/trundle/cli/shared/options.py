@@ -56,7 +56,7 @@ def _pairs(name: str, help: str) -> Parameter:
 ROBOT_CHOICES = "nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML"
 ROBOT_HELP = f"A robot: {ROBOT_CHOICES}."
 PLANNER_HELP = "The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or a plug-in's name."
-CONTROLLER_HELP = "The controller: regulated_pure_pursuit, lookahead or a plug-in's name."
+CONTROLLER_HELP = "The controller: regulated_pure_pursuit, mppi, lookahead or a plug-in's name."
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]

@@ -1,0 +1,325 @@
+"""Model predictive path integral control, by name `mppi`.
+
+In every control period thousands of sequences of commands are rolled out, rated, and averaged by how good they are
+(Williams, Drews, Goldfain, Rehg and Theodorou, 2016). They are led by a field, the cost to go to where the path leaves
+a window around the robot, so that the robot takes its own course round what blocks the path there.
+
+The samples know the footprint as discs. Where these do not fit and the outline does, and on stretches that are driven
+backwards, the robot follows the planned path itself, as planned by regulated pure pursuit. Whatever the command is, the
+outline must be able to stop.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from trundle.control.collision import can_stop
+from trundle.control.controller import Controller
+from trundle.control.mppi.discs import cover_with_discs
+from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.guide import Guide
+from trundle.control.mppi.route import Route
+from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
+from trundle.control.mppi.settings import MppiSettings
+from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
+from trundle.costmap import Costmap
+from trundle.errors import InputError, NoValidControlError
+from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
+from trundle.observation import Track
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.values import check_kind, check_number
+
+_STAND = Twist2D(0.0, 0.0)
+_SLOWER = (1.0, 0.5, 0.25)
+_EXACT_BEFORE_M, _EXACT_BEFORE_S = 0.4, 0.8
+"""The planned path is followed from so far before a place where only the outline fits [m], [s] at top speed."""
+_STILL_MPS, _STILL_RADPS = 0.05, 0.2
+_BY_MOVER = "blocked by a mover"
+_MANY_CONTACTS = 0.01  # of all samples: what moves is in the way
+_STILL_S = 1.0
+_AT_REST = 0.02
+_PATIENCE_M = 0.3
+_LEFT_OUT_MARGIN_M = 0.15
+_FREE_DETOUR_M = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rollouts:
+    """The best samples of a tick.
+
+    Attributes:
+        poses: (x, y, yaw) [m, m, rad], map frame, shape (N, T, 3).
+        costs: Of each [m], shape (N,), the lowest first.
+    """
+
+    poses: FloatArray
+    costs: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Now:
+    """What a controller is told each control period; see `Controller.compute_velocity`."""
+
+    pose: Pose2D
+    twist: Twist2D
+    costmap: Costmap
+    dt: float
+
+
+class MppiController(Controller):
+    """Samples what the robot could do, and does the best of it; stops at the path's end, turned to its last yaw.
+
+    Args:
+        robot: What is driven; its limits hold over the settings.
+        settings: Any field of `MppiSettings`.
+
+    Attributes:
+        settings: The same.
+        reason: Why the robot makes no progress, such as "no free sample"; empty while it does.
+
+    Raises:
+        InputError: If a setting is out of range, or a limit of the robot is zero.
+    """
+
+    def __init__(self, robot: Robot, **settings: Any) -> None:
+        check_kind(robot, Robot, "a controller's robot", "Robot.load(name) makes one")
+        self._robot = robot
+        self.settings = MppiSettings(**settings)
+        for name in ("linear_speed", "angular_speed", "linear_acceleration", "angular_acceleration"):
+            if not getattr(robot.limits, name) > 0.0:
+                raise InputError(f"mppi: {robot.name} cannot move: its limit {name} must be above 0")
+        self._limits = self.settings.limits_of(robot)
+        padding = self.settings.footprint_padding
+        self._padded = robot.planar.padded(padding).outline
+        self._discs = cover_with_discs(robot.planar, padding)
+        self._sampler = Sampler(robot, self.settings, self._discs)
+        style = FieldStyle(
+            float(self._discs[:, 1].max()), self.settings.near_path_weight, self.settings.near_path_distance
+        )
+        reach = self._limits.linear_speed * self.settings.step_s(robot) * self.settings.steps
+        self._guide = Guide(style, reach)
+        self._pursuit = RegulatedPurePursuit(robot, footprint_padding=padding)
+        self.reset()
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the path, the speed limit and the last commands; samples are drawn by this seed."""
+        self._sampler.reset(seed)
+        self._guide.reset()
+        self._pursuit.reset()
+        self._route: Route | None = None
+        self._done = True
+        self._follows = False
+        self._is_new = False
+        self._speed_limit = math.inf
+        self._tracks: tuple[Track, ...] = ()
+        self._last = _STAND
+        self._forget_place()
+
+    def _forget_place(self) -> None:
+        self._still_s = 0.0
+        self._held_from_m = math.inf
+        self.reason = ""
+
+    def set_path(self, path: Path) -> None:
+        """Follow this path from now on, from its beginning."""
+        self._route = Route(path)
+        self._done = False
+        self._follows = False
+        self._is_new = True
+        self._forget_place()
+
+    def set_speed_limit(self, limit: float) -> None:
+        """Drive no faster than this [m/s] from now on; infinity takes the limit away."""
+        self._speed_limit = limit
+        self._pursuit.set_speed_limit(limit)
+
+    def set_tracks(self, tracks: Sequence[Track]) -> None:
+        """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
+        self._tracks = tuple(track for track in tracks if track.confirmed)
+
+    def rollouts(self, count: int = 30) -> Rollouts | None:
+        """The best samples of the last tick; none where it needed no samples."""
+        if self._follows or self._done:
+            return None
+        return Rollouts(*self._sampler.best(count))
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
+        """Return the command for the next control period; see `Controller`.
+
+        Raises:
+            NoValidControlError: If every command would cause a contact, or the costmap does not contain the robot.
+            InputError: If the control period is not positive.
+        """
+        check_number("dt", dt, 1e-4, 10.0, "s")
+        if self._route is None or self._done:
+            self.reason = "no path yet" if self._route is None else ""
+            return _STAND
+        if not costmap.contains(*costmap.world_to_cell(pose.x, pose.y)):
+            raise self._no_control(pose, "outside of the costmap")
+        if self._is_new:
+            self._begin(twist)
+        try:
+            command = self._drive(self._route, _Now(pose, twist, costmap, dt))
+        except NoValidControlError:
+            self.reason = self.reason or "the outline would touch something"
+            raise
+        self._watch(command, twist, dt)
+        self._last = twist
+        return command
+
+    def _begin(self, twist: Twist2D) -> None:
+        """Begin a new path: a robot that stands forgets what it did before."""
+        self._is_new = False
+        self._guide.reset()
+        if max(abs(twist.v), abs(twist.w)) < _AT_REST:
+            self._sampler.restart(_STAND)
+            self._last = _STAND
+
+    # Choosing -------------------------------------------------------------------------------------------------------
+
+    def _drive(self, route: Route, now: _Now) -> Twist2D:
+        followed: Twist2D | None = None
+        if self._follows:
+            followed = self._keep_following(route, now)
+            if self._done or self._pursuit.is_turning:
+                return followed
+        else:
+            route.advance(now.pose)
+            if self._has_arrived(route, now.pose):
+                return self._follow(_turn_at(now.pose, route.path.goal.yaw), now)
+        window = self._guide.look(now.costmap, now.pose, self._left_out())
+        if self._is_exact(route, window, now.pose) or not self._is_led(route, window, now.pose):
+            return self._follow(route.rest(now.pose), now) if followed is None else followed
+        if self._follows:
+            self._follows = False
+            self._sampler.restart(now.twist)
+        return self._sample(route, window, now)
+
+    def _follow(self, path: Path, now: _Now) -> Twist2D:
+        """Follow a planned path itself from now on."""
+        self._follows = True
+        self._pursuit.set_path(path)
+        command = self._pursuit.compute_velocity(now.pose, now.twist, now.costmap, now.dt)
+        self._done = self._pursuit.is_done
+        return self._soften(command, now)
+
+    def _keep_following(self, route: Route, now: _Now) -> Twist2D:
+        command = self._pursuit.compute_velocity(now.pose, now.twist, now.costmap, now.dt)
+        route.jump(self._pursuit.remaining_m)
+        self._done = self._pursuit.is_done
+        return self._soften(command, now)
+
+    def _soften(self, command: Twist2D, now: _Now) -> Twist2D:
+        """A command that speeds up as gently as the samples do; it may slow down as it likes."""
+        gentle = self._limits.approach(now.twist, command, now.dt)
+        v = gentle.v if abs(command.v) > abs(now.twist.v) else command.v
+        w = gentle.w if abs(command.w) > abs(now.twist.w) else command.w
+        return Twist2D(v, w)
+
+    def _has_arrived(self, route: Route, pose: Pose2D) -> bool:
+        near = pose.distance_to(route.path.goal) <= self.settings.goal_tolerance
+        return near and route.left_m <= 2.0 * self.settings.goal_tolerance
+
+    def _is_exact(self, route: Route, window: Window, pose: Pose2D) -> bool:
+        """Whether the planned path itself is to be followed here."""
+        if self._held_from_m - route.left_m < _PATIENCE_M:
+            return True
+        ahead = route.ahead(_EXACT_BEFORE_M + _EXACT_BEFORE_S * self._limits.linear_speed)
+        if route.backward[ahead].any() or float(route.along[-1]) < self.settings.goal_tolerance:
+            return True
+        poses = window.poses_in(route.poses[ahead])
+        # Beside the path the samples see to themselves.
+        if math.dist(poses[0, :2], window.to_window(pose.x, pose.y)) > _PATIENCE_M:
+            return False
+        tight = ~window.discs_fit(poses, self._discs)
+        if not tight.any():
+            return False
+        outlines = window.costmap.footprint_collides(route.poses[ahead][tight])
+        return not bool(outlines.any())
+
+    def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
+        """Whether the cost to go leads from here to where the path goes on."""
+        self._guide.lead(window, route, route.section_end)
+        if math.isfinite(self._guide.cost_at(window, pose)):
+            return True
+        self.reason = "the path is blocked"
+        return False
+
+    # Sampling -------------------------------------------------------------------------------------------------------
+
+    def _sample(self, route: Route, window: Window, now: _Now) -> Twist2D:
+        to_go, twist = self._guide.to_go, now.twist
+        if to_go is None:
+            raise self._no_control(now.pose, "the path is blocked")
+        change = Twist2D((twist.v - self._last.v) / now.dt, (twist.w - self._last.w) / now.dt)
+        start = Start(now.pose, twist, change, self._speed_limit, now.dt)
+        answer = self._sampler.step(window, to_go, start, self._aim(route, window), self._movers(window))
+        self.reason = _reason_of(answer)
+        for share in _SLOWER:
+            command = Twist2D(share * answer.command.v, share * answer.command.w)
+            if can_stop(now.costmap, self._robot.limits, now.pose, twist, command, now.dt, padded=self._padded):
+                return command
+        self.reason = self.reason or "the outline would touch something"
+        return self._follow(route.rest(now.pose), now)
+
+    def _aim(self, route: Route, window: Window) -> Aim:
+        end = route.section_end
+        (x, y, yaw) = window.poses_in(route.poses[end : end + 1])[0].tolist()
+        within = self._guide.target == end
+        return Aim(x, y, yaw, has_yaw=within, reach=0.3 if within else 0.0)
+
+    def _left_out(self) -> FloatArray:
+        moving = [(track.x, track.y, track.radius + _LEFT_OUT_MARGIN_M) for track in self._tracks if track.moving]
+        return np.array(moving, np.float64).reshape(-1, 3)
+
+    def _movers(self, window: Window) -> FloatArray:
+        rows: list[tuple[float, ...]] = []
+        for track in self._tracks:
+            if not track.moving:
+                continue
+            x, y = window.to_window(track.x, track.y)
+            (vx, vy) = window.turn_in(track.vx, track.vy)
+            position = 0.5 * float(track.covariance[0, 0] + track.covariance[1, 1])
+            velocity = 0.5 * float(track.covariance[2, 2] + track.covariance[3, 3])
+            rows.append((x, y, vx, vy, track.radius, position, velocity))
+        return np.array(rows, np.float64).reshape(-1, 7)
+
+    # Reasons --------------------------------------------------------------------------------------------------------
+
+    def _watch(self, command: Twist2D, twist: Twist2D, dt: float) -> None:
+        """Never stand still without a reason: what stands for a while follows the planned path itself."""
+        still = max(abs(command.v), abs(twist.v)) < _STILL_MPS and max(abs(command.w), abs(twist.w)) < _STILL_RADPS
+        if not still or self._done:
+            self._still_s, self.reason = 0.0, ""
+            return
+        self.reason = self.reason or "standing is the best sample"
+        if self.reason == _BY_MOVER:
+            return
+        self._still_s += dt
+        if self._still_s > _STILL_S and self._route is not None and not self._follows:
+            self._held_from_m, self._still_s = self._route.left_m, 0.0
+
+    def _no_control(self, pose: Pose2D, reason: str) -> NoValidControlError:
+        self.reason = reason
+        return NoValidControlError(
+            f"no valid control at ({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f}): {reason}; plan again from here, or "
+            "back up"
+        )
+
+
+def _reason_of(answer: Answer) -> str:
+    if answer.free == 0:
+        return "no free sample"
+    everyone = answer.free + answer.blocked
+    return _BY_MOVER if answer.contacts >= _MANY_CONTACTS * everyone else ""
+
+
+def _turn_at(pose: Pose2D, yaw: float) -> Path:
+    """A turn in place to a yaw."""
+    return Path(np.array([pose.as_tuple(), (pose.x, pose.y, pose.yaw + wrap_angle(yaw - pose.yaw))]))

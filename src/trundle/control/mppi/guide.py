@@ -1,0 +1,105 @@
+"""`Guide`: the window around the robot, and the cost to go in it, kept as long as nothing changes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.control.mppi.fields import FieldStyle, Window
+from trundle.control.mppi.route import Route
+from trundle.costmap import Costmap
+from trundle.geometry import FloatArray, Pose2D
+
+_SLACK_M = 1.0
+_LEAST_REACH_M = 2.0
+_MOST_CELLS = 120
+_EDGE_CELLS = 2
+_BESIDE_CELLS = 2
+
+
+class Guide:
+    """Leads along a route, round what blocks it within the window.
+
+    Args:
+        style: What the fields are made for.
+        reach: How far samples go [m].
+
+    Attributes:
+        window: Around the robot.
+        to_go: Cost from each of its cells to where the route leaves it, and what is left of the section from there
+            [m], infinite where no path leads there; none where the route has no free place ahead in the window.
+        target: Index of the pose of the route that it leads to.
+    """
+
+    def __init__(self, style: FieldStyle, reach: float) -> None:
+        self._style, self._reach = style, max(reach + 0.5, _LEAST_REACH_M)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.window: Window | None = None
+        self.to_go: npt.NDArray[np.float32] | None = None
+        self.target = -1
+        self._made_of: tuple[object, ...] = ()
+
+    def look(self, costmap: Costmap, pose: Pose2D, left_out: FloatArray) -> Window:
+        """The window of a costmap around the robot.
+
+        Args:
+            costmap: Where it drives.
+            pose: Where it is, map frame.
+            left_out: Discs (x, y, radius) [m], map frame, whose obstacles are left out.
+        """
+        window = self.window
+        if window is not None and window.costmap is costmap and len(left_out) == 0 and not window.leaves_out:
+            room = window.room_around(*window.to_window(pose.x, pose.y))
+            if room >= min(self._reach, 0.5 * _MOST_CELLS * costmap.resolution):
+                return window
+        row, col = (int(index) for index in costmap.world_to_cell(pose.x, pose.y))
+        half = min(math.ceil((self._reach + _SLACK_M) / costmap.resolution), _MOST_CELLS)
+        self.window = Window(costmap, (row, col), half, self._style, left_out)
+        return self.window
+
+    def lead(self, window: Window, route: Route, end: int) -> npt.NDArray[np.float32] | None:
+        """The cost to go to the last free place of a route in the window, up to its pose `end`.
+
+        Only the stretch up to where it first leaves the window counts.
+        """
+        target = self._target(window, route, end)
+        if target is None:
+            self.to_go, self.target = None, -1
+            return None
+        made_of = (window, route, target, end)
+        if self.to_go is None or not _are_same(made_of, self._made_of):
+            point = window.poses_in(route.poses[target : target + 1])[:, :2]
+            left = float(route.along[end] - route.along[target])
+            self.to_go = window.cost_to_go(point, np.array([left]))
+            self.target, self._made_of = target, made_of
+        return self.to_go
+
+    def _target(self, window: Window, route: Route, end: int) -> int | None:
+        ahead = window.poses_in(route.poses[route.index : end + 1])[:, :2]
+        rows, cols = window.cells_of(ahead)
+        edge = _EDGE_CELLS
+        inside = window.inside(rows - edge, cols - edge) & window.inside(rows + edge, cols + edge)
+        count = len(inside) if inside.all() else int(np.argmin(inside))
+        free = np.flatnonzero(window.passable(ahead[:count]))
+        return route.index + int(free[-1]) if len(free) else None
+
+    def cost_at(self, window: Window, pose: Pose2D) -> float:
+        """Cost to go from the robot's place [m], or from the nearest cells that have one; infinite without."""
+        if self.to_go is None:
+            return math.inf
+        x, y = window.to_window(pose.x, pose.y)
+        row, col = int(y / window.resolution), int(x / window.resolution)
+        near = self.to_go[
+            max(0, row - _BESIDE_CELLS) : row + _BESIDE_CELLS + 1, max(0, col - _BESIDE_CELLS) : col + _BESIDE_CELLS + 1
+        ]
+        here = self.to_go[row, col] if 0 <= row < self.to_go.shape[0] and 0 <= col < self.to_go.shape[1] else math.inf
+        return float(here) if math.isfinite(here) else float(near.min(initial=math.inf))
+
+
+def _are_same(first: tuple[object, ...], second: tuple[object, ...]) -> bool:
+    return len(first) == len(second) and all(a is b or a == b for a, b in zip(first, second, strict=True))

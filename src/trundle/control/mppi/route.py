@@ -1,0 +1,102 @@
+"""`Route`: a path as closely spaced poses, and where the robot is on it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.geometry import FloatArray, Pose2D, wrap_angle
+from trundle.path import Path
+
+_STEP_M = 0.05
+_STEP_RAD = 0.1
+_AHEAD_M = 1.0
+_SAME_PLACE_M = 1e-6
+
+
+class Route:
+    """A path that is followed from its beginning.
+
+    Args:
+        path: The path.
+
+    Attributes:
+        path: The same.
+        poses: At most 0.05 m and 0.1 rad apart, the corners of the path among them, shape (N, 3).
+        along: Length of path up to each of them [m], shape (N,).
+        backward: Whether the stretch that leads to each of them is driven backwards, shape (N,).
+        index: Where the robot is, an index into `poses`.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        pieces = [path.poses[:1]]
+        backward = [np.array(path.backward[:1], np.bool_) if len(path.backward) else np.zeros(1, np.bool_)]
+        for first, last, back in zip(path.poses[:-1], path.poses[1:], path.backward, strict=True):
+            piece = _leg(first.tolist(), last.tolist(), back=bool(back))
+            pieces.append(piece)
+            backward.append(np.full(len(piece), back))
+        self.poses: FloatArray = np.concatenate(pieces)
+        self.backward: npt.NDArray[np.bool_] = np.concatenate(backward)
+        steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
+        self.along: FloatArray = np.concatenate([[0.0], np.cumsum(steps)])
+        self.index = 0
+
+    @property
+    def left_m(self) -> float:
+        """How much of it is left [m]."""
+        return float(self.along[-1] - self.along[self.index])
+
+    @property
+    def section_end(self) -> int:
+        """Index of the pose where the direction of driving changes next, or of the last one."""
+        turned = np.flatnonzero(self.backward[self.index :] != self.backward[self.index])
+        return self.index + int(turned[0]) - 1 if len(turned) else len(self.along) - 1
+
+    def ahead(self, length: float) -> slice:
+        """The poses from the robot's on, over a length [m]."""
+        end = int(self.along.searchsorted(float(self.along[self.index]) + length, side="right"))
+        return slice(self.index, max(end, self.index + 1))
+
+    def advance(self, pose: Pose2D) -> None:
+        """Find the robot's place on it, from the last one on, up to the next change of direction."""
+        poses = self.poses
+        end = min(self.section_end + 1, self.ahead(_AHEAD_M).stop)
+        dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
+        distances = dx * dx + dy * dy
+        # The last of the nearest ones: a turn in place is passed at once.
+        self.index += len(distances) - 1 - int(np.argmin(distances[::-1]))
+
+    def jump(self, left_m: float) -> None:
+        """Take it that so much of it is left [m]."""
+        self.index = max(self.index, int(self.along.searchsorted(float(self.along[-1]) - left_m - 1e-9)))
+        self.index = min(self.index, len(self.along) - 1)
+
+    def rest(self, pose: Pose2D) -> Path:
+        """What is left of it, from the robot's place on it, with the robot's own yaw first."""
+        legs = slice(self.index + 1, None)
+        here = self.poses[self.index].copy()
+        first = here.copy()
+        first[2] = pose.yaw
+        poses = np.concatenate([first[np.newaxis], here[np.newaxis], self.poses[legs]])
+        backward = np.concatenate([self.backward[self.index : self.index + 1], self.backward[legs]])
+        return Path(poses, planner=self.path.planner, backward=backward)
+
+
+def _leg(first: list[float], last: list[float], *, back: bool) -> FloatArray:
+    """Poses from one pose to the next, without the first."""
+    (x0, y0, yaw0), (x1, y1, yaw1) = first, last
+    length = math.hypot(x1 - x0, y1 - y0)
+    if length <= _SAME_PLACE_M:
+        turn = wrap_angle(yaw1 - yaw0)
+        pieces = max(1, math.ceil(abs(turn) / _STEP_RAD))
+        shares = np.arange(1, pieces + 1) / pieces
+        return np.column_stack([np.full(pieces, x1), np.full(pieces, y1), yaw0 + shares * turn])
+    yaw = math.atan2(y1 - y0, x1 - x0) + (math.pi if back else 0.0)
+    pieces = max(1, math.ceil(length / _STEP_M))
+    shares = np.arange(1, pieces + 1) / pieces
+    poses = np.column_stack([x0 + shares * (x1 - x0), y0 + shares * (y1 - y0), np.full(pieces, yaw)])
+    poses[-1, 2] = yaw1
+    return poses

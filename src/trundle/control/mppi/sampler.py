@@ -1,0 +1,197 @@
+"""`Sampler`: the kernel's arrays, made of settings and of what the robot may do now."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle import _core
+from trundle.control.mppi.fields import Window
+from trundle.control.mppi.settings import MppiSettings
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.robots import Robot
+
+_BLOCK = 16
+_MOST_TURN_RAD = 1.0  # in one step of the model
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """Where the samples are to lead.
+
+    Attributes:
+        x, y, yaw: The end of the path, the window's frame [m, m, rad].
+        has_yaw: Whether the yaw counts.
+        reach: How near the end the straight distance counts instead of the cost to go [m]; 0 where the end is not in
+            the window.
+        backward: Whether the robot is to drive backwards.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    has_yaw: bool
+    reach: float
+    backward: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How the robot moves at the start of a tick.
+
+    Attributes:
+        pose: Where it is, map frame.
+        twist: How it moves.
+        change: How it has accelerated since the last tick [m/s², rad/s²].
+        speed_limit: [m/s], infinite without one.
+        dt: For how long the command is sent [s].
+    """
+
+    pose: Pose2D
+    twist: Twist2D
+    change: Twist2D
+    speed_limit: float
+    dt: float
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What the samples say.
+
+    Attributes:
+        command: The first command of their weighted mean.
+        free: How many touch nothing that stands.
+        blocked: How many do.
+        contacts: How many touch something that moves.
+        dropped: How many had no finite cost.
+    """
+
+    command: Twist2D
+    free: int
+    blocked: int
+    contacts: int
+    dropped: int
+
+
+class Sampler:
+    """Draws and rates samples, and remembers the best sequence for the next tick.
+
+    Args:
+        robot: What is driven.
+        settings: How.
+        discs: That cover it, (x, radius) [m].
+    """
+
+    def __init__(self, robot: Robot, settings: MppiSettings, discs: FloatArray) -> None:
+        self.settings, self._discs = settings, np.ascontiguousarray(discs)
+        limits = settings.limits_of(robot)
+        self._limits, self._back, self._step_s = limits, limits.reverse_speed or 0.0, settings.step_s(robot)
+        self._turn = min(limits.angular_speed, _MOST_TURN_RAD / self._step_s)
+        faster = limits.linear_acceleration
+        self._accelerations = faster, faster, limits.angular_acceleration
+        self._deviations = (
+            0.125 * limits.linear_speed if settings.vx_std is None else settings.vx_std,
+            0.3 * limits.angular_speed if settings.wz_std is None else settings.wz_std,
+        )
+        samples = _BLOCK * math.ceil(settings.samples / _BLOCK)
+        self._kernel = _core.Mppi(samples, settings.steps, min(settings.knot_steps, settings.steps))
+        self._weights = np.array(
+            [
+                settings.collision_cost,
+                settings.mover_contact_cost,
+                settings.to_go_weight,
+                settings.goal_weight,
+                settings.path_angle_weight,
+                settings.goal_angle_weight,
+                settings.overshoot_weight,
+                settings.repulsion_weight,
+                settings.slow_near_weight,
+                settings.mover_weight,
+                settings.prefer_forward_weight,
+                settings.twirling_weight,
+                settings.acceleration_weight,
+                settings.jerk_weight,
+                settings.constraint_weight,
+            ]
+        )
+        self.reset(0)
+
+    def reset(self, seed: int) -> None:
+        """Start over with no command, and draw by this seed."""
+        self._seed = float(seed % 2**52)
+        self._controls: npt.NDArray[np.float32] = np.zeros((self.settings.steps, 2), np.float32)
+        self._shift = 0.0
+        self._window: Window | None = None
+
+    def restart(self, twist: Twist2D) -> None:
+        """Forget the best sequence: another controller drove in between."""
+        self._controls[:] = (twist.v, twist.w)
+        self._shift = 0.0
+
+    def step(
+        self, window: Window, to_go: npt.NDArray[np.float32], start: Start, aim: Aim, movers: FloatArray
+    ) -> Answer:
+        """Rate the samples from here on, and return what their mean does first.
+
+        Args:
+            window: Around the robot.
+            to_go: Cost to go in it [m].
+            start: How the robot moves now.
+            aim: Where to.
+            movers: (x, y, vx, vy, radius, variance of position, of velocity), the window's frame, shape (M, 7).
+        """
+        twist, change, speed_limit = start.twist, start.change, start.speed_limit
+        settings = self.settings
+        x, y, yaw = window.pose_in(start.pose)
+        forward = min(self._limits.linear_speed, speed_limit)
+        back = min(self._back, speed_limit)
+        if aim.backward:
+            forward = 0.0
+        state = np.array([x, y, yaw, twist.v, self._within_turn(twist.w), change.v, change.w])
+        model = np.array([self._step_s, -back, forward, self._turn, *self._accelerations])
+        noise = np.array([*self._deviations, settings.best_share, self._seed, self._shift])
+        direction = -1.0 if aim.backward else 1.0
+        reach = max(aim.reach, 0.0)
+        goal = np.array([aim.x, aim.y, aim.yaw, float(aim.has_yaw), reach, settings.threshold_to_consider, direction])
+        bounds = np.array(
+            [
+                settings.inflation_radius,
+                settings.mover_margin,
+                settings.mover_sigmas,
+                settings.max_angle_to_path,
+                min(speed_limit, 1e6),
+            ]
+        )
+        self._shift = start.dt / self._step_s
+        self._window = window
+        v, w, _, _, free, blocked, contacts, dropped, *_ = self._kernel.step(
+            state,
+            self._controls,
+            model,
+            noise,
+            self._discs,
+            window.nearness,
+            to_go,
+            window.resolution,
+            window.unit,
+            goal,
+            movers,
+            self._weights,
+            bounds,
+        )
+        command = self._limits.clamp(Twist2D(min(max(v, -back), max(forward, twist.v)), w))
+        return Answer(command, free, blocked, contacts, dropped)
+
+    def _within_turn(self, w: float) -> float:
+        most = _MOST_TURN_RAD / self._step_s
+        return min(most, max(-most, w))
+
+    def best(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """The best samples of the last tick: poses in the map frame, shape (N, T, 3), and their costs, shape (N,)."""
+        if self._window is None:
+            return np.zeros((0, 0, 3)), np.zeros(0)
+        poses, costs = self._kernel.rollouts(count)
+        return self._window.poses_out(np.asarray(poses, np.float64)), np.asarray(costs, np.float64)

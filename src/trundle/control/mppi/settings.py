@@ -1,0 +1,145 @@
+"""`MppiSettings`: every option of the controller `mppi`, with Nav2's names where the meaning is the same."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from trundle.control.collision import FOOTPRINT_PADDING_M
+from trundle.files.config_fields import Angle, NotNegative, Positive
+from trundle.files.yaml_config import Config
+from trundle.robots import Limits, Robot
+
+MOST_STEPS = 400
+_MOST_TURN_RAD = 1.0  # in one step
+_STOPS_WITHIN = 0.85  # of the horizon
+_FULL_SPEED_IN_S, _FULL_TURN_IN_S = 0.6, 0.4
+
+Weight = Annotated[float, Field(ge=0.0, le=1e6)]
+
+
+class MppiSettings(Config):
+    """How samples are drawn and what they cost. Costs are in metres of path, so that weights can be compared.
+
+    Attributes:
+        samples: How many sequences of commands are tried in each control period; rounded up to a multiple of 16.
+        horizon: How far ahead they look [s]; where the robot takes longer to stop than 0.85 of it, longer steps make it
+            longer.
+        model_dt: Length of their steps [s].
+        vx_std: Deviation of the samples' speed [m/s]; none means an eighth of the robot's top speed.
+        wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's.
+        knot_steps: Noise changes every so many steps, and evenly in between.
+        vx_max: Highest speed [m/s]; none means the robot's limit.
+        vx_min: Highest speed backwards, as a negative number [m/s], 0 for none; none means the robot's limit. Outside
+            of stretches that the planner drives backwards it costs `prefer_forward_weight`.
+        wz_max: Highest turning speed [rad/s]; none means the robot's limit.
+        ax_max: Acceleration and deceleration of the samples [m/s²]; none means the robot's limit, or what reaches its
+            top speed in 0.6 s if that is less.
+        az_max: Their angular acceleration [rad/s²]; none likewise, in 0.4 s.
+        best_share: How many samples the answer is the average of, as a share.
+        to_go_weight: Of the cost to go, its mean along the sample.
+        goal_weight: Of the cost to go at its end (GoalCritic, PathFollowCritic).
+        path_angle_weight: Of the angle to where the cost to go falls (PathAngleCritic).
+        max_angle_to_path: Angle up to which that costs nothing [rad].
+        goal_angle_weight: Of the angle to the goal's yaw, near the goal (GoalAngleCritic).
+        threshold_to_consider: How near the goal its yaw begins to count [m].
+        overshoot_weight: Of ending too fast to stop at the end of the path, per metre past it.
+        collision_cost: Of touching an obstacle (ObstaclesCritic).
+        repulsion_weight: Of being near one, per metre driven (ObstaclesCritic).
+        inflation_radius: How near that is [m], from the discs' edge.
+        slow_near_weight: Of driving fast there, per metre and m/s.
+        mover_weight: Of being near something that moves, per second.
+        mover_contact_cost: Of touching it, where it is certain to be there then.
+        mover_margin: Distance to keep from it [m].
+        mover_sigmas: How many standard deviations of its predicted place are added to that.
+        prefer_forward_weight: Of driving against the planned direction, per metre (PreferForwardCritic).
+        twirling_weight: Of turning, per radian (TwirlingCritic).
+        constraint_weight: Of driving faster than a speed limit (ConstraintCritic).
+        acceleration_weight: Of accelerations, the mean of their squares as shares of the robot's limits.
+        jerk_weight: Of their changes from step to step, likewise.
+        near_path_weight: How much longer a metre counts right beside an obstacle in the cost to go, as a share.
+        near_path_distance: How fast that falls with the distance from it [m].
+        footprint_padding: What the discs and the outline are widened by [m].
+        goal_tolerance: How near the path's end counts as there [m].
+        goal_yaw_tolerance: How near its yaw [rad].
+
+    Raises:
+        InputError: If a value is out of range.
+    """
+
+    samples: Annotated[int, Field(ge=128, le=65_536)] = 2000
+    horizon: Annotated[float, Field(ge=0.2, le=20.0)] = 2.8
+    model_dt: Annotated[float, Field(ge=0.005, le=0.5)] = 0.05
+    vx_std: Positive | None = None
+    wz_std: Positive | None = None
+    knot_steps: Annotated[int, Field(ge=1, le=64)] = 7
+    vx_max: Positive | None = None
+    vx_min: Annotated[float, Field(le=0.0)] | None = None
+    wz_max: Positive | None = None
+    ax_max: Positive | None = None
+    az_max: Positive | None = None
+    best_share: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
+    to_go_weight: Weight = 3.0
+    goal_weight: Weight = 1.0
+    path_angle_weight: Weight = 1.0
+    max_angle_to_path: Annotated[Angle, Field(ge=0.0)] = 0.3
+    goal_angle_weight: Weight = 1.0
+    threshold_to_consider: Positive = 0.5
+    overshoot_weight: Weight = 5.0
+    collision_cost: Weight = 100.0
+    repulsion_weight: Weight = 2.0
+    inflation_radius: NotNegative = 0.3
+    slow_near_weight: Weight = 0.0
+    mover_weight: Weight = 5.0
+    mover_contact_cost: Weight = 50.0
+    mover_margin: NotNegative = 0.3
+    mover_sigmas: NotNegative = 1.0
+    prefer_forward_weight: Weight = 2.0
+    twirling_weight: Weight = 0.02
+    constraint_weight: Weight = 10.0
+    acceleration_weight: Weight = 0.2
+    jerk_weight: Weight = 0.2
+    near_path_weight: Weight = 2.0
+    near_path_distance: Positive = 0.3
+    footprint_padding: NotNegative = FOOTPRINT_PADDING_M
+    goal_tolerance: Positive = 0.05
+    goal_yaw_tolerance: Annotated[Angle, Field(gt=0.0)] = 0.05
+
+    def limits_of(self, robot: Robot) -> Limits:
+        """The limits of the samples: the robot's, or those of the settings where they are less."""
+        own = robot.limits
+        forward = min(own.linear_speed, self.vx_max or math.inf)
+        back = own.linear_speed if own.reverse_speed is None else own.reverse_speed
+        turn = min(own.angular_speed, self.wz_max or math.inf, _MOST_TURN_RAD / self.model_dt)
+        return Limits(
+            linear_speed=forward,
+            reverse_speed=back if self.vx_min is None else min(back, -self.vx_min),
+            angular_speed=turn,
+            linear_acceleration=min(own.linear_acceleration, self.ax_max or own.linear_speed / _FULL_SPEED_IN_S),
+            angular_acceleration=min(own.angular_acceleration, self.az_max or own.angular_speed / _FULL_TURN_IN_S),
+        )
+
+    def step_s(self, robot: Robot) -> float:
+        """Length of a step [s], long enough for the robot to stop within all of them."""
+        limits = self.limits_of(robot)
+        fastest = max(limits.linear_speed, limits.reverse_speed or 0.0)
+        stop_s = max(fastest / limits.linear_acceleration, limits.angular_speed / limits.angular_acceleration)
+        return max(self.model_dt, stop_s / (_STOPS_WITHIN * self.steps))
+
+    @property
+    def steps(self) -> int:
+        """Of a sample."""
+        return max(1, round(self.horizon / self.model_dt))
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.steps > MOST_STEPS:
+            raise ValueError(
+                f"horizon {self.horizon:g} s in steps of {self.model_dt:g} s makes {self.steps} steps, at most "
+                f"{MOST_STEPS} are possible: use a longer model_dt"
+            )
+        if self.knot_steps > self.steps:
+            raise ValueError(f"knot_steps {self.knot_steps} is more than the {self.steps} steps of the horizon")
+        return self

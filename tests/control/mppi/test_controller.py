@@ -1,0 +1,262 @@
+"""The controller as a whole, driven ideally within the robot's limits."""
+
+import math
+
+import numpy as np
+import pytest
+
+from trundle.control import create_controller
+from trundle.control.mppi import MppiController
+from trundle.costmap import Costmap
+from trundle.errors import InputError, NoValidControlError
+from trundle.geometry import Pose2D, Twist2D, wrap_angle
+from trundle.maps import OccupancyGrid
+from trundle.observation import Track
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.testing import check_controller
+
+DT = 0.05
+CARTER = Robot.load("nova_carter")
+FEW = {"samples": 512}
+STRAIGHT = Path(np.array([[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]]))
+
+
+def costmap_with(*boxes, robot=CARTER, size=10.0, yaw=0.0):
+    """A free square room around the origin, with boxes (x0, y0, x1, y1) [m] in it, in a map that is turned by `yaw`."""
+    cells = round(size / 0.05)
+    data = np.zeros((cells, cells), dtype=np.int8)
+    flat = OccupancyGrid(data, 0.05, Pose2D(-size / 2, -size / 2))
+    for x0, y0, x1, y1 in boxes:
+        (row0, row1), (col0, col1) = flat.world_to_cell(np.array([x0, x1]), np.array([y0, y1]))
+        data[row0 : row1 + 1, col0 : col1 + 1] = 100
+    return Costmap.from_grid(OccupancyGrid(data, 0.05, Pose2D(0.0, 0.0, yaw) @ flat.origin), robot)
+
+
+def follow(controller, path, costmap, *, robot=CARTER, start=None, seconds=40.0, each=None):
+    """Drive ideally; return poses, twists and the reasons of every tick."""
+    controller.set_path(path)
+    pose, twist = start or path.start, Twist2D()
+    poses, twists, reasons = [pose], [twist], []
+    for tick in range(round(seconds / DT)):
+        if each is not None:
+            each(tick * DT)
+        try:
+            command = controller.compute_velocity(pose, twist, costmap, DT)
+        except NoValidControlError:
+            command = Twist2D()
+        reasons.append(controller.reason)
+        twist = robot.limits.approach(twist, command, DT)
+        pose = twist.integrate(pose, DT)
+        poses.append(pose)
+        twists.append(twist)
+        if command == Twist2D() and twist == Twist2D() and not controller.reason:
+            break
+    return poses, twists, reasons
+
+
+def as_array(poses):
+    return np.array([pose.as_tuple() for pose in poses])
+
+
+def arrives(poses, goal, position=0.1, yaw=0.1):
+    return poses[-1].distance_to(goal) < position and abs(wrap_angle(poses[-1].yaw - goal.yaw)) < yaw
+
+
+@pytest.mark.parametrize("name", ["nova_carter", "turtlebot3_burger"])
+def test_it_meets_the_contract_of_controllers(name):
+    check_controller(lambda robot: create_controller("mppi", robot, samples=256), robot=Robot.load(name))
+
+
+def test_a_straight_is_driven_at_full_speed_to_its_end():
+    poses, twists, _ = follow(MppiController(CARTER, **FEW), STRAIGHT, costmap_with())
+    assert arrives(poses, STRAIGHT.goal)
+    assert max(abs(pose.y) for pose in poses) < 0.15
+    assert max(twist.v for twist in twists) == pytest.approx(0.8, abs=1e-3)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.6, 2.0])
+def test_it_drives_round_what_stands_on_the_path(yaw):
+    turn = Pose2D(0.0, 0.0, yaw)
+    costmap = costmap_with((-0.2, -0.6, 0.2, 0.4), yaw=yaw)
+    path = Path(np.array([(turn @ Pose2D(*pose)).as_tuple() for pose in STRAIGHT.poses.tolist()]))
+    poses, _, _ = follow(MppiController(CARTER, **FEW), path, costmap)
+    assert arrives(poses, path.goal)
+    assert costmap.clearance(as_array(poses)).min() > 0.05
+
+
+@pytest.mark.parametrize("bearing", [2.2, math.pi, -2.6])
+def test_a_robot_that_faces_away_turns_round(bearing):
+    poses, _, _ = follow(MppiController(CARTER, **FEW), STRAIGHT, costmap_with(), start=Pose2D(-3.0, 0.0, bearing))
+    assert arrives(poses, STRAIGHT.goal)
+
+
+def test_it_turns_to_the_yaw_of_the_goal():
+    path = Path(np.array([[-2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, -2.5]]))
+    poses, _, _ = follow(MppiController(CARTER, **FEW), path, costmap_with())
+    assert arrives(poses, path.goal)
+
+
+def test_stretches_that_are_planned_backwards_are_driven_backwards():
+    path = Path(
+        np.array([[-1.5, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-1.0, 0.0, 1.57], [-1.0, 2.5, 1.57]]),
+        backward=np.array([False, True, False, False]),
+    )
+    poses, twists, _ = follow(MppiController(CARTER, **FEW), path, costmap_with())
+    assert arrives(poses, path.goal)
+    assert max(pose.x for pose in poses) > 0.9
+    assert sum(-twist.v for twist in twists if twist.v < 0.0) * DT == pytest.approx(2.0, abs=0.2)
+
+
+def test_a_gap_that_only_the_outline_fits_is_driven_as_planned():
+    # Carter is 0.50 m wide; its discs need 0.58 m.
+    costmap = costmap_with((-1.0, 0.31, 1.0, 4.9), (-1.0, -4.9, 1.0, -0.31))
+    poses, _, _ = follow(MppiController(CARTER, **FEW), STRAIGHT, costmap)
+    assert arrives(poses, STRAIGHT.goal)
+    assert not costmap.footprint_collides(as_array(poses)).any()
+
+
+def test_low_accelerations_are_kept_within_the_model():
+    limits = CARTER.limits.model_copy(update={"linear_acceleration": 0.3, "angular_acceleration": 0.5})
+    slow = CARTER.model_copy(update={"limits": limits})
+    costmap = costmap_with((3.4, -1.0, 3.6, 1.0))
+    poses, twists, _ = follow(MppiController(slow, **FEW), STRAIGHT, costmap, robot=slow, seconds=60.0)
+    assert arrives(poses, STRAIGHT.goal, 0.15)
+    assert max(twist.v for twist in twists) > 0.7
+    assert not costmap.footprint_collides(as_array(poses)).any()
+
+
+@pytest.mark.parametrize("scale", [0.3, 3.0])
+def test_robots_from_a_fifth_of_a_metre_to_two(scale):
+    robot = CARTER.model_copy(update={"footprint": (scale * CARTER.outline).tolist()})
+    size = 10.0 * max(1.0, scale)
+    path = Path(STRAIGHT.poses * (scale, scale, 1.0))
+    box = (-0.2 * scale, -0.6 * scale, 0.2 * scale, 0.4 * scale)
+    costmap = costmap_with(box, robot=robot, size=size)
+    poses, _, _ = follow(MppiController(robot, **FEW), path, costmap, robot=robot)
+    assert arrives(poses, path.goal)
+    assert not costmap.footprint_collides(as_array(poses)).any()
+
+
+def test_a_speed_limit_holds():
+    controller = MppiController(CARTER, **FEW)
+    controller.set_speed_limit(0.3)
+    _, twists, _ = follow(controller, STRAIGHT, costmap_with())
+    assert max(twist.v for twist in twists) == pytest.approx(0.3, abs=1e-3)
+
+
+def test_the_same_seed_gives_the_same_commands():
+    runs = [follow(MppiController(CARTER, **FEW), STRAIGHT, costmap_with((0, -0.3, 0.2, 0.4)))[0] for _ in range(2)]
+    assert runs[0] == runs[1]
+    other = MppiController(CARTER, **FEW)
+    other.reset(seed=7)
+    assert follow(other, STRAIGHT, costmap_with((0, -0.3, 0.2, 0.4)))[0] != runs[0]
+
+
+def test_nothing_is_commanded_without_a_path_and_it_says_so():
+    controller = MppiController(CARTER, **FEW)
+    assert controller.compute_velocity(Pose2D(0, 0), Twist2D(), costmap_with(), DT) == Twist2D()
+    assert controller.reason == "no path yet"
+    assert controller.rollouts() is None
+
+
+def test_a_costmap_without_the_robot_is_an_error_with_its_reason():
+    controller = MppiController(CARTER, **FEW)
+    controller.set_path(STRAIGHT)
+    with pytest.raises(NoValidControlError, match="outside of the costmap"):
+        controller.compute_velocity(Pose2D(30.0, 0.0), Twist2D(), costmap_with(), DT)
+    assert controller.reason == "outside of the costmap"
+
+
+def test_a_path_that_is_blocked_all_across_is_an_error_with_its_reason():
+    costmap = costmap_with((0.0, -4.9, 0.2, 4.9))
+    controller = MppiController(CARTER, **FEW)
+    poses, _, reasons = follow(controller, STRAIGHT, costmap, seconds=10.0)
+    assert poses[-1].x < 0.0
+    assert all(reasons[-20:])
+    with pytest.raises(NoValidControlError):
+        controller.compute_velocity(poses[-1], Twist2D(), costmap, DT)
+
+
+def walker(x, y, vx, vy, time=0.0):
+    return Track(1, time, x, y, vx, vy, np.diag([1e-3, 1e-3, 1e-2, 1e-2]), 0.3, confirmed=True, moving=True)
+
+
+def test_it_keeps_out_of_the_way_of_what_moves():
+    controller = MppiController(CARTER, **FEW)
+    nearest = []
+    where = {}
+
+    def each(time):
+        where["track"] = walker(0.0, -3.0 + time, 0.0, 1.0, time)
+        controller.set_tracks([where["track"]])
+
+    controller.set_path(STRAIGHT)
+    costmap, pose, twist = costmap_with(), STRAIGHT.start, Twist2D()
+    for tick in range(240):
+        each(tick * DT)
+        command = controller.compute_velocity(pose, twist, costmap, DT)
+        twist = CARTER.limits.approach(twist, command, DT)
+        pose = twist.integrate(pose, DT)
+        corners = CARTER.planar.at_poses(np.array([pose.as_tuple()]))[0]
+        nearest.append(np.hypot(corners[:, 0] - where["track"].x, corners[:, 1] - where["track"].y).min())
+    assert min(nearest) > 0.3
+    assert pose.distance_to(STRAIGHT.goal) < 0.3
+
+
+def test_standing_for_something_that_moves_has_a_reason():
+    # A wall of walkers that stand in a corridor: nothing to do but wait.
+    costmap = costmap_with((-4.9, 0.8, 4.9, 1.0), (-4.9, -1.0, 4.9, -0.8))
+    controller = MppiController(CARTER, **FEW)
+    crowd = [walker(0.5, y, 0.0, 1e-3) for y in (-0.6, 0.0, 0.6)]
+    poses, _, reasons = follow(
+        controller, STRAIGHT, costmap, seconds=12.0, each=lambda time: controller.set_tracks(crowd)
+    )
+    assert poses[-1].x < 0.1
+    assert all(reasons[-20:])
+
+
+def test_the_best_samples_can_be_shown():
+    controller = MppiController(CARTER, **FEW)
+    controller.set_path(STRAIGHT)
+    controller.compute_velocity(Pose2D(-3.0, 0.0, 0.0), Twist2D(), costmap_with(yaw=0.5), DT)
+    shown = controller.rollouts(12)
+    assert shown.poses.shape == (12, controller.settings.steps + 1, 3)
+    assert shown.poses[:, 0] == pytest.approx(np.tile([-3.0, 0.0, 0.0], (12, 1)), abs=1e-4)
+    assert (np.diff(shown.costs) >= 0.0).all()
+    assert shown.poses[0, -1, 0] > -2.0
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"samples": 0},
+        {"samples": 10**9},
+        {"horizon": 0.0},
+        {"horizon": math.inf},
+        {"horizon": 20.0, "model_dt": 0.01},
+        {"collision_cost": -1.0},
+        {"repulsion_weight": math.nan},
+        {"goal_weight": 1e9},
+        {"knot_steps": 60},
+        {"best_share": 0.0},
+        {"no_such_setting": 1.0},
+    ],
+)
+def test_settings_out_of_range_are_refused(settings):
+    with pytest.raises(InputError):
+        create_controller("mppi", CARTER, **settings)
+
+
+def test_a_robot_that_cannot_move_is_refused():
+    limits = CARTER.limits.model_construct(**{**CARTER.limits.model_dump(), "linear_speed": 0.0})
+    with pytest.raises(InputError, match="linear_speed"):
+        MppiController(CARTER.model_copy(update={"limits": limits}))
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf])
+def test_a_control_period_that_is_none_is_refused(dt):
+    controller = MppiController(CARTER, **FEW)
+    controller.set_path(STRAIGHT)
+    with pytest.raises(InputError):
+        controller.compute_velocity(Pose2D(0, 0), Twist2D(), costmap_with(), dt)
