@@ -178,6 +178,28 @@ def test_unreachable_cells_and_numbers_that_are_none_do_not_spread():
     assert np.isfinite(run(everywhere)[1]).all()
 
 
+def test_samples_whose_cost_is_no_number_are_dropped_and_counted():
+    request = request_of(goal=(3.0, 2.0))
+    nearness = np.full_like(request.nearness, 255)
+    nearness[:41, :41] = 0  # costs of those that leave this corner exceed what a number holds
+    wild = dataclasses.replace(
+        request,
+        nearness=nearness,
+        state=np.array([2.0, 2.0, 0.0, 1e6, 0.0, 0.0, 0.0]),
+        model=np.array([1.0, -0.4, 1e6, 1.0, 1e6, 1e6, 3.0]),
+        discs=np.array([(0.0, 1e5)]),
+        unit=1e3,
+        weights=np.full(15, 1e6),
+        bounds=np.zeros(5),
+    )
+    kernel, controls, answer = run(wild)
+    costs = kernel.costs()
+    assert answer[7] == (~np.isfinite(costs)).sum() > 0
+    assert answer[4] + answer[5] + answer[7] == request.samples
+    assert np.isfinite(controls).all()
+    assert np.isfinite(answer[:3]).all()
+
+
 def test_last_controls_that_are_no_numbers_count_as_zero():
     request = request_of(goal=(3.0, 2.0))
     spoiled = dataclasses.replace(request, controls=np.full_like(request.controls, math.nan))

@@ -23,8 +23,8 @@ struct Ints<float> {
   using Type = std::int32_t;
 };
 
-template <typename V>
-TRUNDLE_INLINE V fill(float number) {
+template <typename V, typename Number>
+TRUNDLE_INLINE V fill(Number number) {
   if constexpr (std::is_same_v<V, float>) {
     return number;
   } else {

@@ -74,6 +74,13 @@ struct Problem {
   float v_std, w_std;
 };
 
+// The controls of a register of samples: nominal + draws, which are multiplied by the deviations.
+struct Controls {
+  const float *nominal;  // v, w by step
+  const float *draws;    // [knot][v, w][8], from the register's first lane on
+  float v_scale, w_scale;
+};
+
 // What became of the samples.
 struct Outcome {
   float *costs;

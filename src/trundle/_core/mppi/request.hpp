@@ -1,11 +1,12 @@
 // The arrays of one tick, checked, as the numbers that the rollouts work with.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <stdexcept>
-#include <string>
+#include <vector>
 
 #include "mppi/problem.hpp"
 #include "shared/arrays.hpp"
@@ -178,9 +179,12 @@ inline int read_discs(const Request &request, Problem &problem) {
   return touching;
 }
 
-// Where the movers will be, and how sure that is. `table` has room for steps × movers.
-inline void read_movers(const Request &request, double radius, int steps, MoverStep *table) {
+// Where the movers will be, and how sure that is, by step and mover.
+inline void read_movers(const Request &request, int steps, std::vector<MoverStep> &table) {
   const std::size_t count = request.movers.shape(0);
+  table.resize(std::max(table.size(), count * static_cast<std::size_t>(steps)));
+  double radius = 0.0;
+  for (std::size_t k = 0; k < request.discs.shape(0); ++k) radius = std::max(radius, request.discs.data()[2 * k + 1]);
   const double dt = request.model.data()[0], cell = request.resolution;
   const double margin = request.bounds.data()[1], sigmas = request.bounds.data()[2];
   for (int step = 0; step < steps; ++step) {

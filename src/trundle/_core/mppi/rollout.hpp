@@ -6,16 +6,9 @@
 // one is no better than passing it. Cost to go, heading and the goal's yaw are looked at where noise has a knot.
 #pragma once
 
-#include "mppi/motion.hpp"
+#include "mppi/sequences.hpp"
 
 namespace trundle::mppi {
-
-// The controls of a register of samples: nominal + draws, which are multiplied by the deviations.
-struct Controls {
-  const float *nominal;  // v, w by step
-  const float *draws;    // [knot][v, w][8], from the register's first lane on
-  float v_scale, w_scale;
-};
 
 template <int kBytes>
 class Rollout {
@@ -27,11 +20,9 @@ class Rollout {
       : p_(problem),
         robot_(at_start<V>(problem.start)),
         v_change_(fill<V>(problem.start.v_change)),
-        w_change_(fill<V>(problem.start.w_change)) {
-    const I none{};
-    alive_ = none == none;
-    hit_step_ = none + problem.steps;
-  }
+        w_change_(fill<V>(problem.start.w_change)),
+        alive_(I{} == I{}),
+        hit_step_(fill<I>(problem.steps)) {}
 
   TRUNDLE_INLINE void run(const Controls &controls) {
     const float share = 1.0f / static_cast<float>(p_.knot_steps);
@@ -90,7 +81,7 @@ class Rollout {
     cost_ = cost_ + (alive_ ? added : zero);
 
     const I hit = alive_ & (room <= zero);
-    hit_step_ = hit ? I{} + step : hit_step_;
+    hit_step_ = hit ? fill<I>(step) : hit_step_;
     alive_ = alive_ & ~hit;
   }
 
@@ -129,7 +120,7 @@ class Rollout {
     const V zero{}, far = fill<V>(p_.unreachable);
     const V col = between(robot_.x - 0.5f, zero, fill<V>(static_cast<float>(p_.cols - 1)));
     const V row = between(robot_.y - 0.5f, zero, fill<V>(static_cast<float>(p_.rows - 1)));
-    const I last_col = I{} + (p_.cols - 2), last_row = I{} + (p_.rows - 2);
+    const I last_col = fill<I>(p_.cols - 2), last_row = fill<I>(p_.rows - 2);
     const I c = least(whole(col), last_col), r = least(whole(row), last_row);
     const V tx = col - floats<V>(c), ty = row - floats<V>(r);
     const I index = r * p_.cols + c;
@@ -203,19 +194,9 @@ class Rollout {
 template <int kBytes>
 TRUNDLE_INLINE void roll_samples(const Problem &problem, const Outcome &outcome, int first, int end) {
   constexpr int kLanes = kBytes / 4;
-  const int row = problem.knots * 2 * kLanesPerHalf;
   for (int sample = first; sample < end; sample += kLanes) {
-    Controls controls;
-    const int lane = sample % kLanesPerHalf;
-    if (sample < kArcs) {
-      controls = {problem.zeros, problem.arcs + sample / kLanesPerHalf * row + lane, 1.0f, 1.0f};
-    } else {
-      const int block = (sample - kArcs) / kBlock;
-      const float sign = (sample - kArcs) % kBlock < kLanesPerHalf ? 1.0f : -1.0f;
-      controls = {problem.nominal, problem.draws + block * row + lane, sign * problem.v_std, sign * problem.w_std};
-    }
     Rollout<kBytes> rollout(problem);
-    rollout.run(controls);
+    rollout.run(controls_of(problem, sample));
     rollout.write(outcome, sample, kLanes);
   }
 }

@@ -15,13 +15,12 @@ class Softmin {
  public:
   void reserve(int samples) { gaps_.resize(static_cast<std::size_t>(samples)), weights_.resize(gaps_.size()); }
 
-  // Weights of the samples with a gap to the best cost that is below kUnused; the others have weight 0. `aim` is the
-  // effective sample size.
-  void weigh(float aim) {
+  // Weights of the samples whose cost is below kUnused; the others have weight 0. `aim` is the effective sample size.
+  void weigh(float lowest, float aim) {
     double sum = 0.0;
     int used = 0;
-    for (const float gap : gaps_) {
-      if (gap < kUnused) sum += gap, ++used;
+    for (float &gap : gaps_) {
+      if (gap < kUnused) gap -= lowest, sum += gap, ++used;
     }
     const float mean = used > 0 ? static_cast<float>(sum / used) : 0.0f;
     const float scale = mean > 1e-20f ? mean : 1.0f;
@@ -47,6 +46,7 @@ class Softmin {
     for (float &weight : weights_) weight *= share;
   }
 
+  // The samples' costs, to be weighed; then what they are above the lowest.
   float *gaps() { return gaps_.data(); }
   const float *weights() const { return weights_.data(); }
   float temperature() const { return temperature_; }
