@@ -7,7 +7,7 @@ import pytest
 import trundle
 from trundle.errors import InputError, ScenarioError, UnknownNameError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
-from trundle.mission import Episode, Outcome, Session, Trajectory, run
+from trundle.mission import Episode, Outcome, Rules, Session, Trajectory, run
 from trundle.navigation import CommandScript, Latency, NavigationStatus
 from trundle.observation import Estimate, Scan
 from trundle.record.run_folder import RunFolder
@@ -249,6 +249,32 @@ def test_a_mover_that_runs_into_a_standing_robot_does_not_end_the_run(make_sim, 
     assert episode.outcome is Outcome.FINISHED
     assert episode.metrics.standing_contacts == ("person",)
     assert episode.metrics.contacts == ()
+
+
+def test_by_the_rules_of_a_benchmark_every_contact_is_a_collision(make_sim, start):
+    waits = [(0.0, 0.0, 1.0), (0.4, 0.0, 1.0)]
+    sim = touch(make_sim(), lambda state: 0.3 < state.time < 0.6)
+    episode = run(sim, CommandScript(waits), start, None, rules=Rules(every_contact=True))
+    assert episode.outcome is Outcome.COLLIDED
+    assert (episode.metrics.contacts, episode.metrics.standing_contacts) == (("person",), ())
+
+
+def test_by_the_rules_of_a_benchmark_the_run_ends_where_the_robot_truly_is(make_sim, navigator, start):
+    sim = make_sim()
+    rules = Rules(arrival_radius=1.0)
+    episode = run(sim, navigator, start, GOAL, rules=rules, localizer=Drifting(-0.1, sim))
+    assert episode.outcome is Outcome.ARRIVED
+    assert 0.9 < math.dist(episode.trajectory.poses[-1, :2], GOAL) <= 1.0
+    assert math.dist(episode.trajectory.poses[-2, :2], GOAL) > 1.0
+    assert episode.goals_reached == 1
+    assert episode.metrics.spl == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_radius_of_arrival_is_of_the_last_goal(make_sim, navigator, start):
+    goals = [(3.0, 4.0), GOAL]  # the first within the radius of the last
+    episode = run(make_sim(), navigator, start, goals, rules=Rules(arrival_radius=1.0))
+    assert (episode.outcome, episode.goals_reached) == (Outcome.ARRIVED, 2)
+    assert min(math.dist(pose[:2], goals[0]) for pose in episode.trajectory.poses) <= 0.25
 
 
 def test_a_touch_that_began_while_the_robot_stood_stays_one(make_sim, start):

@@ -100,8 +100,21 @@ def test_slip_grows_with_the_square_root_of_the_distance():
     assert abs(far.mean()) < 4.0 * far.std() / math.sqrt(len(far))
 
 
+def test_a_random_walk_grows_with_the_square_root_of_the_distance():
+    errors = OdometryErrors(walk=0.02, heading_walk=0.01)
+    ends = []
+    for seed in range(300):
+        last = drive(errors, Twist2D(0.5, 0.0), seed=seed, periods=80)[-1]
+        ends.append((last.odometry.x - last.pose.x, last.odometry.yaw))
+    far, yaw = np.array(ends).T
+    root = math.sqrt(last.pose.x)
+    assert far.std() == pytest.approx(0.02 * root, rel=0.15)
+    assert yaw.std() == pytest.approx(0.01 * root, rel=0.15)
+
+
 def test_a_robot_that_stands_still_does_not_drift():
-    states = drive(OdometryErrors(scale=0.1, heading=0.1, slip=0.1), Twist2D(0.0, 0.0))
+    errors = OdometryErrors(scale=0.1, heading=0.1, slip=0.1, walk=0.1, heading_walk=0.1)
+    states = drive(errors, Twist2D(0.0, 0.0))
     assert {state.odometry for state in states} == {Pose2D(0.0, 0.0)}
 
 

@@ -5,6 +5,7 @@ from trundle.mission.episode import Episode, Metrics, Outcome
 from trundle.mission.fields import RunSettings
 from trundle.mission.loop import run
 from trundle.mission.observers import MonitorReport, Observer, RunInfo, Step
+from trundle.mission.rules import Rules
 from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, Scenario, Setting
 from trundle.mission.session import Monitor, Session
@@ -19,6 +20,7 @@ __all__ = [
     "MonitorReport",
     "Observer",
     "Outcome",
+    "Rules",
     "RunInfo",
     "RunSettings",
     "Scenario",

@@ -14,6 +14,7 @@ from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.latency import Latency
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
 from trundle.mission.movers import MoverChoice
+from trundle.mission.rules import Rules
 from trundle.mission.unmapped import Unmapped
 from trundle.navigation import NavigatorSettings
 from trundle.planning.planner import PLANNERS
@@ -77,6 +78,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         layers: How scans are put into the costmap; none means the defaults.
         collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
             given means one where there are scans.
+        rules: What ends the run besides the usual; none means nothing.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -110,6 +112,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     localizer: Annotated[Choice | None, takes_name(Choice)] = None
     layers: LayersSettings | None = None
     collision_monitor: bool | MonitorSettings | None = None
+    rules: Rules | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None

@@ -9,6 +9,7 @@ from trundle.latency import Latency
 from trundle.localization import Localizer
 from trundle.mission.episode import Episode
 from trundle.mission.observers import Observer
+from trundle.mission.rules import Rules
 from trundle.mission.session import Monitor, Session
 from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent
@@ -25,6 +26,7 @@ def run(
     observers: Sequence[Observer] = (),
     seed: int = 0,
     stop_on_contact: bool = True,
+    rules: Rules | None = None,
     name: str = "run",
     localizer: str | Localizer | None = None,
     latency: Latency | None = None,
@@ -45,6 +47,7 @@ def run(
         observers: Notified in this order.
         seed: Of the simulator, the navigator and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
+        rules: What else ends the run; None means nothing.
         name: Name of the run.
         localizer: Estimates the robot's pose: a localizer, or the name of one. None means that the navigator gets the
             true pose.
@@ -69,6 +72,7 @@ def run(
         observers=observers,
         seed=seed,
         stop_on_contact=stop_on_contact,
+        rules=rules,
         name=name,
         localizer=localizer,
         latency=latency,
@@ -86,6 +90,7 @@ def run_measured(
     observers: Sequence[Observer] = (),
     seed: int = 0,
     stop_on_contact: bool = True,
+    rules: Rules | None = None,
     name: str = "run",
     localizer: str | Localizer | None = None,
     latency: Latency | None = None,
@@ -105,6 +110,7 @@ def run_measured(
         observers=observers,
         seed=seed,
         stop_on_contact=stop_on_contact,
+        rules=rules,
         name=name,
         measure=measure,
     ).run()

@@ -26,6 +26,9 @@ _PUSH_S = 0.5
 class RunLog:
     """The rows, the paths and the contacts of a run in progress.
 
+    Args:
+        every_contact: Count moving obstacles that run into the standing robot as collisions, too.
+
     Attributes:
         paths: Every path that was followed, in order.
         hit: A contact of the last row that counts as a collision, or none.
@@ -35,7 +38,8 @@ class RunLog:
         monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, every_contact: bool = False) -> None:
+        self._every_contact = every_contact
         self.paths: list[Path] = []
         self.hit: Contact | None = None
         self.contacts: dict[str, None] = {}
@@ -105,7 +109,8 @@ class RunLog:
         spared = {name for name in names & self._touching if name in self._spared}
         new = names - self._touching
         movers = {mover.name for mover in state.movers}
-        self._spared = frozenset(spared | {name for name in new if pushed or (stood and name in movers)})
+        excused = {name for name in new if pushed or (stood and name in movers)}
+        self._spared = frozenset() if self._every_contact else frozenset(spared | excused)
         if self._spared:
             self._pushed_at = state.time
         self._touching = names

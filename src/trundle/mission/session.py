@@ -19,6 +19,7 @@ from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import plan_legs, read_goals
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
+from trundle.mission.rules import Rules
 from trundle.mission.run_log import RunLog
 from trundle.mission.truth import Measure, Truth, measure_truth
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
@@ -82,6 +83,7 @@ class Session:
         observers: Notified in this order.
         seed: Of the simulator, the agent and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
+        rules: What else ends the run; None means nothing.
         name: Name of the run.
         measure: Measures the surroundings for the metrics; None means that they are not measured.
 
@@ -106,6 +108,7 @@ class Session:
         observers: Sequence[Observer] = (),
         seed: int = 0,
         stop_on_contact: bool = True,
+        rules: Rules | None = None,
         name: str = "run",
         measure: Measure | None = measure_truth,
     ) -> None:
@@ -154,7 +157,8 @@ class Session:
             speed_mask=getattr(agent, "speed_mask", None),
         )
         self._goal_checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
-        self._log = RunLog()
+        self._rules = Rules() if rules is None else rules
+        self._log = RunLog(every_contact=self._rules.every_contact)
         self._reached = 0
         self._reached_by_estimate = False
         self._planning_s = 0.0
@@ -344,6 +348,9 @@ class Session:
             return self._end(Outcome.NO_PATH, str(self._unreachable))
         if log.hit is not None and self._stop_on_contact:
             return self._end(Outcome.COLLIDED, _describe_contact(log.hit, state.time))
+        if self._is_in_arrival_radius():
+            self._reached += 1
+            return self._end_at_goal()
         observation = self._observation
         while True:
             command = agent.update(observation, self._estimate)
@@ -419,6 +426,13 @@ class Session:
 
     def _is_at(self, goal: Goal, pose: Pose2D) -> bool:
         return self._goal_checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free)
+
+    def _is_in_arrival_radius(self) -> bool:
+        """Whether the rules end the run here: near the last goal, with all others behind the robot."""
+        radius, goals = self._rules.arrival_radius, self._info.goals
+        if radius is None or self._reached + 1 != len(goals):
+            return False
+        return self._state.pose.distance_to(goals[-1].pose) <= radius
 
     def _close_leg(self) -> None:
         """Add up the agent's planning time and replans for this goal; the next `set_goal` clears them."""

@@ -9,6 +9,7 @@ from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
 from trundle.maps import OccupancyGrid
 from trundle.mission.fields import ScenarioFields
+from trundle.mission.rules import Rules
 from trundle.robots import Robot
 from trundle.sim import Simulator, simulate
 from trundle.sim.wrapper import SimulatorWrapper
@@ -20,6 +21,7 @@ class SessionOptions(TypedDict):
 
     localizer: Localizer | None
     latency: Latency | None
+    rules: Rules | None
     monitor: CollisionMonitor | bool | None
 
 
@@ -38,6 +40,7 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
     return {
         "localizer": localizer,
         "latency": scenario.latency,
+        "rules": scenario.rules,
         "monitor": monitor if monitor is None or isinstance(monitor, bool) else CollisionMonitor(robot, monitor),
     }
 

@@ -25,6 +25,11 @@ _HeadingBias = Annotated[
     BeforeValidator(read_angle, json_schema_input_type=float | str),
     Field(ge=0.0, le=1.0, json_schema_extra={"unit": "rad/m"}),
 ]
+_HeadingWalk = Annotated[
+    float,
+    BeforeValidator(read_angle, json_schema_input_type=float | str),
+    Field(ge=0.0, le=1.0, json_schema_extra={"unit": "rad/√m"}),
+]
 
 
 class OdometryErrors(Config):
@@ -38,11 +43,15 @@ class OdometryErrors(Config):
         heading: Bias of the heading per metre driven [rad/m], 0 to 1; text may be degrees: `1deg` is 1° per metre.
         slip: Random error of each wheel's travel [m/√m], 0 to 0.2: its standard deviation after one metre, which grows
             with the square root of the travel. Wheels that slip by different amounts also falsify the heading.
+        walk: Random error of the distance [m/√m], 0 to 0.2, which grows likewise.
+        heading_walk: Random error of the heading [rad/√m], 0 to 1, likewise; text may be degrees.
     """
 
     scale: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0
     heading: _HeadingBias = 0.0
     slip: Annotated[float, Field(ge=0.0, le=0.2)] = 0.0
+    walk: Annotated[float, Field(ge=0.0, le=0.2)] = 0.0
+    heading_walk: _HeadingWalk = 0.0
 
     def simulate(self, sim: Simulator) -> Simulator:
         """Wrap a simulator so that its odometry has these errors; the simulator itself where there are none."""
@@ -88,7 +97,9 @@ class ErringOdometry(SimulatorWrapper):
         self._counted = state.odometry
         forward, turned = self._slip(moved)
         driven = math.hypot(moved.x, moved.y)
-        turned += self._heading * driven
+        walked, swung = self._walk(driven)
+        forward += walked
+        turned += self._heading * driven + swung
         # Half of the turn before the motion and half after it: the middle of the arc that was driven.
         half = Pose2D(0.0, 0.0, turned / 2.0)
         step = Pose2D(moved.x * self._scale + forward, moved.y * self._scale, moved.yaw)
@@ -97,6 +108,14 @@ class ErringOdometry(SimulatorWrapper):
         twist = state.twist if state.odometry_twist is None else state.odometry_twist
         wrong = Twist2D(twist.v * self._scale + forward / dt, twist.w + turned / dt)
         return replace(state, odometry=self._odometry, odometry_twist=wrong)
+
+    def _walk(self, driven: float) -> tuple[float, float]:
+        """Random errors of a distance [m]: of itself [m], and of the heading [rad]."""
+        errors = self._errors
+        if errors.walk == errors.heading_walk == 0.0:  # the random numbers of slip stay what they are
+            return 0.0, 0.0
+        along, around = self._rng.normal(0.0, math.sqrt(driven), size=2)
+        return errors.walk * float(along), errors.heading_walk * float(around)
 
     def _slip(self, moved: Pose2D) -> tuple[float, float]:
         """What the wheels counted without moving the robot: forward [m] and in heading [rad]."""

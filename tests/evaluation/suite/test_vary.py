@@ -5,6 +5,7 @@ from trundle.errors import InputError
 from trundle.evaluation.suite.vary import Distribution, Vary, apply, move_start
 from trundle.geometry import Pose2D
 from trundle.mission import Scenario
+from trundle.sim.odometry_errors import OdometryErrors
 
 ALL = {
     "friction": {"uniform": [0.5, 1.0]},
@@ -62,7 +63,7 @@ def test_drawn_values_become_part_of_the_scenario():
 def test_drawn_errors_of_odometry_replace_those_that_are_given():
     scenario = Scenario.make(world="warehouse", odometry={"scale": 0.02, "slip": 0.01})
     varied = apply(scenario, {"odometry_scale": 0.03, "odometry_heading": 0.001})
-    assert varied.odometry.model_dump() == {"scale": 0.03, "heading": 0.001, "slip": 0.01}
+    assert varied.odometry == OdometryErrors(scale=0.03, heading=0.001, slip=0.01)
     assert apply(scenario, {}).odometry == scenario.odometry
     only = apply(Scenario.make(world="warehouse"), {"odometry_slip": 0.005})
     assert only.odometry.slip == 0.005

@@ -22,6 +22,7 @@ _SENSING = (
     "layers",
     "latency",
     "collision_monitor",
+    "rules",
 )
 
 CROSSED = tuple(
