@@ -51,6 +51,9 @@ class Row:
         unseen_contacts: Number of those touched that no lidar could see; see `Metrics`.
         position_error_m: Distance from the true position to the estimated one at the end [m].
         monitor_stops: How often the collision monitor stopped the robot; None without one.
+        barn_score: Score of a run in BARN, 0 to 0.5; None in worlds without its reference path, as for the next two.
+        reference_path_m: Length of BARN's reference path [m].
+        shortest_time_s: Shortest time [s] on that path that the robot's limits allow from rest.
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -98,6 +101,9 @@ class Row:
     unseen_contacts: int | None = None
     position_error_m: float | None = None
     monitor_stops: int | None = None
+    barn_score: float | None = None
+    reference_path_m: float | None = None
+    shortest_time_s: float | None = None
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

@@ -31,6 +31,8 @@ def warn_of_motions(world: World, movers: Sequence[Mover]) -> None:
         return
     low, high = world.bounds
     for mover in movers:
+        if mover.may_cross:
+            continue
         times = _times(mover)
         states = np.array([mover.motion.at(time) for time in times])
         text = _leaving(times, states, low, high) or _crossing(times, states, mover, world)

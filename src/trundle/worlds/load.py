@@ -21,6 +21,7 @@ from trundle.worlds.options import check_options
 from trundle.worlds.world_like import WorldLike
 
 _MAPS = "trundle.worlds.from_map:load_map"
+_DYNABARN = "trundle.worlds.dynabarn:load_dynabarn"
 
 LOADERS = {
     ".sdf": "trundle.worlds.gazebo.load:load_sdf",
@@ -38,6 +39,7 @@ LOADERS = {
     ".yaml": _MAPS,
     ".yml": _MAPS,
     ".map": _MAPS,
+    ".json": _DYNABARN,
     ".usd": "trundle.worlds.usd:load_usd",
     ".usda": "trundle.worlds.usd:load_usd",
     ".usdc": "trundle.worlds.usd:load_usd",
@@ -65,7 +67,8 @@ def is_world_file(text: str) -> bool:
 def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options: Any) -> WorldLike:
     """Read a world from a file; see `World.load`.
 
-    All formats but maps are read by third-party libraries, and therefore in a separate process: see `trundle.guard`.
+    All formats but maps and JSON are read by third-party libraries, and therefore in a separate process: see
+    `trundle.guard`.
     """
     file = Path(as_path(path, "a world's file", WorldError))
     target = LOADERS.get(file.suffix.lower())
@@ -81,7 +84,7 @@ def load_world(path: str | os.PathLike[str], /, *, limits: ReadLimits, **options
         raise WorldError(f"{file}: this is a folder") from None
     except OSError as error:
         raise WorldError(f"{file}: {error.strerror or error}") from error
-    if target == _MAPS:
+    if target in (_MAPS, _DYNABARN):
         return read_world(str(file), options)
     call = ReadCall(
         "trundle.worlds.load:read_world",

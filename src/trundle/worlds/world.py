@@ -114,7 +114,7 @@ class World:
     ) -> World:
         """Read a world from a file, by its suffix.
 
-        All formats but maps are read in a separate process, because a bad file may crash or block the reader.
+        All formats but maps and JSON are read in a separate process, because a bad file may crash or block the reader.
 
         | suffix | what | options (see the loader) |
         | --- | --- | --- |
@@ -122,6 +122,7 @@ class World:
         | .xml, .mjcf, .urdf | MuJoCo's MJCF, and URDF; fixed geometry | `worlds.mjcf.load_mjcf` |
         | .glb, .gltf, .obj, .stl, .ply, .dae | meshes | `worlds.meshes.load_mesh` |
         | .yaml, .yml, .map | a ROS or MovingAI map as walls | `worlds.from_map.load_map` |
+        | .json | DynaBARN's moving cylinders | `worlds.dynabarn.load_dynabarn` |
         | .usd, .usda, .usdc, .usdz | OpenUSD, Isaac Sim's scenes | `worlds.usd.load_usd` |
 
         Args:

@@ -97,7 +97,7 @@ require: success>=0.99
         ("worlds: warehouse\nvary: {mass: {uniform: [1, 2], normal: [1, 1]}}\n", "give either uniform"),
         ("worlds: warehouse\nlimits: {wall_s: 0}\n", ":2:18: limits.wall_s: 0 is out of range"),
         ("worlds: {name: map.yaml, seed: 1}\n", "seed is for generated worlds"),
-        ("worlds: {name: hall.sdf, options: {a: {uniform: [1, 2]}}}\n", "option a is drawn"),
+        ("worlds: {name: hall.yaml, options: {a: {uniform: [1, 2]}}}\n", "option a is drawn"),
         ("worlds: warehouse\nplanners: [nowhere.to:Be]\n", "planner 'nowhere.to:Be' cannot be imported"),
         ("worlds: warehouse\nrequire: [sucess>=0.9]\n", ":2:11: require.0: unknown figure in a requirement 'sucess'"),
         (

@@ -7,13 +7,11 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from trundle.cli.evaluate import verdict
-from trundle.cli.evaluate.progress import ProgressLine
-from trundle.cli.shared import options, output, sources
+from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
+from trundle.cli.shared import options, sources
 from trundle.cli.shared.given import check_given
-from trundle.cli.shared.termination import ends_as_by_ctrl_c
 from trundle.errors import InputError, UnknownNameError
-from trundle.evaluation import Evaluation, Suite, suite_names
-from trundle.evaluation.engine import InterruptedEvaluationError, run_suite
+from trundle.evaluation import Suite, suite_names
 from trundle.files.kinds import MAP, SUITE, WORLD, find_kind
 from trundle.worlds import world_names
 
@@ -33,10 +31,6 @@ app = App(
 
 def _names(help_text: str) -> Any:
     return Parameter(help=help_text, negative="")
-
-
-_INTERRUPTED = 130
-"""128 + SIGINT, as shells count; SIGTERM ends it in the same way."""
 
 
 @app.default
@@ -87,15 +81,9 @@ def run(
     if require:
         changes["require"] = require
     suite = _make_suite(given, changes)
-    try:
-        with ends_as_by_ctrl_c(), ProgressLine(json=json, quiet=quiet) as line:
-            folder = run_suite(
-                suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=line.show
-            )
-    except InterruptedEvaluationError as stopped:
-        output.remark(f"trundle: {stopped}", quiet=False)
-        return _INTERRUPTED
-    return verdict.give(Evaluation(folder, suite=suite), json=json)
+    given_options = {"workers": workers, "ray": ray, "mixed": mixed, "overwrite": overwrite}
+    evaluation = carry_out(suite, out, json=json, quiet=quiet, **given_options)
+    return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json)
 
 
 def _read_seeds(text: str) -> object:

@@ -17,13 +17,20 @@ _HELP = (
 Require = Annotated[tuple[str, ...], Parameter(name="--require", help=_HELP, negative="")]
 
 
-def give(evaluation: Evaluation, require: Sequence[str] | None = None, *, json: bool) -> int:
+def give(
+    evaluation: Evaluation,
+    require: Sequence[str] | None = None,
+    *,
+    json: bool,
+    figures: Mapping[str, float | None] | None = None,
+) -> int:
     """Write the report of an evaluation, and print what it says.
 
     Args:
         evaluation: The evaluation.
         require: What it is judged by; none means what its suite requires.
         json: Print one JSON line.
+        figures: Further ones to print, by name.
 
     Returns:
         The exit code: 1 where a requirement is not met, else 0.
@@ -31,9 +38,10 @@ def give(evaluation: Evaluation, require: Sequence[str] | None = None, *, json: 
     report = evaluation.write_report(require)
     summary = evaluation.read_summary()
     if json:
-        output.print_json_line({**summary, "folder": evaluation.folder})
+        output.print_json_line({**summary, **(figures or {}), "folder": evaluation.folder})
     else:
-        output.print_facts(_facts(summary) | {"report": report})
+        more = {name.replace("_", " "): _number(value) for name, value in (figures or {}).items()}
+        output.print_facts(_facts(summary) | more | {"report": report})
         for gate in summary["gates"]:
             print(gate["text"])
     for damage in evaluation.results.damage:
@@ -50,3 +58,7 @@ def _facts(summary: Mapping[str, Any]) -> dict[str, object]:
         "arrived": share,
         "outcomes": ", ".join(f"{count:,} {name}" for name, count in summary["outcomes"].items()),
     }
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4g}"

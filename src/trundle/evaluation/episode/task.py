@@ -12,6 +12,7 @@ from trundle.costmap import CostmapSettings
 from trundle.errors import InputError, PlanningError
 from trundle.evaluation.episode.places import KeptPlace, Places
 from trundle.evaluation.episode.trail import simplify
+from trundle.evaluation.public.reference import load_reference
 from trundle.evaluation.row import Row
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import digest, mission_hash, short
@@ -125,6 +126,7 @@ class EpisodeTask:
         known |= _ends(mission)
         episode, truth = self._drive(spec, mission, known, note)
         result = _no_episode(known, episode) if isinstance(episode, PlanningError) else _result(episode, truth)
+        result |= _score(spec, mission, result)
         times = {"wall_s": clock.perf_counter() - wall, "cpu_s": clock.process_time() - cpu}
         return Row(**{**known, **result, **times})
 
@@ -241,6 +243,7 @@ def facts_of(spec: EpisodeSpec) -> dict[str, Any]:
         "settings": spec.settings,
         "vary": dict(spec.vary) or None,
         "place": short([digest([*spec.content, spec.scenario.resolution])])[:8],
+        **({} if spec.reference is None else {"barn_score": 0.0}),
     }
 
 
@@ -268,6 +271,21 @@ def _no_episode(known: Mapping[str, Any], error: PlanningError) -> dict[str, Any
         "unseen_contacts": 0,
         "replans": 0,
         **{f"end_{axis}": known[f"start_{axis}"] for axis in ("x", "y", "yaw")},
+    }
+
+
+def _score(spec: EpisodeSpec, mission: _Mission, result: Mapping[str, Any]) -> dict[str, Any]:
+    """Columns of a world with a reference path."""
+    if spec.reference is None:
+        return {}
+    scenario, robot = mission.scenario, mission.kept.place.robot
+    path = load_reference(spec.reference).between(mission.start, mission.goals[-1])
+    radius = None if scenario.rules is None else scenario.rules.arrival_radius
+    arrived = result["outcome"] == Outcome.ARRIVED.value
+    return {
+        "barn_score": path.score(result["time_s"]) if arrived else 0.0,
+        "reference_path_m": path.length,
+        "shortest_time_s": path.shortest_time(robot.limits, scenario.goal_tolerance if radius is None else radius),
     }
 
 

@@ -23,10 +23,11 @@ VARIANT = ("planner", "controller", "backend", "settings")
 
 _EXACT = ("time_s", "distance_m", "spl", "min_clearance_m")
 _SMALL = ("contacts", "replans", "max_cross_track_error_m", "smoothness_rad_per_m")
+_SCORES = ("barn_score", "shortest_time_s")
 _SENSING = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
 _CLOCKS = ("planning_ms", "cpu_s", "wall_s")
 _PLACES = ("end_x", "end_y", "closest_x", "closest_y")
-NUMBERS = (*_EXACT, *_SMALL, *_SENSING, *_CLOCKS, *_PLACES)
+NUMBERS = (*_EXACT, *_SMALL, *_SENSING, *_SCORES, *_CLOCKS, *_PLACES)
 _NAMED = (*LABELS, "outcome")
 _KEYS = {"id": "S16", "mission": "S16"}
 

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from trundle.control import create_controller
 from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.public.reference import load_reference
 from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
@@ -40,6 +41,8 @@ def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
         )
     for world in suite.worlds:
         _check_world_options(world)
+        if world.reference is not None:
+            load_reference(world.reference)
     robots = [Robot.load(robot) for robot in suite.robots]
     for planner in suite.planners:
         given = planner.planner()

@@ -130,6 +130,7 @@ class Expansion:
             listed=listed,
             plugin=planner,
             vary=drawn,
+            reference=world.reference,
             content=(
                 world_of_seed(world, self._world_digests[at_world], seed).hex(),
                 self._robot_digests[at_robot].hex(),

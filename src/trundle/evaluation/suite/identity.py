@@ -55,7 +55,8 @@ def world_content(world: SuiteWorld) -> bytes:
     """
     plain = world.model_dump(mode="json", include={"compat", "floor_z", "options"}, exclude_defaults=True)
     plain["files"] = {
-        field: _file_hash(path, is_map=field != "name" or world.is_map) for field, path in world.files().items()
+        field: _file_hash(path, is_map=world.is_map if field == "name" else field != "reference")
+        for field, path in world.files().items()
     }
     if not world.is_file:
         plain |= {"generator": world.name, "seed": world.seed}

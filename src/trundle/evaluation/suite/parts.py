@@ -124,13 +124,14 @@ class SuiteWorld(Config):
             to that file.
         label: What it is called in tables; none means its name.
         seed: Seed of a generated world; none means the mission's, so that each mission has its own world.
-        options: Options of the generator, of the file's loader or of a map (height, unknown). Those of a generated
-            world may be drawn by the mission's seed: `{uniform: [lowest, highest]}`, `{normal: [mean, deviation]}`.
+        options: Options of the generator, of the file's loader or of a map (height, unknown). Those of a world that is
+            no map may be drawn by the mission's seed: `{uniform: [lowest, highest]}`, `{normal: [mean, deviation]}`.
         missions: Missions in this world, instead of the suite's.
         compat: "humble" reads the map and the masks as ROS 2 Humble does.
         keepout: Path of a keep-out mask's YAML.
         speed_mask: Path of a speed mask's YAML.
         floor_z: Height [m] of the floor in the world's file; none means the one under most of the world.
+        reference: Path of the file of BARN's reference path in this world, `path_0.npy`: its rows have a `barn_score`.
     """
 
     name: str
@@ -142,12 +143,13 @@ class SuiteWorld(Config):
     keepout: str | None = None
     speed_mask: str | None = None
     floor_z: float | None = None
+    reference: str | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         drawn = [name for name, value in self.options.items() if isinstance(value, Distribution)]
-        if self.is_file and drawn:
-            raise ValueError(f"option {drawn[0]} is drawn: that is for generated worlds; this one is a file")
+        if self.is_map and drawn:
+            raise ValueError(f"option {drawn[0]} is drawn: that is for worlds; this one is a map")
         if self.is_file and self.seed is not None:
             raise ValueError("seed is for generated worlds; this one is a file")
         if self.compat is not None and not self.is_map:
@@ -169,13 +171,17 @@ class SuiteWorld(Config):
     @property
     def is_seeded(self) -> bool:
         """Whether each seed has its own world."""
-        return not self.is_file and (
-            self.seed is None or any(isinstance(value, Distribution) for value in self.options.values())
-        )
+        drawn = any(isinstance(value, Distribution) for value in self.options.values())
+        return drawn or (not self.is_file and self.seed is None)
 
     def files(self) -> dict[str, str]:
         """Paths of its files, by field."""
-        files = {"name": self.name if self.is_file else None, "keepout": self.keepout, "speed_mask": self.speed_mask}
+        files = {
+            "name": self.name if self.is_file else None,
+            "keepout": self.keepout,
+            "speed_mask": self.speed_mask,
+            "reference": self.reference,
+        }
         return {field: path for field, path in files.items() if path is not None}
 
     def draw_options(self, seed: int) -> dict[str, Option]:

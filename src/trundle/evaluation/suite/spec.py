@@ -29,6 +29,7 @@ class EpisodeSpec:
         listed: The mission, where it is listed.
         plugin: The choice of the planner, which may be a Python object.
         vary: The values that were drawn, by name.
+        reference: Path of the file of the world's reference path, if it has one.
         content: Hashes of the contents of the world and the robot, which a mission is identified by.
     """
 
@@ -46,4 +47,5 @@ class EpisodeSpec:
     listed: ListedMission | None
     plugin: PluginChoice
     vary: Mapping[str, float]
+    reference: str | None
     content: tuple[str, str]

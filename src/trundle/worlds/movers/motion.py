@@ -70,6 +70,7 @@ class Waypoints:
         interpolation: "linear", straight and at constant speed from one to the next; or "catmull_rom", a smooth curve.
         repeat: "once" stays at the last point; "loop" starts again at the first one (where that is another place, it
             jumps there); "back_and_forth" returns as it came, in reverse.
+        phase_s: How far the motion is when a run begins [s].
 
     Raises:
         WorldError: If a number is not finite, the times do not increase, or an option is none of these.
@@ -78,11 +79,14 @@ class Waypoints:
     points: tuple[tuple[float, ...], ...]
     interpolation: Interpolation = "linear"
     repeat: Repeat = "once"
+    phase_s: float = 0.0
     _track: _Track = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         points = _read_points(self.points, "waypoints", (3, 4), "(t, x, y) or (t, x, y, yaw)")
         _check_options(self.interpolation, self.repeat)
+        if not 0.0 <= as_number(self.phase_s, "phase_s") < math.inf:
+            raise WorldError(f"phase_s must be a time of 0 s or later, got {self.phase_s}")
         times = points[:, 0]
         if times[0] < 0.0:
             raise WorldError(f"the first waypoint is at {times[0]:g} s; a run begins at 0")
@@ -105,7 +109,7 @@ class Waypoints:
 
     def at(self, time: float) -> PlanarState:
         """Pose and velocity at a time since the start of the run [s]."""
-        return self._track.at(time)
+        return self._track.at(time + self.phase_s)
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ class Mover:
         parts: Its solids in its own frame: origin on the floor, x forward. Their names are unique in it.
         motion: Where its frame is at a time: `Waypoints`, `AlongPath`, or any `Motion`.
         kind: Everyday name of the object ("person", "forklift", …).
+        may_cross: Whether it may leave the world and pass through solids; simulators warn of it otherwise.
 
     Raises:
         WorldError: If it has no name or no parts, or two parts of one name, or one that cannot move.
@@ -33,6 +34,7 @@ class Mover:
     parts: tuple[Solid, ...]
     motion: Motion
     kind: str = ""
+    may_cross: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", check_parts(self.name, self.parts))

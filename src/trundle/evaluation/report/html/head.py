@@ -68,6 +68,9 @@ def tiles(table: Table) -> str:
     if len(clearance):
         entries.append(("closest pass", f"{write_number(float(clearance.min()))} m", "of those that arrived"))
     entries += _sensing_tiles(table)
+    scores = BY_NAME["barn_score"].values(table)
+    if BY_NAME["barn_score"].is_used(scores):
+        entries.append(("BARN score", write_number(float(np.nanmean(scores))), "mean of all runs; at most 0.5"))
     cpu = float(np.nansum(table.numbers["cpu_s"].astype(float)))
     if cpu > 0.0:
         entries.append(("CPU time", _duration(cpu), f"{write_number(cpu / n)} s per episode"))

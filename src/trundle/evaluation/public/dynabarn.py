@@ -1,0 +1,80 @@
+"""DynaBARN as a suite: worlds of moving cylinders, without a map; shipped by its authors, not by trundle.
+
+Nair et al., DynaBARN: Benchmarking Metric Ground Navigation in Dynamic Environments, SSRR 2022. Start, goal, radius and
+time limit are those of the BARN Challenge (run.py of Daffan/the-barn-challenge, as of 2026).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.public.conditions import Conditions
+from trundle.evaluation.suite import Suite
+from trundle.worlds.dynabarn import LEVELS, load_dynabarn, read_dynabarn
+
+START = (11.0, 0.0, math.pi)
+GOAL = (-9.0, 0.0)
+
+_LATEST_START_S = 60.0
+"""The motions are at a random time up to this [s] when the run begins, as in Gazebo: there it begins when the robot's
+software is up."""
+
+
+def dynabarn_suite(
+    file: str | os.PathLike[str],
+    conditions: Conditions | None = None,
+    *,
+    numbers: Sequence[int] | None = None,
+    levels: Sequence[str] | None = None,
+) -> Suite:
+    """Make a suite of DynaBARN's worlds. The seed of a run draws how far the obstacles' motions are when it begins.
+
+    Args:
+        file: The file of the worlds; see `trundle.worlds.dynabarn`.
+        conditions: What drives, and how; None means the defaults.
+        numbers: Of the worlds to drive in; None means all that are there.
+        levels: Of the worlds to drive in: easy, medium and hard; None means all.
+
+    Raises:
+        InputError: If the file is damaged or of another kind, or lacks one of `numbers`.
+    """
+    path = Path(file)
+    found = read_dynabarn(path)
+    names = list(found) if numbers is None else [f"world_{number}" for number in numbers]
+    for name in names:
+        load_dynabarn(path, world=name)  # reads its obstacles
+    wanted = LEVELS if levels is None else check_levels(levels)
+    names = [name for name in names if found[name]["level"] in wanted]
+    if not names:
+        raise InputError(f"{path}: none of the worlds is {' or '.join(wanted)}")
+    worlds = [
+        {
+            "name": str(path),
+            "label": f"{found[name]['level']}/{name}",
+            "options": {"world": name, "start_s": {"uniform": [0.0, _LATEST_START_S]}},
+        }
+        for name in names
+    ]
+    conditions = Conditions(seeds=5, drift=False) if conditions is None else conditions
+    return Suite.make(
+        name="dynabarn",
+        worlds=worlds,
+        missions={"seeds": conditions.seeds, "listed": [{"start": START, "goal": GOAL}]},
+        **conditions.suite_fields(),
+    )
+
+
+def check_levels(levels: Sequence[str]) -> tuple[str, ...]:
+    """The levels of some names.
+
+    Raises:
+        UnknownNameError: If one is none.
+    """
+    unknown = [level for level in levels if level not in LEVELS]
+    if unknown or not levels:
+        raise UnknownNameError("level of DynaBARN", unknown[0] if unknown else "", LEVELS)
+    return tuple(levels)
