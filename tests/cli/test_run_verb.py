@@ -343,3 +343,46 @@ def test_no_map_needs_lidars(trundle):
     done = trundle("run", "maze", "--no-map")
     assert done.code == 2
     assert "needs lidars: give lidar: true" in done.err
+
+
+def test_settings_of_sensing_are_given_as_pairs(trundle, tmp_path):
+    pairs = ("--latency", "scan_age_s=0.1", "--latency", "command_delay_s=0.05", "--odometry", "heading=1deg")
+    pairs += (
+        "--layers",
+        "clear_static=true",
+        "--layers",
+        "width=12",
+        "--monitor",
+        "time_before_collision=1.5",
+        "--localizer",
+        "odometry",
+    )
+    first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
+    done = trundle("scenario", "maze", "--lidar", *pairs, "-o", str(first))
+    assert done.code == 0, done.err
+    scenario = Scenario.load(first)
+    assert scenario.latency.model_dump() == {"scan_age_s": 0.1, "command_delay_s": 0.05}
+    assert scenario.odometry.heading == pytest.approx(np.deg2rad(1.0))
+    assert (scenario.layers.obstacle.clear_static, scenario.layers.width) == (True, 12.0)
+    assert scenario.collision_monitor.time_before_collision == 1.5
+    done = trundle("scenario", str(first), "--latency", "scan_age_s=0.2", "-o", str(second))
+    assert done.code == 0, done.err
+    again = Scenario.load(second)
+    assert again.latency.model_dump() == {"scan_age_s": 0.2, "command_delay_s": 0.05}
+    assert again.layers == scenario.layers
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--latency", "scan_age=0.1"), "scan_age_s"),
+        (("--latency", "scan_age_s"), "give KEY=VALUE, for example --latency scan_age_s=0.1"),
+        (("--latency", "scan_age_s=9"), "scan_age_s"),
+        (("--odometry", "slip=1"), "slip"),
+        (("--monitor", "min_points=4", "--no-collision-monitor"), "not both"),
+    ],
+)
+def test_wrong_settings_of_sensing_are_reported(trundle, options, said):
+    done = trundle("run", "maze", "--lidar", *options)
+    assert done.code == 2
+    assert said in done.err

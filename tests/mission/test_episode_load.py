@@ -77,6 +77,24 @@ def test_a_run_whose_pictures_are_not_done_comes_back(folder):
     assert Episode.load(str(folder)).arrived
 
 
+def test_a_run_from_before_estimates_and_monitors_comes_back(folder):
+    """Its record has no figures of sensing, and its trajectory no estimates: the true poses stand for them."""
+    record = json.loads((folder / "episode.json").read_text())
+    new = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
+    assert set(new) <= set(record)
+    older = {name: value for name, value in record.items() if name not in new}
+    (folder / "episode.json").write_text(json.dumps(older))
+    with np.load(folder / "trajectory.npz") as arrays:
+        kept = {name: arrays[name] for name in arrays.files if not name.startswith("estimate")}
+        assert len(kept) == len(arrays.files) - 3
+    np.savez(folder / "trajectory.npz", **kept)
+    again = trundle.Episode.load(folder)
+    np.testing.assert_array_equal(again.trajectory.estimates, again.trajectory.poses)
+    metrics = again.metrics
+    assert (metrics.standing_contacts, metrics.unseen_contacts) == ((), ())
+    assert (metrics.position_error_m, metrics.monitor_stops) == (0.0, None)
+
+
 def test_paths_of_every_kind_come_back(tmp_path):
     paths = (
         Path([(0, 0, 0)]),

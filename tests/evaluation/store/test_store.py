@@ -10,11 +10,15 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from support.stored_rows import SUITE, VERSIONS, make_row, open_store, read_rows, write_rows
 from trundle.errors import InputError, MissingExtraError, OutputError
-from trundle.evaluation.store import Store, code_versions
+from trundle.evaluation.report.summary import summarise
+from trundle.evaluation.statistics.comparison import compare
+from trundle.evaluation.statistics.table import Table as StatisticsTable
+from trundle.evaluation.store import Store, code_versions, columns, parts
 from trundle.evaluation.store.code import describe_differences
 
 KILL_AT_EVERY_STEP = """
@@ -319,3 +323,26 @@ def test_seeds_have_up_to_64_bits(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="64 bits"):
             store.append(make_row(2, seed=2**64))
     assert read_rows(tmp_path) == [row]
+
+
+def test_a_folder_from_before_the_figures_of_sensing_is_read_and_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its parts and its journal lack the columns; rows written since have them."""
+    new = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops")
+    with monkeypatch.context() as before:
+        older = {name: kind for name, kind in columns.SQL_TYPES.items() if name not in new}
+        before.setattr(parts, "SQL_TYPES", older)
+        write_rows(tmp_path / "e", range(6), part_rows=4)
+    assert list((tmp_path / "e" / "parts").glob("*.parquet"))
+    line = json.loads(columns.encode_row(make_row(6)))
+    old_line = json.dumps({name: value for name, value in line.items() if name not in new})
+    (tmp_path / "e" / "journal.jsonl").write_text(f"{old_line}\n")
+    since = dict.fromkeys(new, 3)
+    with open_store(tmp_path / "e", part_rows=100) as store:
+        store.append(make_row(7, **since))
+    assert read_rows(tmp_path / "e") == [*(make_row(index) for index in range(7)), make_row(7, **since)]
+    table = StatisticsTable.of(read_rows(tmp_path / "e"))
+    assert [bool(one) for one in np.isnan(table.numbers["position_error_m"])] == [True] * 7 + [False]
+    assert summarise(table)["medians"]["monitor_stops"] == 3.0
+    assert not compare(StatisticsTable.of(read_rows(tmp_path / "e")[:6]), table).worse

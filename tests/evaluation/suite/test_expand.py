@@ -207,3 +207,19 @@ def test_what_the_robot_senses_and_knows_is_crossed():
 def test_an_unknown_localizer_of_a_suite_is_refused():
     with pytest.raises(InputError, match="unknown localizer 'odometri'"):
         make(seeds=1, localizer="odometri").check()
+
+
+def test_movers_are_crossed_as_lists():
+    people = {"crowd": "person", "count": 4, "speed": 1.0}
+    forklifts = {"crowd": "forklift", "count": 2}
+    one = make(seeds=1, lidar=True, movers=[people, forklifts])
+    assert len(one) == 1
+    assert [choice.crowd for choice in one.spec(0).scenario.movers] == ["person", "forklift"]
+    several = make(seeds=1, lidar=True, movers=[[], [people], [people, forklifts]])
+    specs = [several.spec(index) for index in range(len(several))]
+    assert [len(spec.scenario.movers) for spec in specs] == [0, 1, 2]
+    assert len({spec.id for spec in specs}) == 3
+    assert specs[0].settings == "movers=none"
+    assert specs[2].id == one.id_of(0)
+    assert make(seeds=1, movers=[]).id_of(0) == make(seeds=1).id_of(0)
+    several.check()

@@ -95,6 +95,22 @@ Lidar = Annotated[
 NoMap = Annotated[
     bool, Parameter(name="--no-map", negative="", help="Start without a map, and drive by lidar alone; needs --lidar.")
 ]
+LatencyPairs = Annotated[
+    list[str] | None,
+    _pairs("--latency", "How late data arrives: scan_age_s=0.1 or command_delay_s=0.1 [s]; repeatable."),
+]
+OdometryPairs = Annotated[
+    list[str] | None,
+    _pairs("--odometry", "An error of the robot's odometry, for example scale=0.01 or heading=1deg; repeatable."),
+]
+LayersPairs = Annotated[
+    list[str] | None,
+    _pairs("--layers", "How scans go into the costmap, for example rolling_window=true; repeatable."),
+]
+MonitorPairs = Annotated[
+    list[str] | None,
+    _pairs("--monitor", "A setting of the collision monitor, for example time_before_collision=1.5; repeatable."),
+]
 CollisionMonitor = Annotated[
     bool | None,
     Parameter(

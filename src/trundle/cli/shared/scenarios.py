@@ -4,18 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 from cyclopts import Parameter
+from pydantic import BaseModel
 
 from trundle.cli.shared import isaac, options, settings, sources
 from trundle.cli.shared.given import check_given
+from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
 from trundle.mission import Scenario
 from trundle.mission.choices import MapOptions
 from trundle.worlds import world_names
 from trundle.worlds.options import check_options
+
+_PAIRS = {
+    "layers": "rolling_window=true",
+    "latency": "scan_age_s=0.1",
+    "odometry": "heading=1deg",
+    "monitor": "time_before_collision=1.5",
+}
+"""An example of each option that takes pairs, for messages."""
 
 
 @Parameter(name="*")
@@ -43,7 +53,11 @@ class ScenarioOptions:
     localizer: options.LocalizerName = None
     localizer_options: options.LocalizerOptions = None
     no_map: options.NoMap = False
+    layers: options.LayersPairs = None
+    latency: options.LatencyPairs = None
+    odometry: options.OdometryPairs = None
     collision_monitor: options.CollisionMonitor = None
+    monitor: options.MonitorPairs = None
     seed: Annotated[options.Integer | None, Parameter(help="Random seed: the same seed gives the same run.")] = None
     world_options: options.Settings = None
     exclude: options.Exclude = None
@@ -95,8 +109,36 @@ class ScenarioOptions:
             "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
             "smoother": settings.choose("smoother", self.smoother, self.smoother_options, base.smoother),
             "localizer": settings.choose("localizer", self.localizer, self.localizer_options, base.localizer),
+            **self._sensing(base),
         }
         return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)
+
+    def _sensing(self, base: Scenario) -> dict[str, object]:
+        """Settings of sensing that are given as pairs, added to those that the scenario has."""
+        if self.monitor and self.collision_monitor is False:
+            raise InputError("give --monitor or --no-collision-monitor, not both")
+        chosen: dict[str, object] = {}
+        for option, field, pairs in (
+            ("layers", "layers", self.layers),
+            ("latency", "latency", self.latency),
+            ("odometry", "odometry", self.odometry),
+            ("monitor", "collision_monitor", self.monitor),
+        ):
+            if pairs:
+                before = getattr(base, field)
+                kept = before.model_dump(exclude_unset=True) if isinstance(before, BaseModel) else {}
+                given: dict[str, object] = {**options.parse_pairs(f"--{option}", pairs, _PAIRS[option])}
+                chosen[field] = {**kept, **(_of_obstacles(given, kept) if field == "layers" else given)}
+        return chosen
+
+
+def _of_obstacles(given: dict[str, object], kept: dict[str, object]) -> dict[str, object]:
+    """Settings of layers, of which those of the obstacle layer stand in its own part."""
+    inner = {name: value for name, value in given.items() if name in ObstacleLayerSettings.model_fields}
+    rest = {name: value for name, value in given.items() if name not in inner}
+    before = kept.get("obstacle")
+    known = cast("dict[str, object]", before) if isinstance(before, dict) else {}
+    return {**rest, "obstacle": {**known, **inner}} if inner else rest
 
 
 DEFAULTS = ScenarioOptions()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeAlias, cast
@@ -38,6 +38,15 @@ def read_items(given: object) -> object:
     if items == ():
         raise PydanticCustomError("empty", "an empty list: the cross product has no episodes", {})
     return items
+
+
+def read_lists(given: object) -> object:
+    """Take values that are lists themselves: a list of lists is several, and any other list is one."""
+    if isinstance(given, list | tuple):
+        ones = cast("Sequence[object]", given)
+        if ones and all(isinstance(one, list | tuple) for one in ones):
+            return tuple(ones)
+    return (given,)
 
 
 class ListedMission(Config):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BeforeValidator, create_model
 
 from trundle.costmap import CostmapSettings
-from trundle.evaluation.suite.parts import read_items
+from trundle.evaluation.suite.parts import read_items, read_lists
 from trundle.files.field_docs import describe_fields
 from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
@@ -17,6 +17,7 @@ _SENSING = (
     "lidar",
     "odometry",
     "unmapped",
+    "movers",
     "known_map",
     "localizer",
     "layers",
@@ -40,7 +41,8 @@ def _field(name: str) -> tuple[Any, Any]:
     for constraint in field.metadata:
         item = Annotated[item, constraint]
     several = tuple[item, ...]
-    one_or_several = BeforeValidator(read_items, json_schema_input_type=item | list[item])
+    read = read_lists if name == "movers" else read_items
+    one_or_several = BeforeValidator(read, json_schema_input_type=item | list[item])
     return Annotated[several, one_or_several], (field.default,)
 
 

@@ -19,6 +19,7 @@ from trundle.sim.isaac.application import Application, running_application
 from trundle.sim.isaac.assets import environment_path, find_root, given_root, robot_path
 from trundle.sim.isaac.signatures import differences
 from trundle.sim.isaac.stage import check_joints, check_units
+from trundle.sim.lidar import LidarChoice
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.simulator import Contact, RobotState
 from trundle.usd.isaac_physics import GROUND_OFFSET, TIMESTEP
@@ -51,6 +52,7 @@ class IsaacSimulator:
     Args:
         world: The world; contacts are reported with its solids and cells by name.
         robot: The robot.
+        lidar: Must be False: Isaac Sim's lidars are not read.
         environment: An environment by name (`warehouse_with_forklifts`), or a USD file; None means the world as USD.
             Its frame is the map frame.
         robot_usd: The robot's USD file; None means that of Isaac Sim's assets.
@@ -75,6 +77,7 @@ class IsaacSimulator:
         world: World,
         robot: Robot,
         *,
+        lidar: LidarChoice = False,
         environment: str | None = None,
         robot_usd: str | None = None,
         headless: bool = False,
@@ -97,6 +100,10 @@ class IsaacSimulator:
             raise WorldError(
                 f"the world {world.name!r} has movers, and backend isaac has none yet; use backend mujoco or "
                 "kinematic, or a world without movers"
+            )
+        if lidar:
+            raise InputError(
+                "backend isaac simulates no lidars; use backend mujoco or kinematic, or leave lidar out (--no-lidar)"
             )
         # Check everything that does not need Isaac Sim before its start, which takes a minute.
         scene = None if environment is None else (environment, environment_path(environment))
