@@ -3,7 +3,7 @@
     python -m benchmarks.control.tracking --scenes open shelves still --runs 4
     python -m benchmarks.control.tracking --scenes dynabarn --worlds WORLDS.json
 
-`open` is a room of 16 × 16 m with walkers, in which the robot drives curves; in `shelves` it drives missions between the
+`open` is a room of 16 × 16 m with walkers, where the robot drives curves; in `shelves` it drives missions between the
 shelves of a generated warehouse, among people and forklifts that do not see it; `still` is the same without movers; and
 `dynabarn` is that benchmark's cylinders, from its file of worlds. MuJoCo, Nova Carter's two lidars, 1 cm of noise.
 
