@@ -234,3 +234,32 @@ def test_bad_settings_are_refused():
         MonitorSettings(slowdown_ratio=1.5)
     with pytest.raises(InputError):
         CollisionMonitor("nova_carter")
+
+
+def swinging(time):
+    """A bar that turns about its far end, towards the robot's front right corner from the right."""
+    angle = 1.2 * time
+    return (FRONT - 0.3, -1.9, FRONT - 0.3 + 1.4 * math.cos(angle), -1.9 + 1.4 * math.sin(angle))
+
+
+@pytest.mark.parametrize("command", [Twist2D(0.0, 0.5), Twist2D(0.3, 0.0)])
+def test_it_stops_before_the_end_of_what_turns_on_the_spot(command):
+    monitor = CollisionMonitor(CARTER)
+    for tick in range(12):
+        time = tick * DT
+        report = monitor.check(command, Twist2D(), [scan_of(swinging(time), time=time)], time, Pose2D(0, 0))
+    assert (report.action, report.command) == ("stop", Twist2D())
+
+
+def test_it_lets_the_robot_escape_only_where_that_succeeds():
+    def check_behind(speed, gap):
+        monitor = CollisionMonitor(CARTER)
+        for tick in range(12):
+            time = tick * DT
+            x = FRONT + gap + speed * (0.55 - time)
+            scan, back = scan_of(*box(x + 0.2, 0.0), time=time), Twist2D(-0.6, 0.0)
+            report = monitor.check(back, back, [scan], time, Pose2D(0, 0))
+        return report.action
+
+    assert check_behind(0.4, 0.3) == "none"
+    assert check_behind(2.0, 0.3) == "stop"

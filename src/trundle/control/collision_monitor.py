@@ -49,8 +49,10 @@ class MonitorSettings(Config):
         time_before_collision: The robot approaches what it would touch within this time [s] as slowly as to take that
             time; 0 means that it does not look ahead further than it takes to stop.
         moving_padding: Something that moves and is nearer to the footprint than this, or will be within
-            `moving_time`, stops the robot unless the command keeps it as far away [m]; 0 means no such stop. What moves
-            may turn at any moment, and nothing tells how.
+            `moving_time`, stops the robot unless the command takes the robot away from it [m]; 0 means no such stop.
+            What moves may turn at any moment, and nothing tells how.
+        moving_clearance: A command that takes the robot away passes only if nothing that moves comes nearer than this
+            [m]: a robot that is about to be touched anyway stands.
         moving_time: How far ahead that is looked [s].
         simulation_time_step: Between two poses that are tested on the way [s].
         min_points: So many points of scans count as something.
@@ -66,6 +68,7 @@ class MonitorSettings(Config):
     slowdown_ratio: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
     time_before_collision: NotNegative = 1.2
     moving_padding: NotNegative = 0.4
+    moving_clearance: NotNegative = 0.15
     moving_time: NotNegative = 0.8
     simulation_time_step: Positive = 0.05
     min_points: Annotated[int, Field(ge=1)] = 3
@@ -231,7 +234,8 @@ class CollisionMonitor:
             np.partition(self._edges.distances(places, poses, velocities, times), kth, axis=1)[:, kth].min()
             for poses in (np.zeros_like(driven), driven)
         )
-        if standing >= settings.moving_padding <= driving or driving > standing + _SAME_M:
+        escapes = driving > standing + _SAME_M and driving >= min(settings.moving_clearance, settings.moving_padding)
+        if standing >= settings.moving_padding <= driving or escapes:
             return None
         return int(moving[self._edges.distances(places, _AT_HERE)[0].argmin()])
 

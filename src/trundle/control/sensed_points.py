@@ -22,9 +22,12 @@ _APPEARED_SHARE = 0.3
 _GAP_M = 0.3  # between two things
 _LARGEST_M = 3.0  # larger things are walls
 _LEAST_POINTS = 3
+_NEAR_M = 5.0  # from the sensor: farther away, nothing turns into the robot soon
+_AT_ONCE = 200  # points, which bounds the work
 _FASTEST_MPS = 4.0
 _BODY_M = 1e-6
 _AT_ORIGIN = np.zeros((1, 3))
+_NOTHING = np.zeros((0, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +56,10 @@ class Points:
 
 @dataclass(slots=True, eq=False)
 class _Seen:
-    """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through."""
+    """The hits of one scan, odom frame, in the order of its beams; and how far each beam saw through.
+
+    Edges are hits that have come to where an earlier scan saw through, with their own velocities.
+    """
 
     scan: Scan
     sensor: Pose2D
@@ -61,6 +67,7 @@ class _Seen:
     velocities: FloatArray
     through: tuple[FloatArray, FloatArray]
     moves: bool = False
+    edges: tuple[FloatArray, FloatArray] = (_NOTHING, _NOTHING)
 
 
 class SensedPoints:
@@ -68,7 +75,8 @@ class SensedPoints:
 
     What moves is told from what stands by comparing two scans of a lidar that are a quarter of a second apart: where
     the first one saw through, and the second one hits something, something has moved in. Its velocity is that of the
-    middle of its points.
+    middle of its points. What turns on the spot has none, and its end is fast: points that have moved in also count
+    with their own velocity, from the nearest hit of the first scan.
 
     Args:
         footprint: Of the robot. Points inside are its own body.
@@ -112,7 +120,9 @@ class SensedPoints:
                 del kept[0]
             before = next((old for old in reversed(kept) if old.scan.time <= scan.time - _COMPARE_S + 1e-6), None)
             if before is not None:
-                _find_velocities(seen, before)
+                appeared = _appeared(seen, before)
+                _find_velocities(seen, before, appeared)
+                _find_edges(seen, before, appeared)
 
     def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
         """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
@@ -127,15 +137,17 @@ class SensedPoints:
             seen = kept[-1]
             if seen.scan.time < oldest:
                 continue
-            offset = seen.points - (odometry.x, odometry.y)
-            limit: float | FloatArray = reach
-            if seen.moves:
-                offset += seen.velocities * (time - seen.scan.time)
-                limit = reach + horizon * np.hypot(seen.velocities[:, 0], seen.velocities[:, 1])
-            near = np.hypot(offset[:, 0], offset[:, 1]) <= limit
-            places.append(offset[near] @ rotation)
-            velocities.append(seen.velocities[near] @ rotation)
-            lidars.append(np.full(int(near.sum()), index))
+            moves = (seen.points, seen.velocities) if seen.moves else (seen.points, None)
+            for points, moved in (moves, seen.edges) if len(seen.edges[0]) else (moves,):
+                offset = points - (odometry.x, odometry.y)
+                limit: float | FloatArray = reach
+                if moved is not None:
+                    offset += moved * (time - seen.scan.time)
+                    limit = reach + horizon * np.hypot(moved[:, 0], moved[:, 1])
+                near = np.hypot(offset[:, 0], offset[:, 1]) <= limit
+                places.append(offset[near] @ rotation)
+                velocities.append(np.zeros_like(places[-1]) if moved is None else moved[near] @ rotation)
+                lidars.append(np.full(int(near.sum()), index))
         return Points(np.concatenate(places), np.concatenate(velocities), np.concatenate(lidars), tuple(self._seen))
 
     def _place(self, scan: Scan, base: Pose2D) -> _Seen:
@@ -194,12 +206,33 @@ def box_around(footprint: Footprint, poses: FloatArray, padding: float) -> tuple
     return corners.min(axis=(0, 1)) - padding, corners.max(axis=(0, 1)) + padding
 
 
-def _find_velocities(seen: _Seen, before: _Seen) -> None:
+def _find_edges(seen: _Seen, before: _Seen, appeared: npt.NDArray[np.bool_]) -> None:
+    """Set the edges: runs of three points or more near the sensor that have come to where an older scan saw through."""
+    if len(before.points) == 0:
+        return
+    runs = appeared.copy()
+    for shift in (1, -1):
+        runs &= np.roll(appeared, shift) | np.roll(appeared, 2 * shift) & np.roll(appeared, -shift)
+    x, y, _ = seen.sensor.as_tuple()
+    runs &= np.hypot(seen.points[:, 0] - x, seen.points[:, 1] - y) <= _NEAR_M
+    index = np.flatnonzero(runs)
+    if len(index) < _LEAST_POINTS:
+        return
+    points = seen.points[index[:: max(1, math.ceil(len(index) / _AT_ONCE))]]
+    offset = points[:, None] - before.points
+    apart: FloatArray = offset[..., 0] ** 2 + offset[..., 1] ** 2
+    nearest = apart.argmin(axis=1)
+    velocities = offset[np.arange(len(points)), nearest] / (seen.scan.time - before.scan.time)
+    credible = np.hypot(velocities[:, 0], velocities[:, 1]) <= _FASTEST_MPS
+    if np.count_nonzero(credible) >= _LEAST_POINTS:
+        seen.edges = (points[credible], velocities[credible])
+
+
+def _find_velocities(seen: _Seen, before: _Seen, appeared: npt.NDArray[np.bool_]) -> None:
     """Set the velocities of what has moved since an older scan."""
     parts = _things(seen.points)
     if len(parts) == 0:
         return
-    appeared = _appeared(seen, before)
     starts = np.array([part.start for part in parts])
     counts = np.add.reduceat(appeared, starts, dtype=np.intp)
     sizes = np.diff([*starts.tolist(), len(appeared)])
