@@ -76,3 +76,19 @@ def test_a_robot_may_drive_off_what_it_touches():
     assert costmap.footprint_collides([pose.as_tuple()])[0]
     assert can_stop(costmap, robot.limits, pose, Twist2D(0.2, 0.0), Twist2D(0.2, 0.0), 0.05, padded=robot.outline)
     assert not can_stop(costmap, robot.limits, pose, Twist2D(-0.2, 0.0), Twist2D(-0.2, 0.0), 0.05, padded=robot.outline)
+
+
+@pytest.mark.parametrize("depth", [0.03, 0.07, 0.13])
+def test_a_robot_that_was_pushed_against_something_may_leave_it_but_not_press_on(depth):
+    robot = Robot.load("nova_carter")
+    costmap = Costmap.from_grid(OccupancyGrid(np.zeros((80, 80), np.int8), 0.05), robot)
+    costmap = costmap.update(slice(20, 60), slice(40, 41), 100)  # a wall at x = 2, behind the robot
+    pose = Pose2D(2.05 + 0.607 - depth, 2.025, 0.0)
+    assert costmap.clearance(pose.as_tuple())[0] == 0.0
+
+    def passes(v, w):
+        return can_stop(costmap, robot.limits, pose, Twist2D(), Twist2D(v, w), 0.05, padded=robot.outline)
+
+    assert passes(0.2, 0.0)
+    assert not passes(-0.2, 0.0)
+    assert not passes(0.0, 0.5)

@@ -65,9 +65,11 @@ def test_a_robot_that_has_its_padding_keeps_it():
     assert not may(BOX_BEHIND, outside, command, Twist2D(-0.1, 0.0))
 
 
-def test_a_robot_that_touches_something_on_the_map_stays():
+def test_a_robot_that_touches_something_on_the_map_may_only_leave_it():
     inside = Pose2D(TAIL_AT_A_CORNER.x - 0.01, 5.0, 0.0)
-    assert not may(BOX_BEHIND, inside, Twist2D(0.8, 0.0))
+    assert may(BOX_BEHIND, inside, Twist2D(0.8, 0.0))
+    assert not may(BOX_BEHIND, inside, Twist2D(-0.1, 0.0))
+    assert not may(BOX_BEHIND, inside, Twist2D(0.0, -0.5))
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -43,3 +43,11 @@ def test_a_push_that_is_over_spares_nothing_more():
     assert not make_log(*steps).contacts
     steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *(12 * slides), (("rack",), 0.3, STAND)]
     assert tuple(make_log(*steps).contacts) == ("rack",)
+
+
+def test_what_it_is_pushed_against_at_once_is_spared_too():
+    log = make_log(((), 0.0, STAND), (("rack", "cart"), 0.4, STAND))
+    assert tuple(log.standing_contacts) == ("rack", "cart")
+    assert not log.contacts
+    log = make_log(((), 0.0, STAND), (("rack", "cart"), 0.4, Twist2D(0.1, 0.0)))
+    assert tuple(log.contacts) == ("rack",)

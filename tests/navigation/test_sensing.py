@@ -360,3 +360,16 @@ def test_a_navigator_may_track_nothing():
     assert navigator.tracks == ()
     with pytest.raises(InputError, match="tracking"):
         Navigator(None, ROBOT, tracking=True)
+
+
+def test_a_robot_that_is_held_back_for_a_while_is_not_stuck():
+    navigator = Navigator(None, ROBOT, settings=NavigatorSettings(movement_time_allowance=1.0))
+    navigator.set_goal(GOAL)
+    with simulate(room(), ROBOT, backend="kinematic", lidar=True) as sim:
+        state = sim.reset(START)
+        for _ in range(60):
+            command = navigator.update(state.pose, state.twist, time=state.time, scans=state.scans)
+            if command != Twist2D():
+                navigator.set_sent_command(Twist2D())
+            state = sim.step(Twist2D(), navigator.dt)
+            assert navigator.status is not NavigationStatus.STUCK

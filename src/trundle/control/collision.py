@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from trundle.costmap import NO_INFORMATION, Costmap
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, shrink_outline
 from trundle.robots import Limits
 
 FOOTPRINT_PADDING_M = 0.01
@@ -20,6 +20,7 @@ _FAR_M = 1e12
 _FASTEST = 1e6  # [m/s] or [rad/s]: numbers stay finite
 _NEAREST_M = 0.1  # larger clearances count the same
 _AS_CLEAR_M = 1e-6
+_DEPTHS_M = (0.04, 0.08, 0.12, 0.16)
 
 _TURN_STEP_RAD = math.radians(2.0)
 """Largest turn between two tested poses."""
@@ -77,7 +78,8 @@ def can_stop(
 
     Poses at most 0.05 s and 2° apart are tested, with all that the outline sweeps between them. Where the padded
     outline touches something at `pose` already, a command passes if the footprint itself touches nothing and never
-    comes nearer to anything than it is: otherwise the robot could not leave that place.
+    comes nearer to anything than it is: otherwise the robot could not leave that place. Where the footprint itself
+    touches something, as something has pushed the robot against it, this holds for a smaller one that does not.
 
     Args:
         costmap: Where it drives.
@@ -98,9 +100,23 @@ def can_stop(
     if not blocked[1:].any() and not costmap.footprint_collides(poses[1], outline=padded)[0]:
         touches = costmap.footprint_sweeps(poses[0], poses[1])[0] < math.inf
         return not touches or clearances[0] == 0.0  # a robot may drive off what it touches
+    if clearances[0] > 0.0:
+        return _comes_no_nearer(costmap, poses, clearances, costmap.footprint)
+    for depth in _DEPTHS_M:
+        smaller = shrink_outline(costmap.footprint, depth)
+        if smaller is None:
+            break
+        clearances = costmap.clearance(poses, cap=_NEAREST_M, outline=smaller)
+        if clearances[0] > 0.0:
+            return _comes_no_nearer(costmap, poses, clearances, smaller)
+    return False
+
+
+def _comes_no_nearer(costmap: Costmap, poses: FloatArray, clearances: FloatArray, outline: FloatArray) -> bool:
+    """Whether an outline touches nothing on its way, and comes no nearer to anything than it is at the first pose."""
     if clearances.min() == 0.0 or clearances[1:].min() < clearances[0] - _AS_CLEAR_M:
         return False
-    return not (costmap.footprint_sweeps(poses[:-1], poses[1:]) < math.inf).any()
+    return not (costmap.footprint_sweeps(poses[:-1], poses[1:], outline=outline) < math.inf).any()
 
 
 def cost_under(costmap: Costmap, x: float, y: float) -> int:

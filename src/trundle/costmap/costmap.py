@@ -323,12 +323,13 @@ class Costmap(GridFrame):
         except ValueError as error:
             raise InputError(str(error)) from None
 
-    def clearance(self, poses: npt.ArrayLike, cap: float = 2.0) -> FloatArray:
+    def clearance(self, poses: npt.ArrayLike, cap: float = 2.0, *, outline: FloatArray | None = None) -> FloatArray:
         """Distance [m] from the oriented footprint to the nearest cell of 254 or 255 or the map's edge.
 
         Args:
             poses: (x, y, yaw) [m, m, rad], map frame, shape (N, 3) or (3,).
             cap: Larger distances are reported as this [m].
+            outline: Measured from this outline [m] instead of the footprint: base_link, convex, shape (M, 2).
 
         Returns:
             Shape (N,); 0 where the footprint touches something.
@@ -338,8 +339,9 @@ class Costmap(GridFrame):
         """
         if not (is_finite_number(cap) and cap > 0.0):
             raise InputError(f"cap must be a positive number of metres, got {cap!r}")
+        corners = self.footprint if outline is None else outline
         return _core.footprint_clearance(
-            self.data, self.resolution, *self.origin.as_tuple(), self.footprint, _as_poses(poses), float(cap)
+            self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses), float(cap)
         )
 
 

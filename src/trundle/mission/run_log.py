@@ -103,14 +103,16 @@ class RunLog:
 
     def _note_contacts(self, state: RobotState, sent: Twist2D) -> None:
         names = frozenset(contact.other for contact in state.contacts)
-        pushed = state.time - self._pushed_at <= _PUSH_S and sent == Twist2D()
         # How it moved when the touch began: a collision itself stops the robot, or a mover pushes it.
-        stood = abs(self._twist.v) < _STANDING_V and abs(self._twist.w) < _STANDING_W
+        stood = _stands(self._twist)
         spared = {name for name in names & self._touching if name in self._spared}
         new = names - self._touching
         movers = {mover.name for mover in state.movers}
-        excused = {name for name in new if pushed or (stood and name in movers)}
-        self._spared = frozenset() if self._every_contact else frozenset(spared | excused)
+        spared |= {name for name in new if stood and name in movers}
+        # What pushes the robot may press it against something in the same period.
+        if _stands(sent) and (spared & movers or state.time - self._pushed_at <= _PUSH_S):
+            spared |= new
+        self._spared = frozenset() if self._every_contact else frozenset(spared)
         if self._spared:
             self._pushed_at = state.time
         self._touching = names
@@ -121,3 +123,7 @@ class RunLog:
             else:
                 self.contacts.setdefault(contact.other)
                 self.hit = self.hit or contact
+
+
+def _stands(twist: Twist2D) -> bool:
+    return abs(twist.v) < _STANDING_V and abs(twist.w) < _STANDING_W

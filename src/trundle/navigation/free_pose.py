@@ -9,7 +9,7 @@ from trundle.errors import BlockedPoseError
 from trundle.geometry import Goal, Pose2D
 
 _STEP_M = 0.05
-_START_OFF_M = 0.15
+_START_OFF_M = 0.35  # as far as something may push a robot into what it sees; less than across anything
 _STOPS_WITHIN_M = 0.05
 _YAWS = np.arange(16) * (np.pi / 8.0)
 

@@ -194,6 +194,7 @@ class Navigator(Drive):
         A session calls it with what its collision monitor made of the command.
         """
         check_kind(command, Twist2D, "a command", "Twist2D(v, w) makes one")
+        self._is_held = command == _STAND != self._command
         self._command = command
         self._delayed.replace_last(command)
 
@@ -202,6 +203,7 @@ class Navigator(Drive):
     def reset(self, *, seed: int = 0) -> None:
         """Forget the goal and everything about it, and what was sensed."""
         self._clock = 0.0
+        self._is_held = False
         self._delayed.clear()
         self._runner.reset()
         self._sensed.reset(self.costmap)
@@ -435,6 +437,9 @@ class Navigator(Drive):
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
             return _STAND
         recovering = self._runner.is_recovering
+        held, self._is_held = self._is_held, False
+        if held and not replanner.obstacle.gives_up:  # what stops the robot may move away
+            self.progress_checker.reset()
         if not recovering and not self.progress_checker.is_moving_on(pose, now.time):
             self.status = NavigationStatus.STUCK
             return _STAND
