@@ -33,6 +33,19 @@ def finished(tmp_path_factory):
     return episode, folder
 
 
+class Standing:
+    """A controller that never moves."""
+
+    def reset(self, *, seed=0): ...
+
+    def set_path(self, path): ...
+
+    def set_speed_limit(self, limit): ...
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        return trundle.Twist2D()
+
+
 @pytest.fixture
 def folder(finished, tmp_path):
     return shutil.copytree(finished[1], tmp_path / "copy")
@@ -61,6 +74,38 @@ def test_a_run_comes_back_equal(finished):
         if field.name not in ("trajectory", "paths", "costmap", "folder"):
             assert getattr(again, field.name) == getattr(episode, field.name), field.name
     assert again.as_dict() == episode.as_dict()
+
+
+def test_a_folder_written_before_behaviors_were_recorded_loads(folder):
+    file = folder / "episode.json"
+    record = json.loads(file.read_text())
+    assert record.pop("behaviors") == []
+    assert record.pop("recoveries") == 0
+    file.write_text(json.dumps(record))
+    episode = trundle.Episode.load(folder)
+    assert episode.behaviors == ()
+    assert episode.metrics.recoveries is None
+
+
+def test_the_behaviors_of_a_run_come_back(tmp_path):
+    scenario = Scenario.make(
+        name="blocked",
+        world={"name": "warehouse", "options": {"size": [14, 11]}},
+        backend="kinematic",
+        recovery="wait=0.2,spin=0.5",
+        recovery_retries=3,
+        time_limit_s=60,
+    )
+    with scenario.build() as mission, RunFolder(tmp_path / "run", scenario=mission.scenario, video=False) as record:
+        mission.navigator.controller = Standing()
+        episode = mission.run(observers=[record])
+    assert [ran.behavior for ran in episode.behaviors] == ["wait", "spin", "wait"]
+    assert episode.metrics.recoveries == 3
+    assert all(ran.reason and ran.begin_s <= ran.end_s <= episode.metrics.time_s for ran in episode.behaviors)
+    again = trundle.Episode.load(tmp_path / "run")
+    assert again.behaviors == episode.behaviors
+    assert again.metrics.recoveries == 3
+    assert Scenario.load(tmp_path / "run").recovery == scenario.recovery
 
 
 def test_the_folder_of_a_run_is_a_scenario_too(finished):

@@ -54,6 +54,8 @@ class Row:
         barn_score: Score of a run in BARN, 0 to 0.5; None in worlds without its reference path, as for the next two.
         reference_path_m: Length of BARN's reference path [m].
         shortest_time_s: Shortest time [s] on that path that the robot's limits allow from rest.
+        recoveries: Number of steps of recovery that ran; None in older evaluations.
+        behaviors: Names of the behaviors that ran, each with how often, separated by commas: `replan 2, back_up 1`.
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -104,6 +106,8 @@ class Row:
     barn_score: float | None = None
     reference_path_m: float | None = None
     shortest_time_s: float | None = None
+    recoveries: int | None = None
+    behaviors: str = ""
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

@@ -16,6 +16,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.mission.path_file import load_paths
 from trundle.mission.record_file import RECORD, check_record, read_record
 from trundle.mission.trajectory import Trajectory
+from trundle.navigation.behaviors import BehaviorRun
 from trundle.path import Path
 from trundle.values import as_path
 
@@ -83,6 +84,7 @@ class Metrics:
             that sent a scan crosses them; empty without scans.
         position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.
         monitor_stops: How often the collision monitor stopped the robot; None where there was no monitor.
+        recoveries: Number of steps of recovery that ran; None where a folder of an older version was loaded.
     """
 
     time_s: float
@@ -103,6 +105,7 @@ class Metrics:
     unseen_contacts: tuple[str, ...] = ()
     position_error_m: float = 0.0
     monitor_stops: int | None = None
+    recoveries: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +129,8 @@ class Episode:
         time_limit_s: Simulated time at which the run would have been stopped [s], or infinity.
         observer_errors: What observers raised; they were dropped, and the run continued. They are not recorded.
         costmap: What the robot planned on at the start, for the notebook's picture; None where it was loaded.
+        behaviors: The behaviors that ran, in order, each with its time, its reason and its result: steps of recovery,
+            tasks of waypoints, and what was asked for; empty where a folder of an older version was loaded.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
     """
 
@@ -145,6 +150,7 @@ class Episode:
     time_limit_s: float
     observer_errors: tuple[BaseException, ...] = ()
     costmap: Costmap | None = None
+    behaviors: tuple[BehaviorRun, ...] = ()
     folder: pathlib.Path | None = None
 
     @classmethod
@@ -179,6 +185,7 @@ class Episode:
             controller=facts.controller,
             seed=facts.seed,
             time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
+            behaviors=facts.behaviors,
             folder=place,
         )
 
@@ -221,6 +228,7 @@ class Episode:
             "goals_reached": self.goals_reached,
             "seed": self.seed,
             "time_limit_s": self.time_limit_s if math.isfinite(self.time_limit_s) else None,
+            "behaviors": [asdict(ran) for ran in self.behaviors],
         }
 
 
@@ -239,6 +247,7 @@ class _Facts:
     controller: str
     seed: int
     time_limit_s: float | None
+    behaviors: tuple[BehaviorRun, ...] = ()
 
 
 def _plain(value: object) -> object:

@@ -32,6 +32,7 @@ def compute_metrics(
     standing_contacts: Sequence[str] = (),
     unseen_contacts: Sequence[str] = (),
     monitor_stops: int | None = None,
+    recoveries: int = 0,
     truth: Truth | None = None,
 ) -> Metrics:
     """Compute the metrics of a run; see `Metrics` for their definitions.
@@ -49,6 +50,7 @@ def compute_metrics(
         standing_contacts: What ran into the robot while it stood.
         unseen_contacts: What was touched and no lidar could see.
         monitor_stops: How often a collision monitor stopped the robot; none without one.
+        recoveries: Number of steps of recovery that ran.
         truth: What was measured around the robot; none means that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
@@ -83,6 +85,7 @@ def compute_metrics(
         unseen_contacts=tuple(unseen_contacts),
         position_error_m=math.dist(trajectory.poses[-1, :2], trajectory.estimates[-1, :2]),
         monitor_stops=monitor_stops,
+        recoveries=recoveries,
     )
 
 

@@ -24,6 +24,7 @@ from trundle.mission.run_log import RunLog
 from trundle.mission.truth import Measure, Truth, measure_truth
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.observation import Estimate, Scan
 from trundle.path import Path
@@ -446,6 +447,7 @@ class Session:
             log.add(self._state, Twist2D(), self._estimate, 0, None)
         self._close_leg()
         trajectory = log.trajectory()
+        behaviors: tuple[BehaviorRun, ...] = tuple(getattr(self._agent, "behavior_runs", ()))
         arrived = outcome is Outcome.ARRIVED
         world = world_of(self._sim)
         truth = Truth(None, None, "nothing")
@@ -472,6 +474,7 @@ class Session:
             standing_contacts=tuple(log.standing_contacts),
             unseen_contacts=log.unseen_contacts(world, info.robot),
             monitor_stops=log.monitor_stops,
+            recoveries=sum(ran.recovery for ran in behaviors),
             truth=truth,
         )
         return Episode(
@@ -490,6 +493,7 @@ class Session:
             seed=info.seed,
             time_limit_s=info.time_limit_s,
             costmap=info.costmap,
+            behaviors=behaviors,
         )
 
 

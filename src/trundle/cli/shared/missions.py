@@ -163,6 +163,15 @@ def _sensing_facts(metrics: Metrics) -> dict[str, str]:
     return facts
 
 
+def _behavior_facts(episode: Episode) -> dict[str, str]:
+    """What a run with recovery or other behaviors adds to the report."""
+    from trundle.navigation.behaviors import describe_behaviors
+
+    recovery = describe_behaviors([ran for ran in episode.behaviors if ran.recovery])
+    others = describe_behaviors([ran for ran in episode.behaviors if not ran.recovery])
+    return {name: text for name, text in (("recovery", recovery), ("behaviors", others)) if text}
+
+
 def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
     if json:
         output.print_json(folder.record or {**episode.as_dict(), "run_dir": folder.path})
@@ -178,6 +187,7 @@ def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
             "real-time factor": f"{metrics.real_time_factor:.0f}",
             "contacts": first_names(metrics.contacts) or "none",
             **_sensing_facts(metrics),
+            **_behavior_facts(episode),
             "folder": folder.path,
         }
     )

@@ -24,6 +24,7 @@ from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_t
 from trundle.mission.loop import run_measured
 from trundle.mission.simulation import session_options
 from trundle.mission.truth import Truth, measure_truth
+from trundle.navigation.behaviors import describe_behaviors
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
 from trundle.sim.simulator import SIMULATORS
@@ -315,6 +316,8 @@ def _result(episode: Episode, truth: Truth | None) -> dict[str, Any]:
         "unseen_contacts": len(metrics.unseen_contacts),
         "position_error_m": metrics.position_error_m,
         "monitor_stops": metrics.monitor_stops,
+        "recoveries": metrics.recoveries,
+        "behaviors": describe_behaviors(episode.behaviors),
         **end,
         **closest,
         "trail": simplify(trajectory.poses[:, :2]),

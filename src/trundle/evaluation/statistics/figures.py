@@ -23,8 +23,8 @@ class Figure:
         better: Whether more or less of it is better; None where neither is.
         arrived: Whether its mean goes over the episodes that arrived alone; of pairs, over those where both did.
         measured: Whether it depends on the machine.
-        sensing: Whether it is of runs with lidars, movers or a localizer alone, or of one benchmark: where it is 0 or
-            missing in every episode, tables and comparisons leave it out.
+        sensing: Whether it is of runs with lidars, movers, a localizer or recovery alone, or of one benchmark: where it
+            is 0 or missing in every episode, tables and comparisons leave it out.
     """
 
     name: str
@@ -62,6 +62,7 @@ FIGURES = (
     Figure("position_error_m", "error of the estimate", "m", better="less", sensing=True),
     Figure("monitor_stops", "stops by the collision monitor", sensing=True),
     Figure("barn_score", "BARN score", better="more", sensing=True),
+    Figure("recoveries", "steps of recovery", better="less", sensing=True),
     Figure("planning_ms", "planning", "ms", better="less", measured=True),
 )
 BY_NAME = {figure.name: figure for figure in FIGURES}

@@ -7,6 +7,7 @@ from trundle.navigation.behaviors.behavior import (
     BehaviorRun,
     behavior_names,
     create_behavior,
+    describe_behaviors,
 )
 from trundle.navigation.behaviors.map_steps import ClearCostmap, Replan, ReplanWith
 from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
@@ -26,4 +27,5 @@ __all__ = [
     "Wait",
     "behavior_names",
     "create_behavior",
+    "describe_behaviors",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 
@@ -116,6 +116,18 @@ class BehaviorRun:
     def __str__(self) -> str:
         why = f": {self.message}" if self.message else ""
         return f"{self.begin_s:.1f} s: {self.behavior} ({self.reason}) {self.result}{why}"
+
+
+def describe_behaviors(runs: Sequence[BehaviorRun]) -> str:
+    """Name what ran, each with how often: `replan 2, back_up 1 (1 failed)`; empty if nothing ran."""
+    counts: dict[str, list[int]] = {}
+    for ran in runs:
+        count = counts.setdefault(ran.behavior, [0, 0])
+        count[0] += 1
+        count[1] += ran.result == "failed"
+    return ", ".join(
+        f"{name} {number}" + (f" ({failed} failed)" if failed else "") for name, (number, failed) in counts.items()
+    )
 
 
 def behavior_names() -> list[str]:

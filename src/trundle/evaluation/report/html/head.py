@@ -100,6 +100,9 @@ def _sensing_tiles(table: Table) -> list[tuple[str, str, str]]:
         entries.append(
             ("monitor stops", write_number(float(np.nanmean(stops))), "of the collision monitor, per episode")
         )
+    recoveries = BY_NAME["recoveries"].values(table)
+    if BY_NAME["recoveries"].is_used(recoveries):
+        entries.append(("recoveries", write_number(float(np.nanmean(recoveries))), "steps of recovery, per episode"))
     return entries
 
 
