@@ -6,6 +6,7 @@ from trundle.navigation.agent import Agent, CommandScript
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
+from trundle.navigation.waypoint import Waypoint
 
 __all__ = [
     "Agent",
@@ -15,4 +16,5 @@ __all__ = [
     "NavigationStatus",
     "Navigator",
     "NavigatorSettings",
+    "Waypoint",
 ]

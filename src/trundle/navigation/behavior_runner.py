@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 
 from trundle.control.collision import can_stop
-from trundle.errors import BehaviorFailedError, InputError
+from trundle.errors import BehaviorFailedError
 from trundle.geometry import FloatArray, Twist2D
 from trundle.navigation.behaviors import Behavior, BehaviorContext, BehaviorResult, BehaviorRun
 from trundle.navigation.drive import Drive, Now
@@ -134,13 +134,3 @@ class BehaviorRunner:
 
     def _clear_costmap(self) -> None:
         self._drive.costmap = self._sensed.clear()
-
-
-def check_behavior_kind(behavior: object) -> None:
-    """Refuse what is no behavior.
-
-    Raises:
-        InputError: If it is none.
-    """
-    if isinstance(behavior, type) or not isinstance(behavior, Behavior):
-        raise InputError(f"a behavior is an object such as BackUp(0.3) or Spin(1.57), got {behavior!r}")

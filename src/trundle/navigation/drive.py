@@ -47,7 +47,9 @@ class Drive:
 
     def _begin(self, target: Goal | None) -> None:
         """Start over with this goal; the status stays."""
-        self.target = target
+        self.target: Goal | None = target
+        self.ahead: tuple[Goal, ...] = () if target is None else (target,)
+        self.first_number = 1
         self.message = ""
         self.error: PlanningError | None = None
         self.planning_time_s = 0.0

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from trundle.costmap import Costmap
-from trundle.geometry import Pose2D
+from trundle.geometry import Pose2D, arc_lengths
 from trundle.path import Path
 from trundle.planning import PathCheck, PathHit
 
@@ -18,16 +20,19 @@ class FollowedPath:
     Args:
         planned: As the planner gave it.
         path: As it is driven.
+        joints: Indices of the poses of `path` at the goals that it leads through.
 
     Attributes:
         planned: The same.
         path: The same.
         check: Of `path`.
         index: Of the checked pose at which the robot is.
+        marks: How far along the path the goals are that it leads through [m], those that were not passed yet.
     """
 
-    def __init__(self, planned: Path, path: Path) -> None:
+    def __init__(self, planned: Path, path: Path, joints: Sequence[int] = ()) -> None:
         self.planned, self.path, self.check, self.index = planned, path, PathCheck(path), 0
+        self.marks: list[float] = arc_lengths(path.poses)[list(joints)].tolist() if joints else []
 
     @property
     def left_m(self) -> float:
@@ -40,6 +45,10 @@ class FollowedPath:
         end = int(along.searchsorted(float(along[self.index]) + _AHEAD_M, side="right"))
         dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
         self.index += int(np.argmin(dx * dx + dy * dy))
+
+    def has_missed(self, within_m: float) -> bool:
+        """Whether the robot is farther along than the next goal that it was to pass, by more than that [m]."""
+        return bool(self.marks) and float(self.check.along[self.index]) > self.marks[0] + within_m
 
     def first_hit(self, costmap: Costmap) -> PathHit | None:
         """Where the footprint would first touch something on what is left; None if it would not."""

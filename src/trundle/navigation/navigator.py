@@ -20,8 +20,10 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
-from trundle.navigation.behavior_runner import BehaviorRunner, check_behavior_kind
+from trundle.navigation.agenda import Agenda
+from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
+from trundle.navigation.behaviors.behavior import check_behavior_kind
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
@@ -33,8 +35,8 @@ from trundle.navigation.sensed_tracks import SensedTracks
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
-from trundle.navigation.tasks import Tasks
 from trundle.navigation.unseen_space import slow_down_in_unseen
+from trundle.navigation.waypoint import Route
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path
 from trundle.planning import Planner, Smoother, create_planner, create_smoother
@@ -157,7 +159,6 @@ class Navigator(Drive):
         self._runner = BehaviorRunner(
             self, self.robot, self._sensed, self._replanner, self._slow_down, self._padded, self.dt
         )
-        self._tasks = Tasks(self._runner)
         steps = [step.make() for step in self.settings.recovery] if recovery is None else recovery
         self._recovery = Recovery(
             self,
@@ -167,6 +168,7 @@ class Navigator(Drive):
             [create_behavior(step) for step in steps],
             Retries(self.dt, self.settings.recovery_retries),
         )
+        self._agenda = Agenda(self, self._runner, self._replanner, self._recovery)
         self.reset()
 
     def __repr__(self) -> str:
@@ -225,8 +227,32 @@ class Navigator(Drive):
         Raises:
             InputError: If these are not two or three finite numbers.
         """
-        self._begin(read_goal(goal, y, yaw))
+        self.set_goals([read_goal(goal, y, yaw)])
+
+    def set_goals(self, goals: Sequence[Pose2D | Sequence[float]], *, through: bool = False) -> None:
+        """Set several goals, to be reached in order: `set_goals([(5.0, 3.5), (8.0, 1.0, 1.57)])`.
+
+        The robot stops at each, runs the tasks of a `Waypoint`, and has ARRIVED at the last one. With `through` it
+        drives through them without stopping, but for waypoints with tasks and the last one: one path leads through all
+        of them, and each is passed within `settings.through_tolerance`.
+
+        Raises:
+            InputError: If there is none, or one is not two or three finite numbers.
+        """
+        route = Route(goals, through=through)
+        self._begin(route.ahead[0])
+        self._agenda.begin(route)
         self.status = NavigationStatus.DRIVING
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """All goals that were set, in order; empty without a goal."""
+        return self._agenda.goals
+
+    @property
+    def goals_reached(self) -> int:
+        """How many of them were reached or passed."""
+        return self._agenda.goals_reached
 
     @property
     def goal(self) -> Pose2D | None:
@@ -257,8 +283,7 @@ class Navigator(Drive):
         self._replanner.begin(self.costmap)
         self._runner.interrupt("there is another goal" if target is not None else "cancelled")
         self._recovery.reset()
-        self._tasks.reset()
-        self._resumes = False
+        self._agenda.begin(None)
 
     # Behaviors ------------------------------------------------------------------------------------------------------
 
@@ -272,11 +297,7 @@ class Navigator(Drive):
             InputError: If it is no behavior.
         """
         check_behavior_kind(behavior)
-        if self.status is not NavigationStatus.BEHAVING:
-            self._resumes = self.target is not None and self.status not in FINAL
-        self._runner.interrupt(f"{behavior.name} was asked for")
-        self._tasks.ask(behavior)
-        self.status = NavigationStatus.BEHAVING
+        self._agenda.ask(behavior)
 
     def cancel(self) -> None:
         """Stop: interrupt what is running, and forget the goal. The robot stands, and the status is IDLE."""
@@ -287,17 +308,6 @@ class Navigator(Drive):
     def behavior_runs(self) -> tuple[BehaviorRun, ...]:
         """The behaviors that ran since the last `reset`, in order: steps of recovery and what it was asked for."""
         return self._runner.runs
-
-    def _after_tasks(self) -> None:
-        """Drive on to the goal, or say how a behavior without one ended."""
-        self.message = self._tasks.failure
-        if self._resumes:
-            self.status = NavigationStatus.DRIVING
-            self._replanner.drop_path()
-            self._recovery.reset()
-            self.progress_checker.reset()
-        else:
-            self.status = NavigationStatus.STUCK if self._tasks.failure else NavigationStatus.FINISHED
 
     # Driving --------------------------------------------------------------------------------------------------------
 
@@ -310,7 +320,7 @@ class Navigator(Drive):
         """
         here = Pose2D.of(start)
         if self.target is not None:
-            self.costmap = self._sensed.contain(here, self.target.pose)
+            self.costmap = self._sensed.contain(here, *(goal.pose for goal in self.ahead))
         followed = self._replanner.plan(Now(self._time, here, _STAND, self.costmap))
         self._replanner.take(followed)
         return followed.path
@@ -407,17 +417,14 @@ class Navigator(Drive):
 
     def _decide(self, now: Now) -> Twist2D:
         soon = self._when_taking_effect(now)
-        if self._tasks.is_active:
-            command = self._tasks.step(soon)
-            if command is not None:
-                return command
-            self._after_tasks()
+        command = self._agenda.run_tasks(soon)
+        if command is not None:
+            return command
         if self.target is None or self.status in FINAL:
             return _STAND
-        if self._is_reached(now) and self._is_reached(soon):
-            self._runner.interrupt("the goal is reached")
-            self.status = NavigationStatus.ARRIVED
-            return _STAND
+        self._agenda.pass_goals(now.pose)
+        if len(self.ahead) == 1 and self._is_reached(now) and self._is_reached(soon):
+            return self._agenda.stop_at_goal(soon)
         return self._drive(soon)
 
     def _when_taking_effect(self, now: Now) -> Now:

@@ -7,19 +7,26 @@ from collections.abc import Callable
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
+from trundle.geometry import Goal, Pose2D
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.free_pose import free_ends
+from trundle.navigation.joined_path import join_legs
 from trundle.navigation.obstacle_watch import ObstacleWatch
 from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
 from trundle.navigation.sensed_map import SensedMap
 from trundle.navigation.status import NavigationStatus
 from trundle.navigation.window_goal import goal_in_window
+from trundle.path import Path
 from trundle.planning import PathHit, Planner
 from trundle.robots import Robot
 
 _EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0
 """A path that ends short of the goal, as that lies outside of a moving window, is planned again before its end [m]."""
+
+_LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
+_ROUND_WITHIN = 0.7
+"""Share of the tolerance of a goal that the robot drives through which rounding a bend there may use."""
 
 
 class Replanner:
@@ -65,6 +72,11 @@ class Replanner:
         self.obstacle.reset()
         self.tries.reset()
 
+    def pass_goal(self) -> None:
+        """The robot has passed the next goal that the path leads through."""
+        if self.followed is not None:
+            self.followed.marks = self.followed.marks[1:]
+
     def drop_path(self) -> None:
         """Forget the path: the robot is somewhere else."""
         self.followed = None
@@ -91,15 +103,7 @@ class Replanner:
         deadline_s = self.tries.deadline_s(now.twist)
         began = clock.perf_counter()
         try:
-            start, target, goal = now.pose, drive.target, drive.target.pose
-            if self._sensed.is_active:
-                target = goal_in_window(now.costmap, start, target)
-                tolerance = drive.goal_checker.xy_tolerance
-                start, goal = free_ends(now.costmap, self._sensed.static, start, target, tolerance)
-            self._ends_short = target is not drive.target
-            chosen = self._choose_planner(now) if planner is None else planner
-            path = chosen.plan(now.costmap, start, goal, goal_yaw_free=target.yaw_free, deadline_s=deadline_s)
-            smooth = path if drive.smoother is None else drive.smoother.smooth(path, now.costmap)
+            followed = self._plan_legs(now, self._choose_planner(now) if planner is None else planner, deadline_s)
         except PlanningStoppedError as error:
             if timed_out(error):
                 self.tries.time_out(now.twist, now.time)
@@ -108,7 +112,43 @@ class Replanner:
             seconds = clock.perf_counter() - began
             drive.planning_time_s += seconds
         self.tries.succeed(seconds)
-        return FollowedPath(path, smooth)
+        return followed
+
+    def _plan_legs(self, now: Now, planner: Planner, deadline_s: float | None) -> FollowedPath:
+        """Plan to each goal up to the next stop, from the one before, and join the paths."""
+        drive = self._drive
+        began, left_s = clock.perf_counter(), deadline_s
+        start, planned, smooth = now.pose, list[Path](), list[Path]()
+        self._ends_short = False
+        for number, goal in enumerate(drive.ahead, drive.first_number):
+            try:
+                leg = self._plan_leg(now.costmap, start, goal, planner, left_s)
+            except PlanningError as error:
+                if len(drive.ahead) > 1:
+                    error.args = (f"goal {number}: {error}",)
+                raise
+            if deadline_s is not None:
+                left_s = max(_LEAST_S, deadline_s - (clock.perf_counter() - began))
+            planned.append(leg)
+            smooth.append(leg if drive.smoother is None else drive.smoother.smooth(leg, now.costmap))
+            start = leg.goal
+            if self._ends_short:
+                break
+        path, joints = join_legs(smooth, now.costmap, _ROUND_WITHIN * drive.settings.through_tolerance)
+        raw = path if drive.smoother is None else join_legs(planned, now.costmap, 0.0)[0]
+        return FollowedPath(raw, path, joints)
+
+    def _plan_leg(
+        self, costmap: Costmap, start: Pose2D, goal: Goal, planner: Planner, deadline_s: float | None
+    ) -> Path:
+        drive, target, pose = self._drive, goal, goal.pose
+        if self._sensed.is_active:
+            target = goal_in_window(costmap, start, goal)
+            is_stop = goal is drive.ahead[-1]
+            tolerance = drive.goal_checker.xy_tolerance if is_stop else drive.settings.through_tolerance
+            start, pose = free_ends(costmap, self._sensed.static, start, target, tolerance)
+            self._ends_short = target is not goal
+        return planner.plan(costmap, start, pose, goal_yaw_free=target.yaw_free, deadline_s=deadline_s)
 
     def take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
@@ -147,6 +187,9 @@ class Replanner:
 
     def reconsider(self, followed: FollowedPath, now: Now) -> None:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""
+        if followed.has_missed(self._drive.settings.through_tolerance):
+            self.replan(now)
+            return
         changed = now.costmap is not self._checked
         if self._ends_short and followed.left_m < _EXTEND_BEFORE_M and now.time - self._planned_at >= _EXTEND_EVERY_S:
             self.replan(now)

@@ -24,6 +24,7 @@ class NavigatorSettings(Config):
     Attributes:
         goal_tolerance: The goal is reached within this distance [m] (Nav2's `xy_goal_tolerance`).
         goal_yaw_tolerance: The goal is reached within this angle of its yaw [rad] (Nav2's `yaw_goal_tolerance`).
+        through_tolerance: A goal that the robot drives through is passed within this distance [m].
         required_movement_radius: The robot makes progress when it moves this far [m].
         movement_time_allowance: Without progress for longer than this [s] the robot is stuck.
         control_frequency: Commands per second [Hz], 0.1 to 1000.
@@ -51,6 +52,7 @@ class NavigatorSettings(Config):
 
     goal_tolerance: NotNegative = 0.25
     goal_yaw_tolerance: Annotated[Angle, Field(ge=0.0)] = 0.25
+    through_tolerance: Positive = 0.5
     required_movement_radius: NotNegative = 0.5
     movement_time_allowance: NotNegative = 10.0
     control_frequency: Annotated[float, Field(ge=LEAST_FREQUENCY, le=MOST_FREQUENCY)] = 20.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 
 from trundle.costmap import Costmap
+from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.planning import Planner
 from trundle.registry import Registry
@@ -143,6 +144,16 @@ def create_behavior(behavior: str | Behavior, **options: Any) -> Behavior:
         InputError: If it does not take an option or a value.
     """
     return BEHAVIORS.take(behavior, "update", **options)
+
+
+def check_behavior_kind(behavior: object) -> None:
+    """Refuse what is no behavior.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if isinstance(behavior, type) or not isinstance(behavior, Behavior):
+        raise InputError(f"a behavior is an object such as BackUp(0.3) or Spin(1.57), got {behavior!r}")
 
 
 def snake_case(name: str) -> str:
