@@ -131,8 +131,8 @@ def _default(value: object) -> str:
 
 def _type(schema: Mapping[str, Any]) -> str:
     """The type of a JSON Schema in a word or two."""
-    if "anyOf" in schema:
-        kinds = [_type(part) for part in schema["anyOf"] if part.get("type") != "null"]
+    if "anyOf" in schema or "oneOf" in schema:
+        kinds = [_type(part) for part in schema.get("anyOf", schema.get("oneOf", ())) if part.get("type") != "null"]
         return " or ".join(dict.fromkeys(kinds))
     if "$ref" in schema:
         name = schema["$ref"].rpartition("/")[2]

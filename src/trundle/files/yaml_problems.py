@@ -229,7 +229,7 @@ def _unwrap(kind: Any) -> tuple[Any, FieldInfo | None]:
             kind = field.annotation
         elif typing.get_origin(kind) in (types.UnionType, typing.Union):
             several = [one for one in typing.get_args(kind) if one is not type(None)]
-            kind = next((one for one in several if _is_model(one)), several[0] if several else None)
+            kind = next((one for one in several if _is_model(_unwrap(one)[0])), several[0] if several else None)
         else:
             return kind, field
 

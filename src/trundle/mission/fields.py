@@ -13,6 +13,7 @@ from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.latency import Latency
 from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
+from trundle.mission.goal_fields import GoalFields
 from trundle.mission.movers import MoverChoice
 from trundle.mission.rules import Rules
 from trundle.mission.unmapped import Unmapped
@@ -59,7 +60,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
-        goals: Several of these, to be reached in order.
+        goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
+        through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
         planner: Planner by name, or `{name: …, options: {…}}`.
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
@@ -95,7 +97,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
     robot: str = "nova_carter"
     start: PoseNumbers | None = None
     goal: PoseNumbers | None = None
-    goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
+    goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None
+    through: bool = False
     planner: Annotated[Choice, takes_name(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
     controller: Annotated[Choice, takes_name(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
         name="regulated_pure_pursuit"

@@ -32,12 +32,21 @@ def read_goals(goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float
     return tuple(Goal.of(cast("Pose2D | Sequence[float]", part)) for part in goal)
 
 
-def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
+def plan_legs(
+    navigator: Navigator, start: Pose2D, goals: Sequence[Goal], *, through: bool | None = None
+) -> tuple[list[Path], PlanningError | None]:
     """Plan to every goal from the one before, so that a blocked goal is reported before anything moves.
+
+    Args:
+        navigator: What plans.
+        start: From where.
+        goals: To where, in order.
+        through: Whether the navigator gets all goals at once, and drives through them (True) or stops at each (False);
+            None means that it gets the first one.
 
     Returns:
         The plans, as far as there are any, and why there is no path to the first goal, if so; not where planning only
-        took too long, as the navigator tries again. The first goal and its plan stay in the navigator.
+        took too long, as the navigator tries again. The first goal, or all, and the plan stay in the navigator.
     """
     plans: list[Path] = []
     unreachable: PlanningError | None = None
@@ -55,8 +64,8 @@ def plan_legs(navigator: Navigator, start: Pose2D, goals: Sequence[Goal]) -> tup
         else:
             plans.append(path)
             here = path.goal
-    if len(goals) > 1:
-        navigator.set_goal(goals[0])
+    if len(goals) > 1 or through is not None:
+        navigator.set_goals(goals[:1] if through is None else goals, through=bool(through))
         if unreachable is None:
             with contextlib.suppress(PlanningError):  # the navigator tries again
                 navigator.plan(start)

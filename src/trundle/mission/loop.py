@@ -31,6 +31,7 @@ def run(
     localizer: str | Localizer | None = None,
     latency: Latency | None = None,
     monitor: Monitor | bool | None = None,
+    through: bool = False,
 ) -> Episode:
     """Drive a robot from a start to a goal, or through several; `Session` does the same step by step.
 
@@ -54,6 +55,7 @@ def run(
         latency: How late scans and commands arrive.
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
+        through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
 
     Returns:
         The episode. Not reaching the goal is an outcome, not an exception.
@@ -77,6 +79,7 @@ def run(
         localizer=localizer,
         latency=latency,
         monitor=monitor,
+        through=through,
     )
 
 
@@ -95,6 +98,7 @@ def run_measured(
     localizer: str | Localizer | None = None,
     latency: Latency | None = None,
     monitor: Monitor | bool | None = None,
+    through: bool = False,
     measure: Measure = measure_truth,
 ) -> Episode:
     """As `run`, with what measures the surroundings: an evaluation keeps the maps for that."""
@@ -106,6 +110,7 @@ def run_measured(
         localizer=localizer,
         latency=latency,
         monitor=monitor,
+        through=through,
         time_limit_s=time_limit_s,
         observers=observers,
         seed=seed,

@@ -13,6 +13,7 @@ from trundle.geometry import Pose2D
 from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
 from trundle.mission.choices import MapOptions
 from trundle.mission.fields import ScenarioFields
+from trundle.mission.goal_fields import position_of
 from trundle.robots import Robot
 from trundle.worlds import World
 from trundle.worlds.floors import find_common_floor, find_floor, lower_world
@@ -124,7 +125,7 @@ def _map_bounds(scenario: ScenarioFields, world: World, robot: Robot) -> Bounds 
 
     A file's world may have no walls around it, and a robot comes from outside.
     """
-    given = [end[:2] for end in (scenario.start, scenario.goal, *(scenario.goals or ())) if end is not None]
+    given = [position_of(end) for end in (scenario.start, scenario.goal, *(scenario.goals or ())) if end is not None]
     low, high = (np.asarray(corner)[:2] for corner in world.bounds)
     off = [float(np.maximum(low - end, end - high).max()) for end in given]
     ends = [end for end, distance in zip(given, off, strict=True) if 0.0 < distance <= _FAR_OUT]

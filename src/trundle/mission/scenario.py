@@ -22,6 +22,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.mission.episode import Episode
 from trundle.mission.fields import ScenarioFields
+from trundle.mission.goal_fields import exact_goals, make_goal, shorten_goal
 from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.place import Place, make_place
@@ -106,6 +107,8 @@ class Scenario(ScenarioFields):
         for key in ("world", "planner", "controller", "smoother", "backend", "localizer"):
             if key in settings:
                 settings[key] = shorten(settings[key])
+        if "goals" in settings:
+            settings["goals"] = [shorten_goal(goal) for goal in settings["goals"]]
         if "recovery" in settings:
             settings["recovery"] = [shorten_behavior(step) for step in settings["recovery"]]
         if self.layers is not None and self.layers.obstacle is None:
@@ -160,8 +163,7 @@ class Scenario(ScenarioFields):
             update={
                 "floor_z": self.floor_z if place.floor_z == 0.0 else place.floor_z,
                 "start": start.as_tuple(),
-                "goal": goals[0] if len(goals) == 1 else None,
-                "goals": goals if len(goals) > 1 else None,
+                **exact_goals(goals, self.goals),
             }
         )
         return Setting(exact, world, place.robot, place.grid, navigator, start, goals)
@@ -197,7 +199,7 @@ class Scenario(ScenarioFields):
 
     def _pick_ends(self, costmap: Costmap) -> tuple[Pose2D, tuple[Goal, ...]]:
         given = self.goals if self.goals is not None else () if self.goal is None else (self.goal,)
-        goals = tuple(Goal.of(numbers) for numbers in given)
+        goals = tuple(make_goal(one) for one in given)
         start = None if self.start is None else Pose2D.of(self.start)
         if start is not None and goals:
             return start, goals

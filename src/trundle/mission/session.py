@@ -26,6 +26,7 @@ from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSett
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.speed_limiter import fastest_s
+from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate, Scan
 from trundle.path import Path
 from trundle.robots import Robot
@@ -79,14 +80,15 @@ class Session:
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
         time_limit_s: Simulated time [s] at which the run is stopped; none means 60 s for every goal plus four times
-            what the planned paths take at the robot's top speed, or at what a speed mask allows. Without a goal it
-            means no limit.
+            what the planned paths take at the robot's top speed, or at what a speed mask allows, and what the tasks of
+            waypoints may take. Without a goal it means no limit.
         observers: Notified in this order.
         seed: Of the simulator, the agent and the localizer.
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
         rules: What else ends the run; None means nothing.
         name: Name of the run.
         measure: Measures the surroundings for the metrics; None means that they are not measured.
+        through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
 
     Raises:
         InputError: If a pose is not two or three finite numbers, there is no goal in the list, or the time limit is not
@@ -112,6 +114,7 @@ class Session:
         rules: Rules | None = None,
         name: str = "run",
         measure: Measure | None = measure_truth,
+        through: bool = False,
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
         check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
@@ -142,7 +145,9 @@ class Session:
         self._latency = latency
         _report_latency(agent, latency)
         _report_latency(self._monitor, latency)
-        paths, self._unreachable = _prepare(agent, begin, goals)
+        self._through = through
+        self._hands_over_goals = through or any(tasks_of(goal) for goal in goals)
+        paths, self._unreachable = _prepare(agent, begin, goals, through=through if self._hands_over_goals else None)
         self._info = RunInfo(
             name=name,
             robot=robot,
@@ -321,14 +326,15 @@ class Session:
     def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> None:
         agent, log = self._agent, self._log
         path: Path | None = getattr(agent, "path", None)
-        log.add(self._state, sent, self._estimate, self._reached, path)
+        goal = min(self._reached, max(0, len(self._info.goals) - 1))  # the last one's tasks may still run
+        log.add(self._state, sent, self._estimate, goal, path)
         if not (self._returns_steps or self._audience):
             return
         self._last = step = Step(
             len(log) - 1,
             self._state,
             command,
-            self._reached,
+            goal,
             path,
             agent.status,
             sent,
@@ -356,7 +362,12 @@ class Session:
         while True:
             command = agent.update(observation, self._estimate)
             status = agent.status
-            if status is NavigationStatus.ARRIVED and self._info.goals:
+            if self._hands_over_goals:
+                if not self._count_passed():
+                    return None
+                if status is NavigationStatus.ARRIVED:
+                    return self._end_at_goal()
+            elif status is NavigationStatus.ARRIVED and self._info.goals:
                 if not self._count_goal():
                     return None
                 self._close_leg()
@@ -371,18 +382,34 @@ class Session:
 
     def _count_goal(self) -> bool:
         """Count a goal at which the agent has arrived; whether there is another one, to which it drives on."""
-        goal = self._info.goals[self._reached]
-        if not self._is_at(goal, self._state.pose):
-            if self._localizer is None or not self._is_at(goal, self._estimate.pose):
-                name = "navigator" if isinstance(self._agent, Navigator) else "agent"
-                message = f"the {name} says that it arrived, but it is at {_words(self._state.pose)}"
-                self._end(Outcome.STUCK, message)
-                return False
-            self._reached_by_estimate = True
+        if not self._is_believed(self._info.goals[self._reached]):
+            return False
         self._reached += 1
         if self._reached < len(self._info.goals):
             return True
         self._end_at_goal()
+        return False
+
+    def _count_passed(self) -> bool:
+        """Count the goals of a list that the agent has reached or passed; False where it is not at one of them."""
+        goals, reached = self._info.goals, getattr(self._agent, "goals_reached", 0)
+        while self._reached < min(reached, len(goals)):
+            goal = goals[self._reached]
+            is_stop = not self._through or bool(tasks_of(goal)) or self._reached == len(goals) - 1
+            if is_stop and not self._is_believed(goal):
+                return False
+            self._reached += 1
+        return True
+
+    def _is_believed(self, goal: Goal) -> bool:
+        """Whether an agent that says so is at a goal, by the truth or by its estimate; if not, the run ends."""
+        if self._is_at(goal, self._state.pose):
+            return True
+        if self._localizer is not None and self._is_at(goal, self._estimate.pose):
+            self._reached_by_estimate = True
+            return True
+        name = "navigator" if isinstance(self._agent, Navigator) else "agent"
+        self._end(Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(self._state.pose)}")
         return False
 
     def _end_at_goal(self) -> None:
@@ -517,12 +544,27 @@ class ScanMail:
         return tuple(arrived)
 
 
-def _prepare(agent: Agent, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
-    """Give the agent its first goal; a navigator plans to all of them. See `plan_legs`."""
+def _prepare(
+    agent: Agent, start: Pose2D, goals: Sequence[Goal], *, through: bool | None
+) -> tuple[list[Path], PlanningError | None]:
+    """Give the agent its first goal, or all of them at once; a navigator plans to each. See `plan_legs`.
+
+    Raises:
+        ScenarioError: If it is to drive through goals or to run tasks, and takes only one goal at a time.
+    """
     if not goals:
         return [], None
     if isinstance(agent, Navigator):
-        return plan_legs(agent, start, goals)
+        return plan_legs(agent, start, goals, through=through)
+    if through is not None:
+        set_goals = getattr(agent, "set_goals", None)
+        if not callable(set_goals):
+            raise ScenarioError(
+                f"{type(agent).__name__} takes one goal at a time: to drive through goals, and to run tasks, takes an "
+                "agent with set_goals(goals, through=…) and goals_reached, such as a Navigator"
+            )
+        set_goals(goals, through=through)
+        return [], None
     agent.set_goal(goals[0])
     return [], None
 
@@ -543,7 +585,8 @@ def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal]
         stops = (start.as_tuple(), *goals)
         straight = sum(math.dist(here[:2], there[:2]) for here, there in itertools.pairwise(stops))
         least = straight / robot.limits.linear_speed
-    return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least
+    tasks_s = sum(task.time_allowance for goal in goals for task in tasks_of(goal))
+    return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least + tasks_s
 
 
 def _describe_contact(contact: Contact, time: float) -> str:

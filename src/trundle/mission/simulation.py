@@ -23,6 +23,7 @@ class SessionOptions(TypedDict):
     latency: Latency | None
     rules: Rules | None
     monitor: CollisionMonitor | bool | None
+    through: bool
 
 
 def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot) -> SessionOptions:
@@ -41,6 +42,7 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
         "localizer": localizer,
         "latency": scenario.latency,
         "rules": scenario.rules,
+        "through": scenario.through,
         "monitor": monitor if monitor is None or isinstance(monitor, bool) else CollisionMonitor(robot, monitor),
     }
 

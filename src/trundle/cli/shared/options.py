@@ -187,6 +187,9 @@ Goals = Annotated[
         negative="",
     ),
 ]
+Through = Annotated[
+    bool, Parameter(name="--through", negative="", help="Drive through the goals without stopping, but for the last.")
+]
 Goal = Annotated[str | None, _pose("--goal", "Goal of the path; default: picked from the free space by seed.")]
 Settings = Annotated[list[str] | None, _pairs("--set", "An option of the world's generator or file; repeatable.")]
 FloorZ = Annotated[

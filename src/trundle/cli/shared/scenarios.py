@@ -40,6 +40,7 @@ class ScenarioOptions:
     robot: Annotated[str | None, Parameter(help=options.ROBOT_HELP)] = None
     start: options.Start = None
     goal: options.Goals = None
+    through: options.Through = False
     planner: Annotated[str | None, Parameter(help=options.PLANNER_HELP)] = None
     planner_options: options.PlannerOptions = None
     controller: Annotated[str | None, Parameter(help=options.CONTROLLER_HELP)] = None
@@ -93,6 +94,7 @@ class ScenarioOptions:
             "floor_z": self.floor_z,
             "time_limit_s": self.time_limit,
             "lidar": self.lidar,
+            "through": True if self.through else None,
             "known_map": False if self.no_map else None,
             "collision_monitor": self.collision_monitor,
         }

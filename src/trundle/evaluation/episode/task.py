@@ -21,6 +21,7 @@ from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
+from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run_measured
 from trundle.mission.simulation import session_options
 from trundle.mission.truth import Truth, measure_truth
@@ -169,7 +170,7 @@ class EpisodeTask:
             goals = (Goal.of(goal),)
         else:
             start = Pose2D.of(spec.listed.start)
-            goals = tuple(Goal.of(goal) for goal in spec.listed.goals or (spec.listed.goal or (),))
+            goals = tuple(make_goal(goal) for goal in spec.listed.goals or (spec.listed.goal or (),))
         stands = move_start(start, spec.vary)
         # A scenario with a start would look for the floor there.
         is_file = scenario.world is not None and scenario.world.is_file
@@ -177,8 +178,8 @@ class EpisodeTask:
             update={
                 "floor_z": kept.place.floor_z if is_file else scenario.floor_z,
                 "start": stands.as_tuple(),
-                "goal": goals[0] if len(goals) == 1 else None,
-                "goals": goals if len(goals) > 1 else None,
+                **exact_goals(goals, None if spec.listed is None else spec.listed.goals),
+                "through": bool(spec.listed is not None and spec.listed.through),
             }
         )
         return _Mission(exact, kept, stands, goals, mission_hash(spec.content, start, goals, spec.seed))

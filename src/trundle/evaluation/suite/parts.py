@@ -18,6 +18,7 @@ from trundle.files.choice import Choice, Option
 from trundle.files.config_fields import NotNegative, PoseNumbers, Positive
 from trundle.files.yaml_config import Config
 from trundle.mission.choices import WorldChoice
+from trundle.mission.goal_fields import GoalFields
 from trundle.mission.sampling import MIN_DISTANCE
 from trundle.worlds.load import is_world_file
 from trundle.worlds.world import WORLDS
@@ -55,12 +56,14 @@ class ListedMission(Config):
     Attributes:
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw). Either this or `goals`.
-        goals: Several of these, to be reached in order.
+        goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
+        through: Whether the robot drives through the goals without stopping; none means no.
     """
 
     start: PoseNumbers
     goal: PoseNumbers | None = None
-    goals: Annotated[tuple[PoseNumbers, ...], Field(min_length=1)] | None = None
+    goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None
+    through: bool | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
