@@ -8,13 +8,14 @@ Give the folder with `world_N.world` of the BARN data set (Perille et al., 2020)
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time as clock
 from pathlib import Path
 
-from benchmarks.sensing.barn import GOAL, START, robot_for
-
 import trundle
 from trundle.control import CollisionMonitor
+from trundle.evaluation.public.barn import GOAL, START
+from trundle.evaluation.public.conditions import benchmark_robot, write_robot
 from trundle.latency import Latency
 from trundle.mission import Episode, Outcome, Session
 from trundle.navigation import Navigator
@@ -71,7 +72,9 @@ def main() -> None:
     parser.add_argument("--delay", type=float, default=0.1, help="time until a command takes effect [s]")
     parser.add_argument("--monitor", action="store_true", help="with a collision monitor")
     options = parser.parse_args()
-    robot = robot_for(options)
+    with tempfile.TemporaryDirectory() as place:
+        settings = benchmark_robot(options.robot, speed=options.speed, noise=options.noise)
+        robot = Robot.load(write_robot(place, settings))
     files = sorted(options.folder.glob("world_*.world"), key=lambda path: int(path.stem.split("_")[1]))
     runs: dict[bool, list[Episode]] = {True: [], False: []}
     began = clock.perf_counter()

@@ -52,10 +52,13 @@ class DriveOptions:
         "regulated_pure_pursuit"
     )
     controller_option: options.ControllerOptions = None
+    collision_monitor: Annotated[
+        bool | None, _flag("Let every command pass the collision monitor.", "--no-collision-monitor")
+    ] = None
     backend: Annotated[str, Parameter(help="The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
 
-    def conditions(self, robots: Sequence[str], *, seeds: str, drift: bool) -> Conditions:
-        """The conditions that they say, for robots by name or file.
+    def conditions(self, robots: Sequence[str], *, seeds: str, drift: bool, monitor: bool) -> Conditions:
+        """The conditions that they say, for robots by name or file; the last two where they say nothing.
 
         Raises:
             InputError: If a value cannot be read.
@@ -69,6 +72,7 @@ class DriveOptions:
             drift=drift if self.drift is None else self.drift,
             scan_age_s=self.scan_age,
             command_delay_s=self.command_delay,
+            collision_monitor=monitor if self.collision_monitor is None else self.collision_monitor,
         )
 
     def robots(self) -> list[dict[str, Any]]:

@@ -42,6 +42,7 @@ class Conditions:
         drift: Whether the robot only has odometry that drifts, by 5 mm and 5 mrad per √m; otherwise its true pose.
         scan_age_s: Age of the scans when they arrive [s].
         command_delay_s: Delay of the commands [s].
+        collision_monitor: Whether every command passes a collision monitor.
     """
 
     robots: Sequence[str] = ("jackal",)
@@ -52,6 +53,7 @@ class Conditions:
     drift: bool = True
     scan_age_s: float = 0.0
     command_delay_s: float = 0.0
+    collision_monitor: bool = True
 
     def suite_fields(self) -> dict[str, Any]:
         """The fields of a suite that they decide, and those that are the same in both benchmarks.
@@ -70,6 +72,8 @@ class Conditions:
             "patience_s": TIME_LIMIT_S,
             "limits": {"time_limit_s": TIME_LIMIT_S},
         }
+        if not self.collision_monitor:
+            fields["collision_monitor"] = False
         if self.drift:
             fields |= {"odometry": DRIFT, "localizer": "odometry"}
         if self.scan_age_s or self.command_delay_s:

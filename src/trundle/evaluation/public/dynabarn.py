@@ -59,7 +59,7 @@ def dynabarn_suite(
         }
         for name in names
     ]
-    conditions = Conditions(seeds=5, drift=False) if conditions is None else conditions
+    conditions = Conditions(seeds=5, drift=False, collision_monitor=False) if conditions is None else conditions
     return Suite.make(
         name="dynabarn",
         worlds=worlds,
