@@ -16,6 +16,7 @@ WRITES = {
     "06_evaluate_planners": {"evaluation"},
     "07_unknown_warehouse": {"unknown.png"},
     "08_people": {"people.png"},
+    "09_tour": {"tour.png"},
 }
 SAYS = {
     "01_load_and_view": "nova_carter: 57.5 kg",
@@ -26,10 +27,11 @@ SAYS = {
     "06_evaluate_planners": "16 of 16 episodes, 16 arrived",
     "07_unknown_warehouse": "arrived",
     "08_people": "arrived",
+    "09_tour": "spin (task of goal 4) succeeded",
 }
 
 
-def test_there_is_an_example_for_each_step_for_evaluations_and_for_sensing() -> None:
+def test_there_is_an_example_for_each_step_for_evaluations_for_sensing_and_for_goals() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(WRITES)
 
 

@@ -160,7 +160,9 @@ def test_they_are_made_by_name():
     assert create_behavior("spin", angle=1).name == "spin"
     assert create_behavior("replan_with", planner="astar").name == "replan_with"
     assert repr(create_behavior("back_up", distance=0.5)) == "BackUp(0.5, speed=0.15)"
-    assert isinstance(create_behavior("wait"), Behavior)
+    for name in ("back_up", "clear_costmap", "drive_on_heading", "replan", "spin", "wait"):
+        assert isinstance(create_behavior(name), Behavior)
+    assert repr(create_behavior("spin")) == "Spin(1.57, speed=1)"
 
 
 @pytest.mark.parametrize(
@@ -171,14 +173,12 @@ def test_they_are_made_by_name():
         lambda: BackUp(math.nan),
         lambda: BackUp(speed=math.inf),
         lambda: DriveOnHeading("far"),
-        Spin,
         lambda: Spin(1.0, heading=1.0),
         lambda: Spin("ninety"),
         lambda: Spin(math.inf),
         lambda: Wait(-1.0),
         lambda: Wait(math.inf),
         lambda: create_behavior("back_up", length=1.0),
-        lambda: create_behavior("drive_on_heading"),
         lambda: create_behavior(3),
         lambda: Navigator(ROOM, CARTER).run(BackUp),
         lambda: Navigator(ROOM, CARTER).run("back_up"),

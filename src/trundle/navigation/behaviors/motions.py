@@ -12,6 +12,7 @@ from trundle.values import as_number, check_number
 
 BACK_UP_M, BACK_UP_MPS = 0.3, 0.15
 """As in Nav2's `navigate_to_pose_w_replanning_and_recovery.xml`."""
+_QUARTER_RAD = 1.57  # Nav2's spin_dist
 _SPIN_RADPS = 1.0  # Nav2's max_rotational_vel
 _BRAKING_SHARE = 0.8
 _DONE_M, _DONE_RAD = 0.005, 0.01
@@ -33,7 +34,7 @@ class DriveOnHeading(Behavior):
 
     _direction = 1.0
 
-    def __init__(self, distance: float, speed: float = BACK_UP_MPS) -> None:
+    def __init__(self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS) -> None:
         self.distance = _positive("distance", distance)
         self.speed = _positive("speed", speed)
         self._driven_m = self._time = 0.0
@@ -77,28 +78,27 @@ class BackUp(DriveOnHeading):
 
     _direction = -1.0
 
-    def __init__(self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS) -> None:
-        super().__init__(distance, speed)
-
 
 class Spin(Behavior):
     """Turn in place by an angle, or to a heading.
 
     Args:
-        angle: How far to turn [rad], counter-clockwise; negative turns clockwise. Text may be degrees, `90deg`.
+        angle: How far to turn [rad], counter-clockwise; negative turns clockwise. Text may be degrees, `90deg`. None
+            means a quarter turn, as in Nav2, where no heading is given.
         speed: How fast at most [rad/s].
         heading: The yaw to turn to instead [rad], map frame, on the shorter side.
 
     Raises:
-        InputError: If both an angle and a heading are given, or neither; if one is not finite, or the speed is not
-            positive.
+        InputError: If both an angle and a heading are given, one is not finite, or the speed is not positive.
     """
 
     def __init__(
         self, angle: float | str | None = None, speed: float = _SPIN_RADPS, *, heading: float | str | None = None
     ) -> None:
-        if (angle is None) == (heading is None):
+        if angle is not None and heading is not None:
             raise InputError("spin turns by an angle or to a heading: give one of them, Spin(1.57) or Spin(heading=0)")
+        if heading is None:
+            angle = _QUARTER_RAD if angle is None else angle
         self.angle = None if angle is None else _read_angle("angle", angle)
         self.heading = None if heading is None else _read_angle("heading", heading)
         self.speed = _positive("speed", speed)
