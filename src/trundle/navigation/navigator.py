@@ -459,11 +459,12 @@ class Navigator(Drive):
         if recovering:
             return self._recovery.continue_step(now)
         self._limit_speed(now)
-        reason = ""
+        blocked = ""
         try:
             command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
         except NoValidControlError:
-            command, reason = _STAND, "no valid control"
+            command, blocked = _STAND, "no valid control"
+        reason = getattr(self.controller, "reason", "") or blocked
         return self._recovery.watch(self._cut(command, now), now, reason)
 
     # Speed limits ---------------------------------------------------------------------------------------------------

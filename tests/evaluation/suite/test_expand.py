@@ -223,3 +223,15 @@ def test_movers_are_crossed_as_lists():
     assert specs[2].id == one.id_of(0)
     assert make(seeds=1, movers=[]).id_of(0) == make(seeds=1).id_of(0)
     several.check()
+
+
+def test_orders_of_recovery_are_crossed():
+    orders = [["replan", "back_up"], ["replan", {"back_up": {"distance": 0.5}}, "spin"]]
+    suite = Suite.make(worlds="warehouse", recovery=orders, missions={"seeds": 1})
+    specs = [suite.spec(index) for index in range(suite.expansion.total)]
+    assert [spec.settings for spec in specs] == [
+        "recovery=replan+back_up",
+        "recovery=replan+back_up(distance=0.5)+spin",
+    ]
+    assert [[step.name for step in spec.scenario.recovery] for spec in specs][1] == ["replan", "back_up", "spin"]
+    assert len({spec.id for spec in specs}) == 2

@@ -76,6 +76,15 @@ def test_the_default_replans_and_backs_up_in_turn():
     assert ends == sorted(ends)
 
 
+def test_the_reason_of_a_controller_that_says_one_is_recorded():
+    controller = Stubborn()
+    controller.reason = "no free sample"
+    navigator = Navigator(ROOM, CARTER, controller=controller)
+    navigator.set_goal(10.0, 4.0)
+    drive(navigator, seconds=3.0)
+    assert {ran.reason for ran in navigator.behavior_runs} == {"no free sample"}
+
+
 def test_the_order_and_the_number_of_tries_are_settings():
     navigator = stuck("wait=0.5,spin=1.57,back_up=0.1", recovery_retries=4)
     assert names(navigator) == ["wait", "spin", "back_up", "wait"]
