@@ -49,6 +49,7 @@ class RunLog:
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
         self._pushed_at = -math.inf
+        self._spared_at: dict[str, float] = {}
         self._twist = Twist2D()
         self._lidars: set[str] = set()
         self._stopped = False
@@ -109,12 +110,15 @@ class RunLog:
         new = names - self._touching
         movers = {mover.name for mover in state.movers}
         spared |= {name for name in new if stood and name in movers}
+        # A touch that broke off for a moment is the same touch.
+        spared |= {name for name in new if state.time - self._spared_at.get(name, -math.inf) <= _PUSH_S}
         # What pushes the robot may press it against something in the same period.
         if _stands(sent) and (spared & movers or state.time - self._pushed_at <= _PUSH_S):
             spared |= new
         self._spared = frozenset() if self._every_contact else frozenset(spared)
         if self._spared:
             self._pushed_at = state.time
+            self._spared_at.update(dict.fromkeys(self._spared, state.time))
         self._touching = names
         self.hit = None
         for contact in state.contacts:

@@ -8,7 +8,7 @@ import pytest
 
 from trundle import World
 from trundle.errors import InputError, UnknownNameError, WorldError
-from trundle.geometry import Pose3D
+from trundle.geometry import Pose2D, Pose3D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.solids import Box, OccupancyCells, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
@@ -191,3 +191,25 @@ def test_movers_are_part_of_a_world_and_not_of_its_map_or_bounds():
     assert "8 movers" in repr(moved)
     assert np.array_equal(moved.bounds, HALL.bounds)
     assert np.array_equal(OccupancyGrid.from_world(moved).data, OccupancyGrid.from_world(HALL).data)
+
+
+def test_a_forklift_that_sees_a_robot_beside_it_does_not_turn_into_it():
+    corners = np.array([(x, y) for x in (-1.0, 0.2) for y in (-0.45, 0.45)])
+    least = {}
+    for sees in (True, False):
+        crowd = Crowd("forklift", 1, kind="forklift", sees_robot=sees, area=(-6.0, -6.0, 6.0, 6.0))
+        gaps = []
+        for seed in range(6):
+            walk = walk_of((crowd,), ())
+            walk.reset(seed, RobotMotion(50.0, 50.0, 0.0, 0.0, 0.4))
+            x, y, yaw = walk.at(1.0, RobotMotion(50.0, 50.0, 0.0, 0.0, 0.4))[0, :3].tolist()
+            # Beside its tail: there it is when the robot comes, and turning swings the tail into it.
+            tail = Pose2D(x, y, wrap_angle(yaw)).transform_points([(-0.6, 1.05)])[0].tolist()
+            beside = RobotMotion(*tail, 0.0, 0.0, 0.4)
+            for step in range(20, 120):
+                x, y, yaw = walk.at(step * PERIOD_S, beside)[0, :3].tolist()
+                placed = Pose2D(x, y, wrap_angle(yaw)).transform_points(corners)
+                gaps.append(np.hypot(placed[:, 0] - beside.x, placed[:, 1] - beside.y).min())
+        least[sees] = min(gaps)
+    assert least[True] > 0.4
+    assert least[False] < 0.4

@@ -13,10 +13,10 @@ from trundle.errors import WorldError
 from trundle.geometry import FloatArray, wrap_angles
 from trundle.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
-from trundle.worlds.movers.mover import Mover, radius_of, top_of
+from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 from trundle.worlds.movers.social_force import border_force, driving, repulsion
 from trundle.worlds.movers.walkable import WalkableFloor
-from trundle.worlds.movers.yielding import enters_way, give_way, keep_apart
+from trundle.worlds.movers.yielding import enters_way, give_way, keep_apart, swings_into
 
 PERIOD_S = 0.05
 """Crowds are stepped at this period; between two steps they move straight at constant speed."""
@@ -27,6 +27,7 @@ _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _THERE_M = 0.4
 _STUCK_S = 4.0  # one that gets nowhere for so long goes elsewhere
 _SLOW = 0.1  # [m/s]
+_SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
 
 
@@ -62,6 +63,7 @@ class CrowdWalk:
         self._crowds, self._movers = tuple(crowds), tuple(movers)
         self.names = [name for crowd in crowds for name in crowd.members]
         counts = [crowd.count for crowd in crowds]
+        self._outlines = [outline_of(crowd.body) for crowd in crowds for _ in range(crowd.count)]
         self._radii = np.repeat([radius_of(crowd.body) for crowd in crowds], counts)
         self._top = np.repeat([crowd.speed for crowd in crowds], counts)
         self._sees = np.repeat([crowd.sees_robot for crowd in crowds], counts)
@@ -174,7 +176,7 @@ class CrowdWalk:
         wanted = velocities + forces * PERIOD_S
         fast = np.hypot(wanted[:, 0], wanted[:, 1])
         wanted *= np.minimum(1.0, self._top / np.maximum(fast, 1e-9))[:, None]
-        wanted, turned = self._steer(wanted, yaws)
+        wanted, turned = self._steer(wanted, points, yaws, robot)
         if robot is not None:
             wanted = give_way(points, wanted, self._radii, self._sees, robot, PERIOD_S)
         reached = self._off_solids(points, points + wanted * PERIOD_S)
@@ -211,13 +213,24 @@ class CrowdWalk:
         length = np.hypot(directions[:, 0], directions[:, 1])
         return directions / np.maximum(length, 1e-9)[:, None], forces
 
-    def _steer(self, wanted: FloatArray, yaws: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Velocities of those who drive where they face, and the new yaws of all (not wrapped)."""
+    def _steer(
+        self, wanted: FloatArray, points: FloatArray, yaws: FloatArray, robot: RobotMotion | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Velocities of those who drive where they face, and the new yaws of all (not wrapped).
+
+        Those who see the robot do not turn their body into it.
+        """
         speed = np.hypot(wanted[:, 0], wanted[:, 1])
         off = wrap_angles(np.arctan2(wanted[:, 1], wanted[:, 0]) - yaws)
         off[speed < 0.02] = 0.0
         most = np.where(self._steers, _STEER, _TURN) * PERIOD_S
         turned = yaws + np.clip(off, -most, most)
+        if robot is not None:
+            near = np.hypot(points[:, 0] - robot.x, points[:, 1] - robot.y) < self._radii + robot.radius + _SWING_M
+            beside = np.flatnonzero(self._sees & self._steers & near & (turned != yaws))
+            outlines = [self._outlines[index] for index in beside.tolist()]
+            stays = beside[swings_into(points[beside], yaws[beside], turned[beside], outlines, robot)]
+            turned[stays] = yaws[stays]
         ahead = speed * np.maximum(0.0, np.cos(off))
         steered = ahead[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
         return np.where(self._steers[:, None], steered, wanted), turned

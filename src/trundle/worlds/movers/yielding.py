@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +12,7 @@ import numpy.typing as npt
 from trundle.geometry import FloatArray
 
 _MARGIN = 0.5  # kept from the robot [m]
+_SWING_MARGIN = 0.1  # kept from its circle by what turns beside it [m]
 _LOOK_S = 1.5  # and from where it is about to be
 
 
@@ -68,6 +71,40 @@ def enters_way(points: FloatArray, reached: FloatArray, radii: FloatArray, robot
     _, gap = _from_line(points, start, along)
     _, then = _from_line(reached, start, along)
     return (then < radii + robot.radius + _MARGIN) & (then < gap - 1e-12)
+
+
+def swings_into(
+    points: FloatArray, yaws: FloatArray, turned: FloatArray, outlines: Sequence[FloatArray], robot: MovingDisc
+) -> npt.NDArray[np.bool_]:
+    """Whose body would come too near to the robot by turning; shape (N,).
+
+    Args:
+        points: Where they are [m], shape (N, 2).
+        yaws: How they face, shape (N,).
+        turned: How they would face, shape (N,).
+        outlines: The outline of each one's body in its frame [m].
+        robot: The robot.
+    """
+    return np.array(
+        [
+            after < robot.radius + _SWING_MARGIN and after < before
+            for point, outline, angles in zip(points, outlines, np.column_stack([yaws, turned]).tolist(), strict=True)
+            for before, after in [[_from_outline(outline, point, angle, robot) for angle in angles]]
+        ],
+        dtype=bool,
+    )
+
+
+def _from_outline(outline: FloatArray, point: FloatArray, yaw: float, robot: MovingDisc) -> float:
+    """Distance of the robot's centre from an outline at a place [m], 0 inside."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    x, y = np.array([[cos, sin], [-sin, cos]]) @ (np.array([robot.x, robot.y]) - point)
+    along = np.roll(outline, -1, axis=0) - outline
+    offset = np.array([x, y]) - outline
+    if (along[:, 0] * offset[:, 1] >= along[:, 1] * offset[:, 0]).all():
+        return 0.0
+    share = np.clip((offset * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    return float(np.hypot(*(offset - share[:, None] * along).T).min())
 
 
 def _from_line(points: FloatArray, start: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
