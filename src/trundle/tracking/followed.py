@@ -29,7 +29,7 @@ _STAYS_SHARE = 0.6
 _FAST_MPS = 0.3
 _LOST_M = 1.0
 _JUST_S = 0.15
-_FASTEST_MPS = 5.0
+_FASTEST_MPS = 4.0
 
 _FACTS = np.dtype(
     [
@@ -260,8 +260,12 @@ class Followed:
         kept &= np.hypot(filters.states[:, 2], filters.states[:, 3]) <= _FASTEST_MPS
         kept &= filters.covariances[:, 0, 0] + filters.covariances[:, 1, 1] < _LOST_M**2
         offset = filters.states[:, None, :2] - filters.states[:, :2]
-        reach = 0.6 * np.maximum.outer(filters.radii, filters.radii)
-        same = offset[..., 0] ** 2 + offset[..., 1] ** 2 < reach**2
+        apart = np.hypot(offset[..., 0], offset[..., 1])
+        same = apart < 0.6 * np.maximum.outer(filters.radii, filters.radii)
+        # Another part of something large that was followed as two.
+        part = apart < np.add.outer(filters.radii, filters.radii) + _GATE_M
+        part &= (facts["confirmed"] & (silent <= _JUST_S))[None, :]
+        kept &= ~((silent > _EMPTY_S) & part.any(axis=1))
         # Rank: confirmed ones first, and of these the oldest.
         rank = facts["id"] - np.where(facts["confirmed"], self._next_id, 0)
         kept &= ~(same & kept & (rank[None, :] < rank[:, None])).any(axis=1)

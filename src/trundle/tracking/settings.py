@@ -37,5 +37,5 @@ class TrackerSettings(Config):
     acceleration: Positive = 0.6
     min_speed: NotNegative = 0.2
     confirm_scans: Annotated[int, Field(ge=1)] = 2
-    hidden_s: NotNegative = 1.0
+    hidden_s: NotNegative = 0.8
     source_timeout: Positive = 1.0
