@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time as clock
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Self
+from typing import Protocol, Self
 
 from trundle.control import CollisionMonitor
 from trundle.errors import PlanningError, ScenarioError, SimulationError
@@ -16,23 +18,16 @@ from trundle.localization import Localizer, create_localizer
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import plan_legs, read_goals
 from trundle.mission.metrics import compute_metrics
-from trundle.mission.monitor import Monitor
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
 from trundle.mission.rules import Rules
 from trundle.mission.run_log import RunLog
-from trundle.mission.scan_mail import ScanMail
-from trundle.mission.time_limit import time_limit
 from trundle.mission.truth import Measure, Truth, measure_truth
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.agent import CONTROL_PERIOD_S
-<<<<<<< Updated upstream
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate, Scan
-=======
-from trundle.observation import Estimate
->>>>>>> Stashed changes
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import Contact, RobotState, Simulator, world_of
@@ -40,7 +35,24 @@ from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.simulator import watch_substeps
 from trundle.values import as_number, check_kind
 
+TIME_PER_GOAL_S = 60.0
+SLOWNESS = 4.0
+
 _AT_ODOM_ORIGIN = Pose2D(0.0, 0.0)
+
+
+class Monitor(Protocol):
+    """Checks every command before it is sent; `trundle.control.CollisionMonitor` is one."""
+
+    def reset(self) -> None:
+        """Forget all scans, at the start of a run."""
+        ...
+
+    def check(
+        self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
+    ) -> MonitorReport:
+        """Say what to send instead of a command."""
+        ...
 
 
 class Session:
@@ -143,7 +155,7 @@ class Session:
             start=begin,
             goals=goals,
             path_length_m=sum(path.length for path in paths),
-            time_limit_s=time_limit(agent, robot, begin, goals, paths) if time_limit_s is None else time_limit_s,
+            time_limit_s=_time_limit(agent, robot, begin, goals, paths) if time_limit_s is None else time_limit_s,
             dt=getattr(agent, "dt", CONTROL_PERIOD_S),
             planner=getattr(agent, "planner_name", "none"),
             controller=getattr(agent, "controller_name", type(agent).__name__),
@@ -512,7 +524,6 @@ class Session:
         )
 
 
-<<<<<<< Updated upstream
 class ScanMail:
     """Holds scans back until they are of a certain age.
 
@@ -541,10 +552,6 @@ def _prepare(
     Raises:
         ScenarioError: If it is to drive through goals or to run tasks, and takes only one goal at a time.
     """
-=======
-def _prepare(agent: Agent, start: Pose2D, goals: Sequence[Goal]) -> tuple[list[Path], PlanningError | None]:
-    """Give the agent its first goal; a navigator plans to all of them. See `plan_legs`."""
->>>>>>> Stashed changes
     if not goals:
         return [], None
     if isinstance(agent, Navigator):
@@ -569,7 +576,6 @@ def _report_latency(one: object, latency: Latency) -> None:
         report_latency(latency)
 
 
-<<<<<<< Updated upstream
 def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal], paths: Sequence[Path]) -> float:
     if not goals:
         return math.inf
@@ -583,8 +589,6 @@ def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal]
     return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least + tasks_s
 
 
-=======
->>>>>>> Stashed changes
 def _describe_contact(contact: Contact, time: float) -> str:
     where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
     if time == 0.0:
