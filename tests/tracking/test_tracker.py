@@ -202,3 +202,11 @@ def test_a_track_is_the_same_in_another_frame():
     assert turned.covariance[0, 0] == pytest.approx(track.covariance[1, 1])
     assert turned.covariance[0, 2] == pytest.approx(track.covariance[1, 3])
     assert turned.at(track.time + 1.0) == pytest.approx((turned.x + turned.vx, turned.y + turned.vy))
+
+
+def test_a_disc_that_leaves_the_field_of_view_keeps_its_size():
+    scene = lambda t: [(2.0 - 1.0 * t, 1.5, 0.5)]  # noqa: E731
+    _, seen = follow(scene, ROOM, seconds=2.6, fov=math.pi / 2.0 * 1.5)
+    sizes = [track.radius for tracks in seen[30:] for track in moving(tracks)]
+    assert sizes
+    assert min(sizes) > 0.4

@@ -15,6 +15,7 @@ from pydantic import Field
 
 from trundle.control.collision import stopping_poses
 from trundle.control.delayed_commands import DelayedCommands
+from trundle.control.intent import Intent
 from trundle.control.sensed_points import Edges, Points, SensedPoints, box_around
 from trundle.errors import InputError
 from trundle.files.config_fields import NotNegative, Positive
@@ -36,6 +37,7 @@ _TICK_S = 0.05
 _MARGIN_M = 0.1
 _MOST_STEPS = 1000
 _MOVER_STEPS = 5
+_INTENT_S, _INTENT_STEPS = 2.0, 11
 _AT_HERE = np.zeros((1, 3))
 
 
@@ -50,7 +52,9 @@ class MonitorSettings(Config):
             time; 0 means that it does not look ahead further than it takes to stop.
         moving_padding: Something that moves and is nearer to the footprint than this, or will be within
             `moving_time`, stops the robot unless the command takes the robot away from it [m]; 0 means no such stop.
-            What moves may turn at any moment, and nothing tells how.
+            What moves may turn at any moment, and nothing tells how. A controller that says what it means to command,
+            such as `mppi`, is stopped only where that comes nearer than `moving_clearance` and is no better than to
+            stand.
         moving_clearance: A command that takes the robot away passes only if nothing that moves comes nearer than this
             [m]: a robot that is about to be touched anyway stands.
         moving_time: How far ahead that is looked [s].
@@ -132,8 +136,16 @@ class CollisionMonitor:
         check_kind(latency, Latency, "a latency", "Latency(command_delay_s=0.1) makes one")
         self._delayed.delay_s = latency.command_delay_s
 
+    def set_intent(self, intent: Intent | None) -> None:
+        """Judge the next command by what is to follow it; a session calls it with the agent's `intent` before `check`.
+
+        Without one, a command counts as kept up. The robot must always be able to brake in time, whatever is intended.
+        """
+        self._intent = intent
+
     def reset(self) -> None:
         """Forget all scans, at the start of a run."""
+        self._intent: Intent | None = None
         self._points.clear()
         self._delayed.clear()
         self._since: float | None = None
@@ -211,7 +223,8 @@ class CollisionMonitor:
         if least < allowed - _CLOSER_SHARE * max(allowed, 0.0) - _SAME_M:
             return _report(_STAND, "stop", near, int(apart.min(axis=0).argmin()), contact.time)
         leaves = least >= here - _SAME_M  # or drives along something
-        if contact.time < math.inf and not (here <= 0.0 and leaves):
+        judged = contact.moves and self._intends(command) and settings.moving_padding > 0.0
+        if contact.time < math.inf and not (here <= 0.0 and leaves) and not judged:
             share = self._share(contact, twist)
             slower = Twist2D(share * command.v, share * command.w)
             return _report(slower, "approach" if share > 0.0 else "stop", contact.points, contact.index, contact.time)
@@ -226,22 +239,37 @@ class CollisionMonitor:
         moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
         if settings.moving_padding <= 0.0 or command == _STAND or len(moving) < settings.min_points:
             return None
-        times = np.linspace(0.0, settings.moving_time, _MOVER_STEPS)
-        driven = np.array([integrate_twist(0.0, 0.0, 0.0, command.v, command.w, time) for time in times.tolist()])
+        intended = self._intends(command)
+        ahead_s, steps = (_INTENT_S, _INTENT_STEPS) if intended else (settings.moving_time, _MOVER_STEPS)
+        times = np.linspace(0.0, ahead_s, steps)
+        driven = self._poses(command, times)
         places, velocities = points.places[moving], points.velocities[moving]
         kth = settings.min_points - 1
         standing, driving = (
             np.partition(self._edges.distances(places, poses, velocities, times), kth, axis=1)[:, kth].min()
             for poses in (np.zeros_like(driven), driven)
         )
-        escapes = driving > standing + _SAME_M and driving >= min(settings.moving_clearance, settings.moving_padding)
-        if standing >= settings.moving_padding <= driving or escapes:
+        clearance = min(settings.moving_clearance, settings.moving_padding)
+        if intended and (driving >= clearance or driving > standing + _SAME_M):
+            return None
+        if not intended and (
+            standing >= settings.moving_padding <= driving or driving > max(standing + _SAME_M, clearance)
+        ):
             return None
         return int(moving[self._edges.distances(places, _AT_HERE)[0].argmin()])
 
     def _braking(self, command: Twist2D, twist: Twist2D) -> FloatArray:
         """Poses of one control period and then braking, from where the robot is, shape (K, 3)."""
         return np.array([_HERE.as_tuple(), *stopping_poses(_HERE, twist, command, self._robot.limits, _TICK_S)])
+
+    def _intends(self, command: Twist2D) -> bool:
+        return self._intent is not None and self._intent.begins_with(command)
+
+    def _poses(self, command: Twist2D, times: FloatArray) -> FloatArray:
+        """Where the robot is after these times [s], from where it is now, shape (K, 3)."""
+        if self._intent is not None and self._intends(command):
+            return self._intent.poses(times)
+        return np.array([integrate_twist(0.0, 0.0, 0.0, command.v, command.w, time) for time in times.tolist()])
 
     def _apart(self, poses: FloatArray, points: Points) -> tuple[Points, FloatArray]:
         """The points that come within the polygons at any of some poses, and how far from the footprint they are."""
@@ -257,7 +285,7 @@ class CollisionMonitor:
         if steps < 1 or command == _STAND:
             return _Contact(points)
         times = np.linspace(horizon / steps, horizon, steps)
-        poses = np.array([integrate_twist(0.0, 0.0, 0.0, command.v, command.w, time) for time in times.tolist()])
+        poses = self._poses(command, times)
         near = points.within(*box_around(self._robot.planar, poses, 0.0))
         if len(near.places) < settings.min_points:
             return _Contact(points)

@@ -33,7 +33,8 @@ class Controller(Protocol):
 
     One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it. One that
     has `set_tracks(tracks)` gets what the navigator's scans show to move before each command: every
-    `trundle.observation.Track`, predicted to now, map frame.
+    `trundle.observation.Track`, predicted to now, map frame. One that has an `intent`, an `Intent` or None, is judged
+    by the collision monitor by all that it means to command, and not as if its command were kept up.
     """
 
     def reset(self, *, seed: int = 0) -> None:

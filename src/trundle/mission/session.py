@@ -301,6 +301,8 @@ class Session:
             self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
             _report_latency(self._monitor, self._latency)
         if self._monitor is not None:
+            if callable(set_intent := getattr(self._monitor, "set_intent", None)):
+                set_intent(getattr(self._agent, "intent", None))
             report = self._monitor.check(command, seen.twist, seen.scans, seen.time, seen.odometry)
             self._log.add_report(report)
             sent = report.command

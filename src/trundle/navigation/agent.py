@@ -23,10 +23,10 @@ class Agent(Protocol):
     A `Session` calls `update` once per control period. It also uses, where the agent has them: `dt`, the length of the
     next control period [s] (0.05 otherwise); `path`, the path that it follows; `costmap`, what it drives on; `robot`;
     `grid`, its map, for a localizer; `error` or `message`, why it gave up; `replans` and `planning_time_s`;
-    `tracks`, what its scans show to move; `planner_name` and `controller_name`, for reports; `goal_checker`, which says
-    whether a pose is at the goal; `set_latency(latency)`, to which it reports the `Latency` of scans and commands; and
-    `set_sent_command(twist)`, to which it reports what was sent where the collision monitor changed the agent's
-    command.
+    `tracks`, what its scans show to move; `intent`, what it means to command next, for the collision monitor;
+    `planner_name` and `controller_name`, for reports; `goal_checker`, which says whether a pose is at the goal;
+    `set_latency(latency)`, to which it reports the `Latency` of scans and commands; and `set_sent_command(twist)`, to
+    which it reports what was sent where the collision monitor changed the agent's command.
     """
 
     @property

@@ -12,6 +12,7 @@ from typing import Literal, cast, overload
 from trundle.control import Controller, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.control.delayed_commands import DelayedCommands
+from trundle.control.intent import Intent
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import InputError, NoValidControlError
@@ -189,6 +190,11 @@ class Navigator(Drive):
         report_latency = getattr(self.controller, "set_latency", None)
         if callable(report_latency):
             report_latency(latency)
+
+    @property
+    def intent(self) -> Intent | None:
+        """What the controller means to command next, for a collision monitor; none where it does not say."""
+        return getattr(self.controller, "intent", None)
 
     def set_sent_command(self, command: Twist2D) -> None:
         """Take what was sent to the robot instead of the last command, where something changed it on the way.

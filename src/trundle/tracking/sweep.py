@@ -113,11 +113,17 @@ class Sweep:
         return np.append(starts - starts[0], count)
 
     def sees_past(self, hits: IndexArray, side: int) -> BoolArray:
-        """Whether the beams on one side (−1 or 1) of some hits see farther: nothing hides what is there."""
+        """Whether the beams on one side (−1 or 1) of some hits see farther: nothing hides what is there.
+
+        What lies beyond the ends of the field of view is hidden.
+        """
         beams = self.beams[hits]
         count = len(self.sight)
         beside = np.minimum(self.sight[(beams + side) % count], self.sight[(beams + 2 * side) % count])
-        return beside > self.ranges[hits] + _PAST_M
+        past = beside > self.ranges[hits] + _PAST_M
+        if count * self.spacing < math.tau - 0.5 * self.spacing:
+            past &= (beams + 2 * side >= 0) & (beams + 2 * side < count)
+        return past
 
 
 def _least_around(ranges: FloatArray, missing: BoolArray) -> FloatArray:

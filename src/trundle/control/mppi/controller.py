@@ -20,6 +20,7 @@ import numpy as np
 
 from trundle.control.collision import can_stop
 from trundle.control.controller import Controller
+from trundle.control.intent import Intent
 from trundle.control.mppi.discs import cover_with_discs
 from trundle.control.mppi.fields import FieldStyle, Window
 from trundle.control.mppi.guide import Guide
@@ -148,6 +149,11 @@ class MppiController(Controller):
         if self._follows or self._done:
             return None
         return Rollouts(*self._sampler.best(count))
+
+    @property
+    def intent(self) -> Intent | None:
+        """What it means to command from now on; none where it follows the planned path itself."""
+        return None if self._follows or self._done else self._sampler.intent
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         """Return the command for the next control period; see `Controller`.

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
+from trundle.control.intent import Intent
 from trundle.control.mppi.fields import Window
 from trundle.control.mppi.settings import MppiSettings
 from trundle.geometry import FloatArray, Pose2D, Twist2D
@@ -184,6 +185,11 @@ class Sampler:
         )
         command = self._limits.clamp(Twist2D(min(max(v, -back), max(forward, twist.v)), w))
         return Answer(command, free, blocked, contacts, dropped)
+
+    @property
+    def intent(self) -> Intent:
+        """The commands that it has chosen."""
+        return Intent(self._controls.astype(np.float64), self._step_s)
 
     def _within_turn(self, w: float) -> float:
         most = _MOST_TURN_RAD / self._step_s
