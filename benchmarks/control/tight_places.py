@@ -2,8 +2,8 @@
 
     python benchmarks/control/tight_places.py --places 200 --controller mppi
 
-Dead ends that the robot stands in, corridors in which it must turn round, doors of 0.75 m, and goals beside walls, 50 of
-each by seed. The map is known. A place counts if `least_cost` or `hybrid_astar` plans a path there.
+Dead ends that the robot stands in, corridors in which it must turn round, doors of 0.75 m, and goals beside walls, a
+quarter of each, by seed. The map is known. A place counts if `least_cost` or `hybrid_astar` plans a path there.
 """
 
 from __future__ import annotations
@@ -64,7 +64,11 @@ def corridor(rng: np.random.Generator) -> Place:
     box(cells, 0.0, middle + width / 2.0, ROOM_M, ROOM_M)
     box(cells, 0.0, 0.0, ROOM_M, middle - width / 2.0)
     y = middle + rng.uniform(-0.1, 0.1)
-    return cells, Pose2D(rng.uniform(3.0, 4.0), y, math.pi), Pose2D(rng.uniform(6.0, 8.5), y, rng.choice([0.0, math.pi]))
+    return (
+        cells,
+        Pose2D(rng.uniform(3.0, 4.0), y, math.pi),
+        Pose2D(rng.uniform(6.0, 8.5), y, rng.choice([0.0, math.pi])),
+    )
 
 
 def door(rng: np.random.Generator) -> Place:
@@ -137,7 +141,9 @@ def main() -> None:
         if not can_be_planned(Costmap.from_grid(grid, robot), start, goal):
             continue
         planned[kind.__name__] += 1
-        ended = drive(grid, robot, start, goal, Choice(name=options.controller, options=options.options), options.backend)
+        ended = drive(
+            grid, robot, start, goal, Choice(name=options.controller, options=options.options), options.backend
+        )
         arrived[kind.__name__] += ended == "arrived"
         if ended != "arrived":
             print(f"{seed} {kind.__name__}: {ended}", flush=True)

@@ -11,7 +11,7 @@ from trundle import _core
 
 def solve(classes, costs, seeds, values=None):
     values = np.zeros(len(seeds)) if values is None else np.array(values, np.float64)
-    return _core.eikonal_field(classes, costs, np.array(seeds, np.int64).reshape(-1, 2), values)
+    return _core.eikonal_field(classes, costs, np.array(seeds, np.int64).reshape(-1, 2), values, 0, 0, math.inf)
 
 
 def costs_of(*first):
@@ -63,6 +63,20 @@ def test_the_answer_does_not_depend_on_the_order_of_the_seeds():
     assert np.array_equal(solve(classes, costs, seeds, values), solve(classes, costs, seeds[order], values[order]))
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_cells_beyond_are_left_out_and_the_others_stay(seed):
+    rng = np.random.default_rng(seed)
+    classes = rng.integers(0, 5, (40, 60)).astype(np.uint8)
+    costs = costs_of(math.inf, 1.0, 2.0, 5.0)
+    classes[20, 30] = classes[5, 5] = 1
+    whole = _core.eikonal_field(classes, costs, np.array([[20, 30]]), np.zeros(1), 5, 5, math.inf)
+    part = _core.eikonal_field(classes, costs, np.array([[20, 30]]), np.zeros(1), 5, 5, 6.0)
+    near = whole <= whole[5, 5] + 6.0
+    assert np.isinf(part[whole > whole[5, 5] + 6.1]).all()
+    assert np.allclose(part[near & np.isfinite(part)], whole[near & np.isfinite(part)], atol=1e-2)
+    assert np.isfinite(part[whole <= whole[5, 5] + 5.9]).all()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -75,6 +89,9 @@ def test_the_answer_does_not_depend_on_the_order_of_the_seeds():
         ({"values": np.zeros(2)}, "value"),
         ({"values": np.array([-1.0])}, "from 0"),
         ({"values": np.array([math.nan])}, "from 0"),
+        ({"row": 3}, "outside"),
+        ({"col": -1}, "outside"),
+        ({"beyond": math.nan}, "0 or more"),
     ],
 )
 def test_it_refuses_what_it_cannot_solve(change, message):
@@ -83,6 +100,9 @@ def test_it_refuses_what_it_cannot_solve(change, message):
         "costs": costs_of(),
         "seeds": np.array([[0, 0]]),
         "values": np.zeros(1),
+        "row": 0,
+        "col": 0,
+        "beyond": math.inf,
     } | change
     with pytest.raises((ValueError, IndexError), match=message):
         _core.eikonal_field(**given)

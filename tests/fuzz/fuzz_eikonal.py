@@ -22,9 +22,9 @@ def one_round(generator: random.Random) -> None:
     seeds = np.column_stack([rng.integers(0, side, count) for side in shape])
     values = rng.uniform(0.0, generator.choice((0.0, 1.0, 50.0)) + 1e-9, count)
     if generator.random() < 0.3:
-        attempt(_core.eikonal_field, spoil(generator, (classes, costs, seeds, values), NUMBERS))
+        attempt(_core.eikonal_field, spoil(generator, (classes, costs, seeds, values, 0, 0, 5.0), NUMBERS))
         return
-    field = _core.eikonal_field(classes, costs, seeds, values)
+    field = _core.eikonal_field(classes, costs, seeds, values, 0, 0, np.inf)
     cells = [(int(row), int(col)) for row, col in seeds]
     expected = solve_eikonal(costs[classes].astype(np.float64), cells, values.tolist())
     assert np.array_equal(np.isfinite(field), np.isfinite(expected))

@@ -127,7 +127,7 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "mark_gaps": lambda: _core.mark_gaps(BLOCKED, 6.0),
     "cost_field": lambda: _core.cost_field(COSTS, np.array([GOAL]), 8, 2, 10.0, None),
     "eikonal_field": lambda: _core.eikonal_field(
-        COSTS, np.where(np.arange(256) < 253, 1.0, np.inf).astype(np.float32), np.array([GOAL]), np.zeros(1)
+        COSTS, np.where(np.arange(256) < 253, 1.0, np.inf).astype(np.float32), np.array([GOAL]), np.zeros(1), 3, 3, 5.0
     ),
     "footprint_collides": lambda: _core.footprint_collides(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES),
     "footprint_sweep": lambda: _core.footprint_sweep(COSTS, 0.1, 0.0, 0.0, 0.0, OUTLINE, POSES[:10], POSES[10:]),

@@ -297,10 +297,14 @@ def eikonal_field(
     costs: npt.NDArray[np.float32],
     seeds: npt.NDArray[np.int64],
     values: npt.NDArray[np.float64],
+    row: int,
+    col: int,
+    beyond: float,
 ) -> npt.NDArray[np.float32]:
     """Cost in any direction from each cell to the seeds (row, col), which start with `values`.
 
-    `costs`, shape (256,), are of a cell's length by the cell's class, infinite for walls.
+    `costs`, shape (256,), are of a cell's length by the cell's class, infinite for walls. Cells that cost more than the
+    cell (row, col) by `beyond` are left out: they are infinite.
     """
 
 def line_costs(

@@ -57,7 +57,7 @@ def test_the_cost_to_go_is_never_more_permissive_than_the_discs(seed, size, reso
     discs = cover_with_discs(robot.planar)
     style = FieldStyle(float(discs[:, 1].max()), 2.0, 0.3)
     window = window_of(costmap_of(cells, resolution=resolution), half=30, style=style)
-    field = window.cost_to_go(np.array([[30.5, 30.5]]) * resolution, np.zeros(1))
+    field = window.cost_to_go(np.array([[30.5, 30.5]]) * resolution, np.zeros(1), (0.0, 0.0), math.inf)
     reached = np.argwhere(np.isfinite(field))
     for row, col in reached[rng.permutation(len(reached))[:20]]:
         x, y = (col + rng.uniform(0.01, 0.99)) * resolution, (row + rng.uniform(0.01, 0.99)) * resolution
@@ -132,7 +132,7 @@ def test_costs_of_a_mask_and_of_unseen_space_lengthen_the_path():
     unseen = window_of(costmap_of(half_unseen, unknown="costly"), half=30)
     masked = window_of(costmap_of(cells, keepout=KeepoutMask(OccupancyGrid(mask, 0.05, Pose2D(-1.0, 2.0)))), half=30)
     seed = np.array([[55.5, 30.5]]) * 0.05
-    plain, *others = (window.cost_to_go(seed, np.zeros(1)) for window in (free, unseen, masked))
+    plain, *others = (window.cost_to_go(seed, np.zeros(1), (0.0, 0.0), math.inf) for window in (free, unseen, masked))
     for other in others:
         assert other[30, 40] == pytest.approx(plain[30, 40])
         assert other[30, 5] > plain[30, 5] + 0.3
@@ -142,6 +142,6 @@ def test_the_cost_to_go_leads_round_a_wall():
     cells = np.zeros((101, 101), np.int8)
     cells[30:101, 50] = 100
     window = window_of(costmap_of(cells), half=50)
-    field = window.cost_to_go(np.array([[80.5, 50.5]]) * 0.05, np.zeros(1))
+    field = window.cost_to_go(np.array([[80.5, 50.5]]) * 0.05, np.zeros(1), (0.0, 0.0), math.inf)
     assert field[50, 20] > math.hypot(30, 30) * 0.05 * 1.7
     assert np.isinf(field[50, 50])

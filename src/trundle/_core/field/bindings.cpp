@@ -71,5 +71,5 @@ void bind_field(nanobind::module_ &m) {
   bind(&trundle::cost_field<std::uint16_t>);
   bind(&trundle::cost_field<float>);
   m.def("eikonal_field", &trundle::eikonal_field, nb::arg("classes").noconvert(), nb::arg("costs").noconvert(),
-        nb::arg("seeds").noconvert(), nb::arg("values").noconvert());
+        nb::arg("seeds").noconvert(), nb::arg("values").noconvert(), nb::arg("row"), nb::arg("col"), nb::arg("beyond"));
 }

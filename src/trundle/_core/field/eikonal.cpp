@@ -16,6 +16,7 @@ namespace trundle {
 
 static constexpr float kFar = std::numeric_limits<float>::infinity();
 static constexpr float kEnough = 1e-4f;  // improvements smaller than this share of the least cost are none
+static constexpr std::int64_t kNowhere = std::numeric_limits<std::int64_t>::max();
 static constexpr int kMostBuckets = 4096;
 
 namespace {
@@ -32,7 +33,7 @@ class Marcher {
         if (cost < kFar) least = std::min(least, cost), most = std::max(most, cost);
       }
     value_.assign(cost_.size(), kFar);
-    waiting_.assign(cost_.size(), 0);
+    waits_in_.assign(cost_.size(), kNowhere);
     enough_ = kEnough * least;
     const float buckets = most > 0.0f ? 2.0f * most / least + 3.0f : 1.0f;
     width_ = buckets <= kMostBuckets ? 0.5f * least : most / (0.5f * kMostBuckets);
@@ -44,11 +45,14 @@ class Marcher {
     if (cost_[static_cast<std::size_t>(cell)] < kFar) seeds_.push_back({value, cell});
   }
 
-  void solve() {
+  // Up to where the front is `beyond` past a cell; everywhere, if it never gets there.
+  void solve(std::int64_t row, std::int64_t col, float beyond) {
     std::sort(seeds_.begin(), seeds_.end());
+    const auto until = static_cast<std::size_t>((row + 1) * wide_ + col + 1);
     std::size_t next = 0;
     std::int64_t at = 0;  // the bucket of the least values
     while (open_ > 0 || next < seeds_.size()) {
+      if (static_cast<float>(at) * width_ > value_[until] + beyond) break;
       if (open_ == 0) at = bucket_of(seeds_[next].value);
       // Seeds enter as the front reaches them, so that the buckets hold all that is open at once.
       for (; next < seeds_.size() && bucket_of(seeds_[next].value) <= at; ++next) offer(seeds_[next].cell, seeds_[next].value, at);
@@ -60,15 +64,21 @@ class Marcher {
       const std::int64_t cell = bucket.back();
       bucket.pop_back();
       --open_;
-      waiting_[static_cast<std::size_t>(cell)] = 0;
-      for (const std::int64_t step : {-wide_, std::int64_t{-1}, std::int64_t{1}, wide_}) update(cell + step, at);
+      if (waits_in_[static_cast<std::size_t>(cell)] != at) continue;  // it was taken from an earlier bucket
+      waits_in_[static_cast<std::size_t>(cell)] = kNowhere;
+      const float value = value_[static_cast<std::size_t>(cell)];
+      for (const std::int64_t step : {-wide_, std::int64_t{-1}, std::int64_t{1}, wide_}) update(cell + step, value, at);
     }
   }
 
-  void write(float *out) const {
+  void write(std::int64_t row, std::int64_t col, float beyond, float *out) const {
     const std::int64_t cols = wide_ - 2;
-    for (std::int64_t row = 0; row < rows_; ++row)
-      std::copy_n(value_.data() + (row + 1) * wide_ + 1, cols, out + row * cols);
+    const float most = value_[static_cast<std::size_t>((row + 1) * wide_ + col + 1)] + beyond;
+    for (row = 0; row < rows_; ++row)
+      for (col = 0; col < cols; ++col) {
+        const float value = value_[static_cast<std::size_t>((row + 1) * wide_ + col + 1)];
+        *out++ = value <= most ? value : kFar;
+      }
   }
 
  private:
@@ -80,10 +90,11 @@ class Marcher {
 
   std::int64_t bucket_of(float value) const { return static_cast<std::int64_t>(value / width_); }
 
-  void update(std::int64_t cell, std::int64_t at) {
+  // A neighbour's value has fallen to `from`, which raises none and can lower what is above it.
+  void update(std::int64_t cell, float from, std::int64_t at) {
     const auto i = static_cast<std::size_t>(cell);
     const float cost = cost_[i];
-    if (!(cost < kFar)) return;
+    if (!(value_[i] > from) || !(cost < kFar)) return;
     const float across = std::min(value_[i - 1], value_[i + 1]);
     const float along = std::min(value_[i - static_cast<std::size_t>(wide_)], value_[i + static_cast<std::size_t>(wide_)]);
     const float low = std::min(across, along), apart = std::max(across, along) - low;
@@ -96,16 +107,16 @@ class Marcher {
     const auto i = static_cast<std::size_t>(cell);
     if (!(value < value_[i] - enough_) && !(value_[i] == kFar && value < kFar)) return;
     value_[i] = value;
-    if (waiting_[i]) return;  // taken from the bucket of its older, larger value
-    waiting_[i] = 1;
-    ++open_;
     const std::int64_t bucket = std::max(bucket_of(value), at);
+    if (waits_in_[i] <= bucket) return;
+    waits_in_[i] = bucket;
+    ++open_;
     buckets_[static_cast<std::size_t>(bucket) % buckets_.size()].push_back(cell);
   }
 
   std::int64_t rows_, wide_;
   std::vector<float> cost_, value_;  // with a frame of walls
-  std::vector<std::uint8_t> waiting_;
+  std::vector<std::int64_t> waits_in_;  // the earliest bucket that holds a cell
   std::vector<std::vector<std::int64_t>> buckets_;
   std::vector<Seed> seeds_;
   std::size_t open_ = 0;
@@ -115,7 +126,7 @@ class Marcher {
 }  // namespace
 
 nb::ndarray<nb::numpy, float> eikonal_field(In<std::uint8_t, 2> classes, In<float, 1> costs, In<std::int64_t, 2> seeds,
-                                            In<double, 1> values) {
+                                            In<double, 1> values, std::int64_t row, std::int64_t col, double beyond) {
   const auto rows = static_cast<std::int64_t>(classes.shape(0)), cols = static_cast<std::int64_t>(classes.shape(1));
   if (costs.shape(0) != 256) throw nb::value_error("costs need shape (256,): one for each class");
   if (seeds.shape(1) != 2) throw nb::value_error("seeds need shape (N, 2): row, col");
@@ -131,13 +142,16 @@ nb::ndarray<nb::numpy, float> eikonal_field(In<std::uint8_t, 2> classes, In<floa
       throw nb::index_error("a seed lies outside the grid");
     if (!(values(k) >= 0.0 && values(k) <= 1e6 * least)) throw nb::value_error("values of seeds must be from 0 to 1e6 of the least cost");
   }
+  if (row < 0 || row >= rows || col < 0 || col >= cols) throw nb::index_error("the cell lies outside the grid");
+  if (!(beyond >= 0.0)) throw nb::value_error("beyond must be 0 or more");
   std::vector<float> out(static_cast<std::size_t>(rows * cols));
   {
     nb::gil_scoped_release release;
     Marcher marcher(classes.data(), costs.data(), rows, cols);
     for (std::size_t k = 0; k < seeds.shape(0); ++k) marcher.seed(seeds(k, 0), seeds(k, 1), static_cast<float>(values(k)));
-    marcher.solve();
-    marcher.write(out.data());
+    const auto past = static_cast<float>(beyond);
+    marcher.solve(row, col, past);
+    marcher.write(row, col, past, out.data());
   }
   return to_numpy(std::move(out), {static_cast<std::size_t>(rows), static_cast<std::size_t>(cols)});
 }

@@ -251,7 +251,7 @@ class MppiController(Controller):
 
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
         """Whether the cost to go leads from here to where the path goes on."""
-        self._guide.lead(window, route, route.section_end)
+        self._guide.lead(window, route, route.section_end, pose)
         if math.isfinite(self._guide.cost_at(window, pose)):
             return True
         self.reason = "the path is blocked"

@@ -64,6 +64,16 @@ def _clearance_table(resolution: float, unit: float) -> npt.NDArray[np.uint8]:
     return table
 
 
+@lru_cache(maxsize=16)
+def _nearness_of_costs(style: FieldStyle, unit: float) -> npt.NDArray[np.uint8]:
+    """The nearness at which a metre is as long as a cost of a mask or of unseen space says, by that cost."""
+    shares = np.clip(np.arange(256) / (INSCRIBED - 1), 1e-3, 1.0)
+    free = np.minimum(style.radius - style.near_distance * np.log(shares), _FARTHEST * unit)
+    nearness = (_FARTHEST - np.clip(np.ceil(free / unit), 1, _FARTHEST)).astype(np.uint8)
+    nearness[0] = 0
+    return nearness
+
+
 class Window:
     """A square part of a costmap around the robot, with the distance from obstacles.
 
@@ -133,12 +143,7 @@ class Window:
         if costmap.unseen is not None and costmap.unknown == "costly":
             unseen = _part(costmap.unseen, self._row, self._col, self._size)
             extra = np.where(unseen, np.uint8(costmap.unknown_cost), extra)
-        style = self.style
-        shares = np.maximum(np.arange(256) / (INSCRIBED - 1), 1e-3)
-        free = np.minimum(style.radius - style.near_distance * np.log(np.minimum(shares, 1.0)), 2.55)
-        classes = (_FARTHEST - np.clip(np.ceil(free / self.unit), 1, _FARTHEST)).astype(np.uint8)
-        classes[0] = 0
-        return np.maximum(self.nearness, classes[extra])
+        return np.maximum(self.nearness, _nearness_of_costs(self.style, self.unit)[extra])
 
     # Frames ---------------------------------------------------------------------------------------------------------
 
@@ -206,11 +211,17 @@ class Window:
         """Whether points in the window's frame lie in cells that the cost to go may pass."""
         return self.clearance_at(points) > self.style.radius + _TOUCH_M
 
-    def cost_to_go(self, seeds: FloatArray, values: FloatArray) -> npt.NDArray[np.float32]:
-        """Cost [m] from each cell to points in the window's frame, shape (N, 2), which start with `values` [m]."""
+    def cost_to_go(
+        self, seeds: FloatArray, values: FloatArray, around: tuple[float, float], beyond: float
+    ) -> npt.NDArray[np.float32]:
+        """Cost [m] from each cell to points in the window's frame, shape (N, 2), which start with `values` [m].
+
+        Cells that cost more by `beyond` [m] than the cell of a point in the window are left out: they are infinite.
+        """
         rows, cols = self.cells_of(seeds)
         cells = np.ascontiguousarray(np.column_stack([rows, cols]))
-        return _core.eikonal_field(self._classes, self._costs, cells, np.ascontiguousarray(values, dtype=np.float64))
+        col, row = (min(max(int(value / self.resolution), 0), self._size - 1) for value in around)
+        return _core.eikonal_field(self._classes, self._costs, cells, values, row, col, beyond)
 
 
 def _part(data: npt.NDArray[np.generic], row: int, col: int, size: int) -> npt.NDArray[np.uint8]:

@@ -17,6 +17,7 @@ _LEAST_REACH_M = 2.0
 _MOST_CELLS = 120
 _EDGE_CELLS = 2
 _BESIDE_CELLS = 2
+_BEYOND_M = 3.0
 
 
 class Guide:
@@ -62,20 +63,23 @@ class Guide:
         self.window = Window(costmap, (row, col), half, self._style, left_out)
         return self.window
 
-    def lead(self, window: Window, route: Route, end: int) -> npt.NDArray[np.float32] | None:
+    def lead(self, window: Window, route: Route, end: int, pose: Pose2D) -> npt.NDArray[np.float32] | None:
         """The cost to go to the last free place of a route in the window, up to its pose `end`.
 
-        Only the stretch up to where it first leaves the window counts.
+        Only the stretch up to where it first leaves the window counts. What is much farther from there than the robot
+        is left out.
         """
         target = self._target(window, route, end)
         if target is None:
             self.to_go, self.target = None, -1
             return None
         made_of = (window, route, target, end)
-        if self.to_go is None or not _are_same(made_of, self._made_of):
+        known = _are_same(made_of, self._made_of) and math.isfinite(self.cost_at(window, pose))
+        if self.to_go is None or not known:
             point = window.poses_in(route.poses[target : target + 1])[:, :2]
             left = float(route.along[end] - route.along[target])
-            self.to_go = window.cost_to_go(point, np.array([left]))
+            around = window.to_window(pose.x, pose.y)
+            self.to_go = window.cost_to_go(point, np.array([left]), around, _BEYOND_M)
             self.target, self._made_of = target, made_of
         return self.to_go
 

@@ -42,6 +42,8 @@ class Route:
         self.backward: npt.NDArray[np.bool_] = np.concatenate(backward)
         steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
         self.along: FloatArray = np.concatenate([[0.0], np.cumsum(steps)])
+        turned = np.flatnonzero(self.backward[1:] != self.backward[:-1])
+        self._ends = np.append(turned, len(self.along) - 1)
         self.index = 0
 
     @property
@@ -52,8 +54,7 @@ class Route:
     @property
     def section_end(self) -> int:
         """Index of the pose where the direction of driving changes next, or of the last one."""
-        turned = np.flatnonzero(self.backward[self.index :] != self.backward[self.index])
-        return self.index + int(turned[0]) - 1 if len(turned) else len(self.along) - 1
+        return int(self._ends[int(self._ends.searchsorted(self.index))])
 
     def ahead(self, length: float) -> slice:
         """The poses from the robot's on, over a length [m]."""
