@@ -105,6 +105,7 @@ class MppiController(Controller):
         )
         reach = self._limits.linear_speed * self.settings.step_s(robot) * self.settings.steps
         self._guide = Guide(style, reach)
+        self._exact_before_m = _EXACT_BEFORE_M + _EXACT_BEFORE_S * self._limits.linear_speed
         self._pursuit = RegulatedPurePursuit(robot, footprint_padding=padding)
         self.reset()
 
@@ -236,26 +237,24 @@ class MppiController(Controller):
         """Whether the planned path itself is to be followed here."""
         if self._held_from_m - route.left_m < _PATIENCE_M:
             return True
-        ahead = route.ahead(_EXACT_BEFORE_M + _EXACT_BEFORE_S * self._limits.linear_speed)
+        ahead = route.ahead(self._exact_before_m)
         if route.backward[ahead].any() or float(route.along[-1]) < self.settings.goal_tolerance:
             return True
-        poses = window.poses_in(route.poses[ahead])
-        # Beside the path the samples see to themselves.
-        if math.dist(poses[0, :2], window.to_window(pose.x, pose.y)) > _PATIENCE_M:
-            return False
-        tight = ~window.discs_fit(poses, self._discs)
-        if not tight.any():
-            return False
-        outlines = window.costmap.footprint_collides(route.poses[ahead][tight])
-        return not bool(outlines.any())
+        last = window.poses_in(route.poses[-1:])
+        return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs)[0]
 
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
-        """Whether the cost to go leads from here to where the path goes on."""
-        self._guide.lead(window, route, route.section_end, pose)
-        if math.isfinite(self._guide.cost_at(window, pose)):
+        """Whether samples can go on from here: the cost to go leads on, and not just to where the discs do not pass."""
+        guide = self._guide
+        guide.lead(window, route, route.section_end, pose)
+        if not math.isfinite(guide.cost_at(window, pose)):
+            self.reason = "the path is blocked"
+            return False
+        near = float(route.along[guide.target] - route.along[route.index]) < self._exact_before_m
+        if not (guide.stops_short and near):
             return True
-        self.reason = "the path is blocked"
-        return False
+        outlines = window.costmap.footprint_collides(route.poses[route.ahead(self._exact_before_m)])
+        return bool(outlines.any())
 
     # Sampling -------------------------------------------------------------------------------------------------------
 
@@ -267,8 +266,8 @@ class MppiController(Controller):
         start = Start(now.pose, twist, change, self._speed_limit, now.dt)
         answer = self._sampler.step(window, to_go, start, self._aim(route, window), self._movers(window))
         self.reason = _reason_of(answer)
-        for share in _SLOWER:
-            command = Twist2D(share * answer.command.v, share * answer.command.w)
+        v, w = answer.command.v, answer.command.w
+        for command in (*(Twist2D(share * v, share * w) for share in _SLOWER), Twist2D(0.0, w)):
             if can_stop(now.costmap, self._robot.limits, now.pose, twist, command, now.dt, padded=self._padded):
                 return command
         self.reason = self.reason or "the outline would touch something"

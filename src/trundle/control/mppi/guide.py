@@ -32,6 +32,7 @@ class Guide:
         to_go: Cost from each of its cells to where the route leaves it, and what is left of the section from there
             [m], infinite where no path leads there; none where the route has no free place ahead in the window.
         target: Index of the pose of the route that it leads to.
+        stops_short: Whether the discs do not pass the next pose of the route there.
     """
 
     def __init__(self, style: FieldStyle, reach: float) -> None:
@@ -43,6 +44,7 @@ class Guide:
         self.window: Window | None = None
         self.to_go: npt.NDArray[np.float32] | None = None
         self.target = -1
+        self.stops_short = False
         self._made_of: tuple[object, ...] = ()
 
     def look(self, costmap: Costmap, pose: Pose2D, left_out: FloatArray) -> Window:
@@ -66,31 +68,44 @@ class Guide:
     def lead(self, window: Window, route: Route, end: int, pose: Pose2D) -> npt.NDArray[np.float32] | None:
         """The cost to go to the last free place of a route in the window, up to its pose `end`.
 
-        Only the stretch up to where it first leaves the window counts. What is much farther from there than the robot
-        is left out.
+        Only the stretch up to where it first leaves the window counts. Where no path of the discs leads there, it is
+        to the last place before the first that the discs do not pass. What is much farther from there than the robot is
+        left out.
         """
-        target = self._target(window, route, end)
-        if target is None:
+        made_of = (window, route, end, self._last_inside(window, route, end))
+        is_known = self.target > route.index or self.target == end
+        if is_known and _are_same(made_of, self._made_of) and math.isfinite(self.cost_at(window, pose)):
+            return self.to_go
+        self._made_of = made_of
+        free = window.passable(window.poses_in(route.poses[route.index : made_of[3] + 1])[:, :2])
+        lasts = np.flatnonzero(free)
+        if len(lasts) > 0:
+            self._lead_to(window, route, end, route.index + int(lasts[-1]), pose)
+            self.stops_short = route.index + int(lasts[-1]) < made_of[3]
+            if math.isfinite(self.cost_at(window, pose)):
+                return self.to_go
+        self.stops_short = True
+        first = len(free) if free.all() else int(np.argmin(free))
+        if first > 1:
+            self._lead_to(window, route, end, route.index + first - 1, pose)
+        else:
             self.to_go, self.target = None, -1
-            return None
-        made_of = (window, route, target, end)
-        known = _are_same(made_of, self._made_of) and math.isfinite(self.cost_at(window, pose))
-        if self.to_go is None or not known:
-            point = window.poses_in(route.poses[target : target + 1])[:, :2]
-            left = float(route.along[end] - route.along[target])
-            around = window.to_window(pose.x, pose.y)
-            self.to_go = window.cost_to_go(point, np.array([left]), around, _BEYOND_M)
-            self.target, self._made_of = target, made_of
         return self.to_go
 
-    def _target(self, window: Window, route: Route, end: int) -> int | None:
+    def _lead_to(self, window: Window, route: Route, end: int, target: int, pose: Pose2D) -> None:
+        point = window.poses_in(route.poses[target : target + 1])[:, :2]
+        left = float(route.along[end] - route.along[target])
+        around = window.to_window(pose.x, pose.y)
+        self.to_go, self.target = window.cost_to_go(point, np.array([left]), around, _BEYOND_M), target
+
+    @staticmethod
+    def _last_inside(window: Window, route: Route, end: int) -> int:
+        """Index of the last pose of a route before it leaves the window."""
         ahead = window.poses_in(route.poses[route.index : end + 1])[:, :2]
         rows, cols = window.cells_of(ahead)
         edge = _EDGE_CELLS
         inside = window.inside(rows - edge, cols - edge) & window.inside(rows + edge, cols + edge)
-        count = len(inside) if inside.all() else int(np.argmin(inside))
-        free = np.flatnonzero(window.passable(ahead[:count]))
-        return route.index + int(free[-1]) if len(free) else None
+        return route.index + (len(inside) if inside.all() else max(1, int(np.argmin(inside)))) - 1
 
     def cost_at(self, window: Window, pose: Pose2D) -> float:
         """Cost to go from the robot's place [m], or from the nearest cells that have one; infinite without."""
