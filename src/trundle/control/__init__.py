@@ -2,7 +2,7 @@
 
 from trundle.control.checkers import GoalChecker, ProgressChecker
 from trundle.control.collision_monitor import CollisionMonitor, MonitorAction, MonitorReport, MonitorSettings
-from trundle.control.controller import Controller, controller_names, create_controller
+from trundle.control.controller import Controller, Rollouts, controller_names, create_controller
 from trundle.control.intent import Intent
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "MonitorReport",
     "MonitorSettings",
     "ProgressChecker",
+    "Rollouts",
     "controller_names",
     "create_controller",
 ]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.path import Path
 from trundle.registry import Registry
 from trundle.robots import Robot
@@ -24,7 +25,20 @@ CONTROLLERS: Registry[Controller] = Registry(
 
 
 _ADDED = ("reset", "set_speed_limit")
-_OPTIONAL = ("set_tracks",)
+_OPTIONAL = ("set_tracks", "rollouts")
+
+
+@dataclass(frozen=True, slots=True)
+class Rollouts:
+    """What a controller that samples considered best in the last control period.
+
+    Attributes:
+        poses: (x, y, yaw) [m, m, rad], map frame, shape (N, T, 3).
+        costs: Of each [m], shape (N,), the lowest first.
+    """
+
+    poses: FloatArray
+    costs: FloatArray
 
 
 @runtime_checkable
@@ -34,7 +48,9 @@ class Controller(Protocol):
     One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it. One that
     has `set_tracks(tracks)` gets what the navigator's scans show to move before each command: every
     `trundle.observation.Track`, predicted to now, map frame. One that has an `intent`, an `Intent` or None, is judged
-    by the collision monitor by all that it means to command, and not as if its command were kept up.
+    by the collision monitor by all that it means to command, and not as if its command were kept up. One that has a
+    text `reason` says there why it makes no progress, empty while it does: the navigator counts and shows it. One that
+    has `rollouts()` returns `Rollouts`, or none, for pictures.
     """
 
     def reset(self, *, seed: int = 0) -> None:

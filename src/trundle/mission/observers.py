@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, cast, runtime_checkable
 
+from trundle.control import Rollouts
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps.masks import SpeedMask
@@ -87,6 +88,7 @@ class Step:
         costmap: What the agent drives on, or none.
         monitor: What the collision monitor did with the command, or none without one.
         tracks: What the agent's scans show to move, map frame; see `Navigator.tracks`.
+        rollouts: The best samples of the agent's controller, or none; see `Navigator.rollouts`.
     """
 
     index: int
@@ -101,6 +103,7 @@ class Step:
     costmap: Costmap | None = None
     monitor: MonitorReport | None = None
     tracks: tuple[Track, ...] = ()
+    rollouts: Rollouts | None = None
 
     @property
     def scans(self) -> tuple[Scan, ...]:

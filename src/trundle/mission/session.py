@@ -345,6 +345,7 @@ class Session:
             getattr(agent, "costmap", None),
             report,
             getattr(agent, "tracks", ()),
+            getattr(agent, "rollouts", None),
         )
         self._audience.on_step(step)
 

@@ -54,5 +54,6 @@ class Drive:
         self.error: PlanningError | None = None
         self.planning_time_s = 0.0
         self.replans = 0
+        self.standing_reasons: dict[str, int] = {}
         self.speed_limit = math.inf
         self.progress_checker.reset()

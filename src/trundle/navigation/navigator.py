@@ -9,7 +9,7 @@ from dataclasses import replace
 from types import NoneType
 from typing import Literal, cast, overload
 
-from trundle.control import Controller, create_controller
+from trundle.control import Controller, Rollouts, create_controller
 from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
@@ -98,6 +98,8 @@ class Navigator(Drive):
         message: What blocks the robot, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
         planning_time_s: Time spent on planning since the goal was set [s].
         replans: Number of plans since the goal was set, after the first.
+        standing_reasons: In how many control periods since then the controller made no progress, by its reason, such
+            as "blocked by a mover".
 
     Raises:
         UnknownNameError: If a name is not known.
@@ -274,6 +276,12 @@ class Navigator(Drive):
     def planned(self) -> Path | None:
         """The path before smoothing, as the planner returned it."""
         return None if self._replanner.followed is None else self._replanner.followed.planned
+
+    @property
+    def rollouts(self) -> Rollouts | None:
+        """The best samples of the controller in the last control period, or none; see `MppiController.rollouts`."""
+        best = getattr(self.controller, "rollouts", None)
+        return cast("Rollouts | None", best()) if callable(best) else None
 
     @property
     def waits_to_plan(self) -> bool:
@@ -471,7 +479,14 @@ class Navigator(Drive):
         except NoValidControlError:
             command, blocked = _STAND, "no valid control"
         reason = getattr(self.controller, "reason", "") or blocked
+        self._count_reason(reason)
         return self._recovery.watch(self._cut(command, now), now, reason)
+
+    def _count_reason(self, reason: str) -> None:
+        """Count, and say, why the controller makes no progress."""
+        if reason:
+            self.standing_reasons[reason] = self.standing_reasons.get(reason, 0) + 1
+            self.message = self.message or reason
 
     # Speed limits ---------------------------------------------------------------------------------------------------
 

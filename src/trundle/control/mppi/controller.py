@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from trundle.control.collision import can_stop
-from trundle.control.controller import Controller
+from trundle.control.controller import Controller, Rollouts
 from trundle.control.intent import Intent
 from trundle.control.mppi.discs import cover_with_discs
 from trundle.control.mppi.fields import FieldStyle, Window
@@ -48,19 +48,6 @@ _AT_REST = 0.02
 _PATIENCE_M = 0.3
 _LEFT_OUT_MARGIN_M = 0.15
 _FREE_DETOUR_M = 3.0
-
-
-@dataclass(frozen=True, slots=True)
-class Rollouts:
-    """The best samples of a tick.
-
-    Attributes:
-        poses: (x, y, yaw) [m, m, rad], map frame, shape (N, T, 3).
-        costs: Of each [m], shape (N,), the lowest first.
-    """
-
-    poses: FloatArray
-    costs: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
