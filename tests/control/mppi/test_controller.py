@@ -221,7 +221,7 @@ def test_the_best_samples_can_be_shown():
     controller.set_path(STRAIGHT)
     controller.compute_velocity(Pose2D(-3.0, 0.0, 0.0), Twist2D(), costmap_with(yaw=0.5), DT)
     shown = controller.rollouts(12)
-    assert shown.poses.shape == (12, controller.settings.steps + 1, 3)
+    assert shown.poses.shape == (12, 57, 3)
     assert shown.poses[:, 0] == pytest.approx(np.tile([-3.0, 0.0, 0.0], (12, 1)), abs=1e-4)
     assert (np.diff(shown.costs) >= 0.0).all()
     assert shown.poses[0, -1, 0] > -2.0
@@ -238,7 +238,8 @@ def test_the_best_samples_can_be_shown():
         {"collision_cost": -1.0},
         {"repulsion_weight": math.nan},
         {"goal_weight": 1e9},
-        {"knot_steps": 60},
+        {"knot_steps": 0},
+        {"horizon": 0.2, "model_dt": 0.5},
         {"best_share": 0.0},
         {"no_such_setting": 1.0},
     ],

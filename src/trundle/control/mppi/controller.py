@@ -90,7 +90,7 @@ class MppiController(Controller):
         style = FieldStyle(
             float(self._discs[:, 1].max()), self.settings.near_path_weight, self.settings.near_path_distance
         )
-        reach = self._limits.linear_speed * self.settings.step_s(robot) * self.settings.steps
+        reach = self._limits.linear_speed * self.settings.step_s(robot) * self._sampler.steps
         self._guide = Guide(style, reach)
         self._exact_before_m = _EXACT_BEFORE_M + _EXACT_BEFORE_S * self._limits.linear_speed
         self._pursuit = RegulatedPurePursuit(robot, footprint_padding=padding)

@@ -84,6 +84,10 @@ class Sampler:
         robot: What is driven.
         settings: How.
         discs: That cover it, (x, radius) [m].
+
+    Attributes:
+        settings: As given.
+        steps: Of a sample.
     """
 
     def __init__(self, robot: Robot, settings: MppiSettings, discs: FloatArray) -> None:
@@ -98,7 +102,8 @@ class Sampler:
             0.3 * limits.angular_speed if settings.wz_std is None else settings.wz_std,
         )
         samples = _BLOCK * math.ceil(settings.samples / _BLOCK)
-        self._kernel = _core.Mppi(samples, settings.steps, min(settings.knot_steps, settings.steps))
+        self.steps = settings.steps_of(robot)
+        self._kernel = _core.Mppi(samples, self.steps, min(settings.knot_steps, max(1, self.steps // 3)))
         self._weights = np.array(
             [
                 settings.collision_cost,
@@ -123,7 +128,7 @@ class Sampler:
     def reset(self, seed: int) -> None:
         """Start over with no command, and draw by this seed."""
         self._seed = float(seed % 2**52)
-        self._controls: npt.NDArray[np.float32] = np.zeros((self.settings.steps, 2), np.float32)
+        self._controls: npt.NDArray[np.float32] = np.zeros((self.steps, 2), np.float32)
         self._shift = 0.0
         self._window: Window | None = None
 

@@ -14,6 +14,7 @@ from trundle.robots import Limits, Robot
 
 MOST_STEPS = 400
 _MOST_TURN_RAD = 1.0  # in one step
+_HORIZON_M, _HORIZON_S = 3.0, (1.6, 2.8)
 _STOPS_WITHIN = 0.85  # of the horizon
 _FULL_SPEED_IN_S, _FULL_TURN_IN_S = 0.6, 0.4
 
@@ -25,12 +26,12 @@ class MppiSettings(Config):
 
     Attributes:
         samples: How many sequences of commands are tried in each control period; rounded up to a multiple of 16.
-        horizon: How far ahead they look [s]; where the robot takes longer to stop than 0.85 of it, longer steps make it
-            longer.
+        horizon: How far ahead they look [s]; none means as long as 3 m take at top speed, from 1.6 to 2.8 s. Where
+            the robot takes longer to stop than 0.85 of it, longer steps make it longer.
         model_dt: Length of their steps [s].
         vx_std: Deviation of the samples' speed [m/s]; none means an eighth of the robot's top speed.
         wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's.
-        knot_steps: Noise changes every so many steps, and evenly in between.
+        knot_steps: Noise changes every so many steps, and evenly in between; at most every third of the horizon.
         vx_max: Highest speed [m/s]; none means the robot's limit.
         vx_min: Highest speed backwards, as a negative number [m/s], 0 for none; none means the robot's limit. Outside
             of stretches that the planner drives backwards it costs `prefer_forward_weight`.
@@ -70,7 +71,7 @@ class MppiSettings(Config):
     """
 
     samples: Annotated[int, Field(ge=128, le=65_536)] = 2000
-    horizon: Annotated[float, Field(ge=0.2, le=20.0)] = 2.8
+    horizon: Annotated[float, Field(ge=0.2, le=20.0)] | None = None
     model_dt: Annotated[float, Field(ge=0.005, le=0.5)] = 0.05
     vx_std: Positive | None = None
     wz_std: Positive | None = None
@@ -126,20 +127,23 @@ class MppiSettings(Config):
         limits = self.limits_of(robot)
         fastest = max(limits.linear_speed, limits.reverse_speed or 0.0)
         stop_s = max(fastest / limits.linear_acceleration, limits.angular_speed / limits.angular_acceleration)
-        return max(self.model_dt, stop_s / (_STOPS_WITHIN * self.steps))
+        return max(self.model_dt, stop_s / (_STOPS_WITHIN * self.steps_of(robot)))
 
-    @property
-    def steps(self) -> int:
-        """Of a sample."""
-        return max(1, round(self.horizon / self.model_dt))
+    def steps_of(self, robot: Robot) -> int:
+        """Steps of a sample of a robot."""
+        horizon = self.horizon
+        if horizon is None:
+            fastest = self.limits_of(robot).linear_speed
+            horizon = min(_HORIZON_S[1], max(_HORIZON_S[0], _HORIZON_M / fastest))
+        return max(2, round(horizon / self.model_dt))
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.steps > MOST_STEPS:
+        horizon = _HORIZON_S[1] if self.horizon is None else self.horizon
+        steps = round(horizon / self.model_dt)
+        if not 2 <= steps <= MOST_STEPS:
             raise ValueError(
-                f"horizon {self.horizon:g} s in steps of {self.model_dt:g} s makes {self.steps} steps, at most "
-                f"{MOST_STEPS} are possible: use a longer model_dt"
+                f"horizon {horizon:g} s in steps of {self.model_dt:g} s makes {steps} steps, it must be 2 to "
+                f"{MOST_STEPS}: use another model_dt"
             )
-        if self.knot_steps > self.steps:
-            raise ValueError(f"knot_steps {self.knot_steps} is more than the {self.steps} steps of the horizon")
         return self
