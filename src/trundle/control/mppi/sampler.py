@@ -16,6 +16,7 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.robots import Robot
 
 _BLOCK = 16
+_CALM, _AMONG_MOVERS = (0.125, 0.3), (0.3, 0.375)  # deviations as shares of the limits
 _MOST_TURN_RAD = 1.0  # in one step of the model
 
 
@@ -97,9 +98,12 @@ class Sampler:
         self._turn = min(limits.angular_speed, _MOST_TURN_RAD / self._step_s)
         faster = limits.linear_acceleration
         self._accelerations = faster, faster, limits.angular_acceleration
-        self._deviations = (
-            0.125 * limits.linear_speed if settings.vx_std is None else settings.vx_std,
-            0.3 * limits.angular_speed if settings.wz_std is None else settings.wz_std,
+        self._deviations, self._wide = (
+            (
+                v * limits.linear_speed if settings.vx_std is None else settings.vx_std,
+                w * limits.angular_speed if settings.wz_std is None else settings.wz_std,
+            )
+            for v, w in (_CALM, _AMONG_MOVERS)
         )
         samples = _BLOCK * math.ceil(settings.samples / _BLOCK)
         self.steps = settings.steps_of(robot)
@@ -158,7 +162,8 @@ class Sampler:
             forward = 0.0
         state = np.array([x, y, yaw, twist.v, self._within_turn(twist.w), change.v, change.w])
         model = np.array([self._step_s, -back, forward, self._turn, *self._accelerations])
-        noise = np.array([*self._deviations, settings.best_share, self._seed, self._shift])
+        deviations = self._wide if len(movers) else self._deviations
+        noise = np.array([*deviations, settings.best_share, self._seed, self._shift])
         direction = -1.0 if aim.backward else 1.0
         reach = max(aim.reach, 0.0)
         goal = np.array([aim.x, aim.y, aim.yaw, float(aim.has_yaw), reach, settings.threshold_to_consider, direction])

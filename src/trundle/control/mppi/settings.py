@@ -29,8 +29,9 @@ class MppiSettings(Config):
         horizon: How far ahead they look [s]; none means as long as 3 m take at top speed, from 1.6 to 2.8 s. Where
             the robot takes longer to stop than 0.85 of it, longer steps make it longer.
         model_dt: Length of their steps [s].
-        vx_std: Deviation of the samples' speed [m/s]; none means an eighth of the robot's top speed.
-        wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's.
+        vx_std: Deviation of the samples' speed [m/s]; none means an eighth of the robot's top speed, and 0.3 of it
+            near anything that moves.
+        wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's, and 0.375 near anything that moves.
         knot_steps: Noise changes every so many steps, and evenly in between; at most every third of the horizon.
         vx_max: Highest speed [m/s]; none means the robot's limit.
         vx_min: Highest speed backwards, as a negative number [m/s], 0 for none; none means the robot's limit. Outside
@@ -93,9 +94,9 @@ class MppiSettings(Config):
     repulsion_weight: Weight = 2.0
     inflation_radius: NotNegative = 0.3
     slow_near_weight: Weight = 0.0
-    mover_weight: Weight = 5.0
-    mover_contact_cost: Weight = 50.0
-    mover_margin: NotNegative = 0.3
+    mover_weight: Weight = 20.0
+    mover_contact_cost: Weight = 200.0
+    mover_margin: NotNegative = 0.5
     mover_sigmas: NotNegative = 1.0
     prefer_forward_weight: Weight = 2.0
     twirling_weight: Weight = 0.02
