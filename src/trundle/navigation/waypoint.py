@@ -16,23 +16,24 @@ class Waypoint(Goal):
 
     A waypoint is a `Goal`: equal to the tuple (x, y, yaw), or (x, y) for any yaw.
 
-    Args:
-        x: [m], map frame.
-        y: [m], map frame.
-        yaw: [rad]; None for any.
-        tasks: Behaviors, run in this order when the goal is reached.
-
     Attributes:
-        tasks: The same.
-
-    Raises:
-        InputError: If a number is NaN or infinite, or a task is no behavior.
+        tasks: Behaviors, run in this order when the goal is reached.
     """
 
     tasks: tuple[Behavior, ...]
 
     def __new__(cls, x: float, y: float, yaw: float | None = None, *, tasks: Iterable[Behavior] = ()) -> Self:
-        """Check the numbers and the tasks; see the class."""
+        """Check the numbers and the tasks.
+
+        Args:
+            x: [m], map frame.
+            y: [m], map frame.
+            yaw: [rad]; None for any.
+            tasks: Behaviors, run in this order when the goal is reached.
+
+        Raises:
+            InputError: If a number is NaN or infinite, or a task is no behavior.
+        """
         made = super().__new__(cls, x, y, yaw)
         made.tasks = tuple(tasks)
         for task in made.tasks:
