@@ -8,9 +8,10 @@ from trundle.geometry import Pose2D
 from trundle.latency import Latency
 from trundle.localization import Localizer
 from trundle.mission.episode import Episode
+from trundle.mission.monitoring import Monitor
 from trundle.mission.observers import Observer
 from trundle.mission.rules import Rules
-from trundle.mission.session import Monitor, Session
+from trundle.mission.session import Session
 from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent
 from trundle.sim import Simulator

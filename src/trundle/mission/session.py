@@ -2,57 +2,41 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time as clock
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol, Self
+from typing import Self
 
 from trundle.control import CollisionMonitor
-from trundle.errors import PlanningError, ScenarioError, SimulationError
-from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.errors import ScenarioError, SimulationError
+from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
+from trundle.mission import endings
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.legs import plan_legs, read_goals
-from trundle.mission.metrics import compute_metrics
+from trundle.mission.episode_maker import AgentTotals, make_episode
+from trundle.mission.goal_count import GoalCount
+from trundle.mission.legs import read_goals
+from trundle.mission.monitoring import Monitor
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
+from trundle.mission.preparation import allowed_time, describe_run, prepare
 from trundle.mission.rules import Rules
 from trundle.mission.run_log import RunLog
-from trundle.mission.truth import Measure, Truth, measure_truth
+from trundle.mission.scan_mail import ScanMail, report_latency
+from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.agent import CONTROL_PERIOD_S
-from trundle.navigation.behaviors import BehaviorRun
-from trundle.navigation.speed_limiter import fastest_s
 from trundle.navigation.waypoint import tasks_of
-from trundle.observation import Estimate, Scan
+from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.sim import Contact, RobotState, Simulator, world_of
+from trundle.sim import RobotState, Simulator, world_of
 from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.simulator import watch_substeps
 from trundle.values import as_number, check_kind
 
-TIME_PER_GOAL_S = 60.0
-SLOWNESS = 4.0
-
 _AT_ODOM_ORIGIN = Pose2D(0.0, 0.0)
-
-
-class Monitor(Protocol):
-    """Checks every command before it is sent; `trundle.control.CollisionMonitor` is one."""
-
-    def reset(self) -> None:
-        """Forget all scans, at the start of a run."""
-        ...
-
-    def check(
-        self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
-    ) -> MonitorReport:
-        """Say what to send instead of a command."""
-        ...
 
 
 class Session:
@@ -143,32 +127,18 @@ class Session:
         )
         agent.reset(seed=seed)
         self._latency = latency
-        _report_latency(agent, latency)
-        _report_latency(self._monitor, latency)
-        self._through = through
+        report_latency(agent, latency)
+        report_latency(self._monitor, latency)
         self._hands_over_goals = through or any(tasks_of(goal) for goal in goals)
-        paths, self._unreachable = _prepare(agent, begin, goals, through=through if self._hands_over_goals else None)
-        self._info = RunInfo(
-            name=name,
-            robot=robot,
-            costmap=getattr(agent, "costmap", None),
-            start=begin,
-            goals=goals,
-            path_length_m=sum(path.length for path in paths),
-            time_limit_s=_time_limit(agent, robot, begin, goals, paths) if time_limit_s is None else time_limit_s,
-            dt=getattr(agent, "dt", CONTROL_PERIOD_S),
-            planner=getattr(agent, "planner_name", "none"),
-            controller=getattr(agent, "controller_name", type(agent).__name__),
-            seed=seed,
-            speed_mask=getattr(agent, "speed_mask", None),
-        )
-        self._goal_checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
+        paths, self._unreachable = prepare(agent, begin, goals, through=through if self._hands_over_goals else None)
+        if time_limit_s is None:
+            time_limit_s = allowed_time(agent, robot, begin, goals, paths)
+        self._info = describe_run(agent, robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed)
+        checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
+        self._goals = GoalCount(goals, checker, through=through)
         self._rules = Rules() if rules is None else rules
         self._log = RunLog(every_contact=self._rules.every_contact)
-        self._reached = 0
-        self._reached_by_estimate = False
-        self._planning_s = 0.0
-        self._replans = 0
+        self._totals = AgentTotals()
         self._wall_s = 0.0
         self._outcome: Outcome | None = None
         self._message = ""
@@ -299,7 +269,7 @@ class Session:
         report, sent, seen = None, command, self._observation
         if self._waits_for_scans and seen.scans:
             self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
-            _report_latency(self._monitor, self._latency)
+            report_latency(self._monitor, self._latency)
         if self._monitor is not None:
             if callable(set_intent := getattr(self._monitor, "set_intent", None)):
                 set_intent(getattr(self._agent, "intent", None))
@@ -328,7 +298,7 @@ class Session:
     def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> None:
         agent, log = self._agent, self._log
         path: Path | None = getattr(agent, "path", None)
-        goal = min(self._reached, max(0, len(self._info.goals) - 1))  # the last one's tasks may still run
+        goal = self._goals.current
         log.add(self._state, sent, self._estimate, goal, path)
         if not (self._returns_steps or self._audience):
             return
@@ -357,90 +327,57 @@ class Session:
         if self._unreachable is not None and log.hit is None:
             return self._end(Outcome.NO_PATH, str(self._unreachable))
         if log.hit is not None and self._stop_on_contact:
-            return self._end(Outcome.COLLIDED, _describe_contact(log.hit, state.time))
-        if self._is_in_arrival_radius():
-            self._reached += 1
+            return self._end(Outcome.COLLIDED, endings.describe_contact(log.hit, state.time))
+        if self._goals.is_near_last(state.pose, self._rules.arrival_radius):
+            self._goals.reached += 1
             return self._end_at_goal()
         observation = self._observation
         while True:
             command = agent.update(observation, self._estimate)
             status = agent.status
             if self._hands_over_goals:
-                if not self._count_passed():
-                    return None
+                if not self._goals.count_passed(getattr(agent, "goals_reached", 0), state.pose, self._believed):
+                    return self._end_elsewhere()
                 if status is NavigationStatus.ARRIVED:
                     return self._end_at_goal()
             elif status is NavigationStatus.ARRIVED and self._info.goals:
                 if not self._count_goal():
                     return None
-                self._close_leg()
-                agent.set_goal(self._info.goals[self._reached])
+                self._totals.add(agent)
+                agent.set_goal(self._goals.next)
                 observation = replace(observation, scans=())  # the agent has them
                 continue
-            if status is not NavigationStatus.DRIVING and self._has_given_up(status):
+            if status is not NavigationStatus.DRIVING and self._has_given_up():
                 return None
             if state.time >= self._info.time_limit_s - 1e-9:
-                return self._end(Outcome.TIMED_OUT, self._describe_timeout())
+                return self._end(*endings.timed_out(self._info))
             return command
 
     def _count_goal(self) -> bool:
         """Count a goal at which the agent has arrived; whether there is another one, to which it drives on."""
-        if not self._is_believed(self._info.goals[self._reached]):
-            return False
-        self._reached += 1
-        if self._reached < len(self._info.goals):
-            return True
-        self._end_at_goal()
-        return False
-
-    def _count_passed(self) -> bool:
-        """Count the goals of a list that the agent has reached or passed; False where it is not at one of them."""
-        goals, reached = self._info.goals, getattr(self._agent, "goals_reached", 0)
-        while self._reached < min(reached, len(goals)):
-            goal = goals[self._reached]
-            is_stop = not self._through or bool(tasks_of(goal)) or self._reached == len(goals) - 1
-            if is_stop and not self._is_believed(goal):
-                return False
-            self._reached += 1
-        return True
-
-    def _is_believed(self, goal: Goal) -> bool:
-        """Whether an agent that says so is at a goal, by the truth or by its estimate; if not, the run ends."""
-        if self._is_at(goal, self._state.pose):
-            return True
-        if self._localizer is not None and self._is_at(goal, self._estimate.pose):
-            self._reached_by_estimate = True
-            return True
-        name = "navigator" if isinstance(self._agent, Navigator) else "agent"
-        self._end(Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(self._state.pose)}")
-        return False
+        if not self._goals.count(self._state.pose, self._believed):
+            self._end_elsewhere()
+        elif self._goals.are_reached:
+            self._end_at_goal()
+        return self._outcome is None
 
     def _end_at_goal(self) -> None:
-        time = self._state.time
-        if not self._reached_by_estimate:
-            self._end(Outcome.ARRIVED, f"arrived after {time:.1f} s")
-            return
-        off = self._state.pose.distance_to(self._estimate.pose)
-        self._end(
-            Outcome.ARRIVED_BY_ESTIMATE,
-            f"arrived by its estimate after {time:.1f} s, which is {off:.2f} m from where the robot is",
-        )
+        estimate = self._estimate.pose if self._goals.reached_by_estimate else None
+        self._end(*endings.at_goal(self._state, estimate))
 
-    def _has_given_up(self, status: NavigationStatus) -> bool:
+    def _end_elsewhere(self) -> None:
+        self._end(*endings.elsewhere(self._agent, self._state))
+
+    def _has_given_up(self) -> bool:
         """End the run if the agent does not drive on."""
-        agent, state = self._agent, self._state
-        reason = getattr(agent, "error", None) or getattr(agent, "message", None)
-        if status is NavigationStatus.NO_PATH:
-            self._end(Outcome.NO_PATH, str(reason or "no path to the goal was found"))
-        elif status is NavigationStatus.PLANNING_TIMED_OUT:
-            self._end(Outcome.PLANNING_TIMED_OUT, f"planning timed out at {_words(state.pose)}: {reason}")
-        elif status is NavigationStatus.STUCK:
-            said = getattr(agent, "message", None)
-            because = f": {said}" if said else ""
-            self._end(Outcome.STUCK, f"stuck at {_words(state.pose)} after {state.time:.1f} s{because}")
-        elif status in (NavigationStatus.FINISHED, NavigationStatus.ARRIVED):
-            self._end(Outcome.FINISHED, f"finished after {state.time:.1f} s")
+        if (ending := endings.given_up(self._agent, self._state)) is not None:
+            self._end(*ending)
         return self._outcome is not None
+
+    @property
+    def _believed(self) -> Pose2D | None:
+        """Where the localizer believes the robot to be; none without one."""
+        return None if self._localizer is None else self._estimate.pose
 
     def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
         self._wall_s = clock.perf_counter() - self._began
@@ -451,156 +388,20 @@ class Session:
             outcome, message = Outcome.COLLIDED, f"touched {', '.join(contacts)} while driving; {message}"
         self._outcome, self._message, self._error = outcome, message, error
 
-    def _describe_timeout(self) -> str:
-        what = "goal not reached" if self._info.goals else "not finished"
-        return f"{what} within {self._info.time_limit_s:.1f} s"
-
-    def _is_at(self, goal: Goal, pose: Pose2D) -> bool:
-        return self._goal_checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free)
-
-    def _is_in_arrival_radius(self) -> bool:
-        """Whether the rules end the run here: near the last goal, with all others behind the robot."""
-        radius, goals = self._rules.arrival_radius, self._info.goals
-        if radius is None or self._reached + 1 != len(goals):
-            return False
-        return self._state.pose.distance_to(goals[-1].pose) <= radius
-
-    def _close_leg(self) -> None:
-        """Add up the agent's planning time and replans for this goal; the next `set_goal` clears them."""
-        self._planning_s += getattr(self._agent, "planning_time_s", 0.0)
-        self._replans += getattr(self._agent, "replans", 0)
-
     def _make_episode(self) -> Episode:
-        info, log = self._info, self._log
+        if not len(self._log):  # Ctrl-C came before the first row
+            self._log.add(self._state, Twist2D(), self._estimate, 0, None)
+        self._totals.add(self._agent)
         outcome = Outcome.ABORTED if self._outcome is None else self._outcome
-        if not len(log):  # Ctrl-C came before the first row
-            log.add(self._state, Twist2D(), self._estimate, 0, None)
-        self._close_leg()
-        trajectory = log.trajectory()
-        behaviors: tuple[BehaviorRun, ...] = tuple(getattr(self._agent, "behavior_runs", ()))
-        arrived = outcome is Outcome.ARRIVED
-        world = world_of(self._sim)
-        truth = Truth(None, None, "nothing")
-        if self._measure is not None:
-            truth = self._measure(
-                trajectory.poses,
-                (info.start.as_tuple(), *info.goals),
-                info.robot,
-                world,
-                info.costmap,
-                arrived=arrived,
-                touched=bool(log.contacts),
-            )
-        metrics = compute_metrics(
-            trajectory,
-            log.paths,
-            info.costmap,
-            arrived=arrived,
-            path_length_m=info.path_length_m,
-            planning_s=self._planning_s,
-            replans=self._replans,
+        return make_episode(
+            self._info,
+            self._log,
+            self._totals,
+            outcome,
+            self._message,
+            goals_reached=self._goals.reached,
+            behaviors=tuple(getattr(self._agent, "behavior_runs", ())),
+            world=world_of(self._sim),
             wall_s=self._wall_s,
-            contacts=tuple(log.contacts),
-            standing_contacts=tuple(log.standing_contacts),
-            unseen_contacts=log.unseen_contacts(world, info.robot),
-            monitor_stops=log.monitor_stops,
-            recoveries=sum(ran.recovery for ran in behaviors),
-            truth=truth,
+            measure=self._measure,
         )
-        return Episode(
-            outcome=outcome,
-            message=self._message,
-            metrics=metrics,
-            trajectory=trajectory,
-            paths=tuple(log.paths),
-            start=info.start,
-            goals=info.goals,
-            goals_reached=self._reached,
-            name=info.name,
-            robot=info.robot.name,
-            planner=info.planner,
-            controller=info.controller,
-            seed=info.seed,
-            time_limit_s=info.time_limit_s,
-            costmap=info.costmap,
-            behaviors=behaviors,
-        )
-
-
-class ScanMail:
-    """Holds scans back until they are of a certain age.
-
-    Args:
-        age_s: That age [s].
-    """
-
-    def __init__(self, age_s: float) -> None:
-        self._age_s = age_s
-        self._waiting: deque[Scan] = deque()
-
-    def deliver(self, time: float, scans: Sequence[Scan]) -> tuple[Scan, ...]:
-        """Take scans that were measured, and return those that arrive by now [s]."""
-        self._waiting.extend(scans)
-        arrived: list[Scan] = []
-        while self._waiting and self._waiting[0].time + self._age_s <= time + 1e-9:
-            arrived.append(self._waiting.popleft())
-        return tuple(arrived)
-
-
-def _prepare(
-    agent: Agent, start: Pose2D, goals: Sequence[Goal], *, through: bool | None
-) -> tuple[list[Path], PlanningError | None]:
-    """Give the agent its first goal, or all of them at once; a navigator plans to each. See `plan_legs`.
-
-    Raises:
-        ScenarioError: If it is to drive through goals or to run tasks, and takes only one goal at a time.
-    """
-    if not goals:
-        return [], None
-    if isinstance(agent, Navigator):
-        return plan_legs(agent, start, goals, through=through)
-    if through is not None:
-        set_goals = getattr(agent, "set_goals", None)
-        if not callable(set_goals):
-            raise ScenarioError(
-                f"{type(agent).__name__} takes one goal at a time: to drive through goals, and to run tasks, takes an "
-                "agent with set_goals(goals, through=…) and goals_reached, such as a Navigator"
-            )
-        set_goals(goals, through=through)
-        return [], None
-    agent.set_goal(goals[0])
-    return [], None
-
-
-def _report_latency(one: object, latency: Latency) -> None:
-    """Tell an agent or a monitor that can take it into account how late scans and commands arrive."""
-    report_latency = getattr(one, "set_latency", None)
-    if callable(report_latency):
-        report_latency(latency)
-
-
-def _time_limit(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal], paths: Sequence[Path]) -> float:
-    if not goals:
-        return math.inf
-    if isinstance(agent, Navigator):
-        least = sum(fastest_s(path, robot, agent.speed_mask) for path in paths)
-    else:
-        stops = (start.as_tuple(), *goals)
-        straight = sum(math.dist(here[:2], there[:2]) for here, there in itertools.pairwise(stops))
-        least = straight / robot.limits.linear_speed
-    tasks_s = sum(task.time_allowance for goal in goals for task in tasks_of(goal))
-    return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least + tasks_s
-
-
-def _describe_contact(contact: Contact, time: float) -> str:
-    where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
-    if time == 0.0:
-        return (
-            f"in contact at the start: {where}; start farther from it, or, if it is what the robot stands on, give the "
-            "height of its top with --floor-z (floor_z in Python and in a scenario)"
-        )
-    return f"{where} after {time:.1f} s"
-
-
-def _words(pose: Pose2D) -> str:
-    return f"({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f})"

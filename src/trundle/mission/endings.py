@@ -1,0 +1,69 @@
+"""How a run ends: its outcome, and the outcome in words."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from trundle.geometry import Pose2D
+from trundle.mission.episode import Outcome
+from trundle.mission.observers import RunInfo
+from trundle.navigation import Agent, NavigationStatus, Navigator
+from trundle.sim import Contact, RobotState
+
+Ending: TypeAlias = tuple[Outcome, str]
+"""The outcome and its message."""
+
+
+def at_goal(state: RobotState, estimate: Pose2D | None) -> Ending:
+    """Arrived; only by this estimate, if it is given."""
+    if estimate is None:
+        return Outcome.ARRIVED, f"arrived after {state.time:.1f} s"
+    off = state.pose.distance_to(estimate)
+    return (
+        Outcome.ARRIVED_BY_ESTIMATE,
+        f"arrived by its estimate after {state.time:.1f} s, which is {off:.2f} m from where the robot is",
+    )
+
+
+def elsewhere(agent: Agent, state: RobotState) -> Ending:
+    """The agent says that it has arrived where there is no goal."""
+    name = "navigator" if isinstance(agent, Navigator) else "agent"
+    return Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(state.pose)}"
+
+
+def timed_out(info: RunInfo) -> Ending:
+    """The time limit is over."""
+    what = "goal not reached" if info.goals else "not finished"
+    return Outcome.TIMED_OUT, f"{what} within {info.time_limit_s:.1f} s"
+
+
+def given_up(agent: Agent, state: RobotState) -> Ending | None:
+    """What the status of an agent that does not drive on means; None where it goes on later."""
+    status, where = agent.status, _words(state.pose)
+    said = getattr(agent, "message", None)
+    reason = getattr(agent, "error", None) or said
+    if status is NavigationStatus.NO_PATH:
+        return Outcome.NO_PATH, str(reason or "no path to the goal was found")
+    if status is NavigationStatus.PLANNING_TIMED_OUT:
+        return Outcome.PLANNING_TIMED_OUT, f"planning timed out at {where}: {reason}"
+    if status is NavigationStatus.STUCK:
+        because = f": {said}" if said else ""
+        return Outcome.STUCK, f"stuck at {where} after {state.time:.1f} s{because}"
+    if status in (NavigationStatus.FINISHED, NavigationStatus.ARRIVED):
+        return Outcome.FINISHED, f"finished after {state.time:.1f} s"
+    return None
+
+
+def describe_contact(contact: Contact, time: float) -> str:
+    """What touches what, where and when [s]."""
+    where = f"the {contact.part} touches {contact.other} at ({contact.x:.2f}, {contact.y:.2f})"
+    if time == 0.0:
+        return (
+            f"in contact at the start: {where}; start farther from it, or, if it is what the robot stands on, give the "
+            "height of its top with --floor-z (floor_z in Python and in a scenario)"
+        )
+    return f"{where} after {time:.1f} s"
+
+
+def _words(pose: Pose2D) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f})"

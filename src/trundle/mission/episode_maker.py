@@ -1,0 +1,106 @@
+"""`make_episode`: the episode of a run that has ended, from its log and from what its agent counted."""
+
+from __future__ import annotations
+
+from trundle.mission.episode import Episode, Outcome
+from trundle.mission.metrics import compute_metrics
+from trundle.mission.observers import RunInfo
+from trundle.mission.run_log import RunLog
+from trundle.mission.truth import Measure, Truth
+from trundle.navigation import Agent
+from trundle.navigation.behaviors import BehaviorRun
+from trundle.worlds import World
+
+
+class AgentTotals:
+    """What an agent counts for each goal, summed over a run.
+
+    Attributes:
+        planning_s: Wall time spent on planning [s].
+        replans: Plans beyond the first ones.
+    """
+
+    def __init__(self) -> None:
+        self.planning_s = 0.0
+        self.replans = 0
+
+    def add(self, agent: Agent) -> None:
+        """Add the counts for a goal, at its end: the next `set_goal` clears them."""
+        self.planning_s += getattr(agent, "planning_time_s", 0.0)
+        self.replans += getattr(agent, "replans", 0)
+
+
+def make_episode(
+    info: RunInfo,
+    log: RunLog,
+    totals: AgentTotals,
+    outcome: Outcome,
+    message: str,
+    *,
+    goals_reached: int,
+    behaviors: tuple[BehaviorRun, ...],
+    world: World | None,
+    wall_s: float,
+    measure: Measure | None,
+) -> Episode:
+    """The episode of a run.
+
+    Args:
+        info: What observers got at the start.
+        log: Its rows, of which there is one at least.
+        totals: What its agent counted.
+        outcome: How it ended.
+        message: The outcome in words.
+        goals_reached: The number of goals reached.
+        behaviors: What the agent ran besides following its path.
+        world: The true world, or none where it is not known.
+        wall_s: Wall time of the loop [s].
+        measure: Measures the surroundings for the metrics; None means that they are not measured.
+    """
+    trajectory = log.trajectory()
+    arrived = outcome is Outcome.ARRIVED
+    truth = Truth(None, None, "nothing")
+    if measure is not None:
+        truth = measure(
+            trajectory.poses,
+            (info.start.as_tuple(), *info.goals),
+            info.robot,
+            world,
+            info.costmap,
+            arrived=arrived,
+            touched=bool(log.contacts),
+        )
+    metrics = compute_metrics(
+        trajectory,
+        log.paths,
+        info.costmap,
+        arrived=arrived,
+        path_length_m=info.path_length_m,
+        planning_s=totals.planning_s,
+        replans=totals.replans,
+        wall_s=wall_s,
+        contacts=tuple(log.contacts),
+        standing_contacts=tuple(log.standing_contacts),
+        unseen_contacts=log.unseen_contacts(world, info.robot),
+        monitor_stops=log.monitor_stops,
+        recoveries=sum(ran.recovery for ran in behaviors),
+        truth=truth,
+    )
+    return Episode(
+        outcome=outcome,
+        message=message,
+        metrics=metrics,
+        trajectory=trajectory,
+        paths=tuple(log.paths),
+        start=info.start,
+        goals=info.goals,
+        goals_reached=goals_reached,
+        name=info.name,
+        robot=info.robot.name,
+        planner=info.planner,
+        controller=info.controller,
+        seed=info.seed,
+        time_limit_s=info.time_limit_s,
+        costmap=info.costmap,
+        behaviors=behaviors,
+    )
