@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from support.command_line import Trundle, room
+from trundle.control.regulated_pure_pursuit import RegulatedPurePursuit
 from trundle.mission import Scenario
 
 ENDS = ("--start", "0.5,0.5,1.57", "--goal", "5.5,1.5,0")
@@ -67,6 +68,15 @@ def test_the_table_says_how_it_went(trundle: Trundle, room_map: Path) -> None:
     assert lines["outcome"] == "arrived"
     assert {"time", "distance", "smallest clearance", "planning time", "real-time factor"} <= set(lines)
     assert (Path(lines["folder"]) / "episode.json").is_file()
+
+
+def test_the_table_says_why_there_was_no_progress(
+    trundle: Trundle, room_map: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "periods without progress" not in trundle("run", room_map, *ENDS, *QUICK).out
+    monkeypatch.setattr(RegulatedPurePursuit, "reason", "blocked by a mover", raising=False)
+    done = trundle("run", room_map, *ENDS, *QUICK)
+    assert re.search(r"^periods without progress  +blocked by a mover \d+$", done.out, re.MULTILINE), done.out
 
 
 def test_several_goals_and_a_robot_of_your_own(trundle: Trundle, room_map: Path, tmp_path: Path) -> None:

@@ -81,10 +81,12 @@ def test_a_folder_written_before_behaviors_were_recorded_loads(folder):
     record = json.loads(file.read_text())
     assert record.pop("behaviors") == []
     assert record.pop("recoveries") == 0
+    assert record.pop("standing_reasons") == {}
     file.write_text(json.dumps(record))
     episode = trundle.Episode.load(folder)
     assert episode.behaviors == ()
     assert episode.metrics.recoveries is None
+    assert episode.metrics.standing_reasons == {}
 
 
 def test_the_behaviors_of_a_run_come_back(tmp_path):

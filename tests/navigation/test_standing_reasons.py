@@ -6,8 +6,9 @@ from trundle.costmap import Costmap
 from trundle.errors import NoValidControlError
 from trundle.geometry import Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Session
+from trundle.mission import Episode, Session
 from trundle.navigation import Choice, Navigator
+from trundle.record import RunFolder
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -60,6 +61,37 @@ def test_a_controller_without_reasons_that_finds_no_control_has_one():
     navigator.set_goal(5.0, 3.0)
     navigator.update((2.0, 3.0, 0.0), Twist2D())
     assert navigator.standing_reasons == {"no valid control": 1}
+
+
+class Indecisive(Standing):
+    """Stands for reasons, and drives to x = 2.25 m where there is none left."""
+
+    def __init__(self, *reasons):
+        self.reasons = list(reasons)
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        self.reason = self.reasons.pop(0) if self.reasons else ""
+        return Twist2D(0.3, 0.0) if not self.reason and pose.x < 2.25 else Twist2D()
+
+
+def test_a_run_records_the_reasons_over_all_goals_the_most_frequent_first(tmp_path):
+    controller = Indecisive("the path is blocked", "blocked by a mover", "blocked by a mover")
+    navigator = Navigator(ROOM, CARTER, controller=controller)
+    record = RunFolder(tmp_path / "run", video=False)
+    with (
+        record,
+        simulate(World.from_map(ROOM), CARTER, backend="kinematic") as sim,
+        Session(sim, navigator, (2.0, 3.0, 0.0), [(2.3, 3.0), (5.0, 3.0)], observers=[record]) as session,
+    ):
+        while (step := session.step()) is not None and step.goal == 0:
+            assert step.index < 200
+        controller.reasons = ["no free sample"]
+        assert session.step() is not None
+        episode = session.finish()
+    counted = {"blocked by a mover": 2, "the path is blocked": 1, "no free sample": 1}
+    assert list(episode.metrics.standing_reasons.items()) == list(counted.items())
+    again = Episode.load(tmp_path / "run").metrics
+    assert list(again.standing_reasons.items()) == list(counted.items())
 
 
 def test_observers_get_the_best_samples():

@@ -56,6 +56,8 @@ class Row:
         shortest_time_s: Shortest time [s] on that path that the robot's limits allow from rest.
         recoveries: Number of steps of recovery that ran; None in older evaluations.
         behaviors: Names of the behaviors that ran, each with how often, separated by commas: `replan 2, back_up 1`.
+        standing_periods: Number of control periods in which the controller made no progress; None in older evaluations.
+        standing_reason: Why it made none most often: `blocked by a mover`.
         planning_ms: Wall time of all planning [ms].
         cpu_s: CPU time of the episode in its worker [s].
         wall_s: Wall time of the episode in its worker [s].
@@ -108,6 +110,8 @@ class Row:
     shortest_time_s: float | None = None
     recoveries: int | None = None
     behaviors: str = ""
+    standing_periods: int | None = None
+    standing_reason: str = ""
     planning_ms: float | None = None
     cpu_s: float | None = None
     wall_s: float | None = None

@@ -6,7 +6,7 @@ import math
 import os
 import pathlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import cast
 
@@ -85,6 +85,9 @@ class Metrics:
         position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.
         monitor_stops: How often the collision monitor stopped the robot; None where there was no monitor.
         recoveries: Number of steps of recovery that ran; None where a folder of an older version was loaded.
+        standing_reasons: In how many control periods the controller made no progress, by its reason, such as "blocked
+            by a mover", the most frequent one first; empty for an agent that gives no reasons, and in the folder of an
+            older version.
     """
 
     time_s: float
@@ -106,6 +109,7 @@ class Metrics:
     position_error_m: float = 0.0
     monitor_stops: int | None = None
     recoveries: int | None = None
+    standing_reasons: Mapping[str, int] = field(default_factory=dict[str, int])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

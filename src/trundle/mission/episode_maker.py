@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import RunInfo
@@ -18,16 +20,19 @@ class AgentTotals:
     Attributes:
         planning_s: Wall time spent on planning [s].
         replans: Plans beyond the first ones.
+        standing_reasons: In how many control periods its controller made no progress, by reason.
     """
 
     def __init__(self) -> None:
         self.planning_s = 0.0
         self.replans = 0
+        self.standing_reasons: Counter[str] = Counter()
 
     def add(self, agent: Agent) -> None:
         """Add the counts for a goal, at its end: the next `set_goal` clears them."""
         self.planning_s += getattr(agent, "planning_time_s", 0.0)
         self.replans += getattr(agent, "replans", 0)
+        self.standing_reasons.update(getattr(agent, "standing_reasons", {}))
 
 
 def make_episode(
@@ -84,6 +89,7 @@ def make_episode(
         unseen_contacts=log.unseen_contacts(world, info.robot),
         monitor_stops=log.monitor_stops,
         recoveries=sum(ran.recovery for ran in behaviors),
+        standing_reasons=totals.standing_reasons,
         truth=truth,
     )
     return Episode(

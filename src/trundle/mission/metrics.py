@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -33,6 +33,7 @@ def compute_metrics(
     unseen_contacts: Sequence[str] = (),
     monitor_stops: int | None = None,
     recoveries: int = 0,
+    standing_reasons: Mapping[str, int] | None = None,
     truth: Truth | None = None,
 ) -> Metrics:
     """Compute the metrics of a run; see `Metrics` for their definitions.
@@ -51,6 +52,7 @@ def compute_metrics(
         unseen_contacts: What was touched and no lidar could see.
         monitor_stops: How often a collision monitor stopped the robot; none without one.
         recoveries: Number of steps of recovery that ran.
+        standing_reasons: In how many control periods the controller made no progress, by reason; none means never.
         truth: What was measured around the robot; none means that nothing is known but the costmap and the plans, and
             `path_length_m` stands for the shortest path.
     """
@@ -86,6 +88,7 @@ def compute_metrics(
         position_error_m=math.dist(trajectory.poses[-1, :2], trajectory.estimates[-1, :2]),
         monitor_stops=monitor_stops,
         recoveries=recoveries,
+        standing_reasons=dict(sorted((standing_reasons or {}).items(), key=lambda item: -item[1])),
     )
 
 

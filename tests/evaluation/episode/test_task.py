@@ -63,6 +63,7 @@ def test_the_exact_scenario_gives_the_same_run(rows, index):
     assert episode.metrics.min_clearance_m == row["min_clearance_m"]
     assert episode.metrics.shortest_path_m == row["shortest_path_m"]
     assert (row["recoveries"], row["behaviors"]) == (0, "")
+    assert (row["standing_periods"], row["standing_reason"]) == (0, "")
     assert (row["standing_contacts"], row["unseen_contacts"], row["monitor_stops"]) == (0, 0, None)
     assert row["position_error_m"] == episode.metrics.position_error_m == 0.0
     assert episode.trajectory.poses[-1].tolist() == [row["end_x"], row["end_y"], row["end_yaw"]]

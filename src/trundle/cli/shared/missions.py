@@ -150,7 +150,7 @@ _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
 
 
 def _sensing_facts(metrics: Metrics) -> dict[str, str]:
-    """What a run with a localizer, moving obstacles or a collision monitor adds to the report."""
+    """What a run with a localizer, moving obstacles, a collision monitor or standstills adds to the report."""
     facts: dict[str, str] = {}
     if metrics.standing_contacts:
         facts["run into while standing"] = first_names(metrics.standing_contacts)
@@ -160,6 +160,9 @@ def _sensing_facts(metrics: Metrics) -> dict[str, str]:
         facts["error of the estimate"] = f"{metrics.position_error_m:.3f} m"
     if metrics.monitor_stops is not None:
         facts["collision monitor"] = f"stopped it {metrics.monitor_stops} times"
+    if metrics.standing_reasons:
+        reasons = (f"{reason} {periods}" for reason, periods in metrics.standing_reasons.items())
+        facts["periods without progress"] = ", ".join(reasons)
     return facts
 
 

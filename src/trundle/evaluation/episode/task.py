@@ -319,6 +319,8 @@ def _result(episode: Episode, truth: Truth | None) -> dict[str, Any]:
         "monitor_stops": metrics.monitor_stops,
         "recoveries": metrics.recoveries,
         "behaviors": describe_behaviors(episode.behaviors),
+        "standing_periods": sum(metrics.standing_reasons.values()),
+        "standing_reason": next(iter(metrics.standing_reasons), ""),
         **end,
         **closest,
         "trail": simplify(trajectory.poses[:, :2]),
