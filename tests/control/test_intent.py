@@ -57,7 +57,7 @@ def test_braking_in_time_counts_whatever_is_intended():
 
 
 def test_it_lets_the_robot_leave_the_place_that_something_comes_to():
-    coming = lambda time: (0.0, -2.4 + 1.2 * time, 0.3)  # noqa: E731
+    coming = lambda time: (-0.6, -2.8 + 1.2 * time, 0.3)  # noqa: E731
     command = Twist2D(0.1, 0.0)
     away = Intent(np.array([[min(0.1 + 0.1 * step, 1.0), 0.0] for step in range(40)]), DT)
     assert watch(None, command, disc=coming).action == "stop"

@@ -53,8 +53,7 @@ class MonitorSettings(Config):
         moving_padding: Something that moves and is nearer to the footprint than this, or will be within
             `moving_time`, stops the robot unless the command takes the robot away from it [m]; 0 means no such stop.
             What moves may turn at any moment, and nothing tells how. A controller that says what it means to command,
-            such as `mppi`, is stopped only where that comes nearer than `moving_clearance` and is no better than to
-            stand.
+            such as `mppi`, is judged by all of that.
         moving_clearance: A command that takes the robot away passes only if nothing that moves comes nearer than this
             [m]: a robot that is about to be touched anyway stands.
         moving_time: How far ahead that is looked [s].
@@ -223,8 +222,7 @@ class CollisionMonitor:
         if least < allowed - _CLOSER_SHARE * max(allowed, 0.0) - _SAME_M:
             return _report(_STAND, "stop", near, int(apart.min(axis=0).argmin()), contact.time)
         leaves = least >= here - _SAME_M  # or drives along something
-        judged = contact.moves and self._intends(command) and settings.moving_padding > 0.0
-        if contact.time < math.inf and not (here <= 0.0 and leaves) and not judged:
+        if contact.time < math.inf and not (here <= 0.0 and leaves):
             share = self._share(contact, twist)
             slower = Twist2D(share * command.v, share * command.w)
             return _report(slower, "approach" if share > 0.0 else "stop", contact.points, contact.index, contact.time)
@@ -250,11 +248,8 @@ class CollisionMonitor:
             for poses in (np.zeros_like(driven), driven)
         )
         clearance = min(settings.moving_clearance, settings.moving_padding)
-        if intended and (driving >= clearance or driving > standing + _SAME_M):
-            return None
-        if not intended and (
-            standing >= settings.moving_padding <= driving or driving > max(standing + _SAME_M, clearance)
-        ):
+        escapes = driving > standing + _SAME_M and driving >= clearance
+        if escapes or (driving >= settings.moving_padding and (intended or standing >= settings.moving_padding)):
             return None
         return int(moving[self._edges.distances(places, _AT_HERE)[0].argmin()])
 
