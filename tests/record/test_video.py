@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
+from trundle.control.controller import Rollouts
 from trundle.errors import InputError, OutputError
 from trundle.geometry import Pose2D
+from trundle.record.sample_history import SampleHistory
 from trundle.record.video import MAX_FRAMES, DrawnFrames, caption, encode, pick_rows, playing_rate, write_video
 from trundle.sim import MoverState
 from trundle.sim.mover_history import MoverHistory, ShownMovers
@@ -144,3 +146,24 @@ def test_drawn_frames_show_the_movers_with_their_trails(recorded):
     assert changed.sum() > 100
     assert np.ptp(np.flatnonzero(changed.any(axis=1))) > 1.1 * np.ptp(np.flatnonzero(changed.any(axis=0)))
     assert (abs(again - plain).sum(axis=2) > 60).sum() == 0  # nothing of it stays
+
+
+def test_drawn_frames_show_the_samples_of_their_step_only(recorded):
+    start = recorded.steps[0].state.pose
+    along = start.x + np.linspace(0.0, 1.5, 57)
+    poses = np.stack([np.column_stack([along, np.full(57, start.y + offset), np.zeros(57)]) for offset in (-0.3, 0.3)])
+    history = SampleHistory()
+    history.add(3, None)
+    assert len(history) == 0
+    history.add(4, Rollouts(poses, np.zeros(2)))
+    with DrawnFrames(recorded.info, recorded.episode) as source:
+        frames = []
+        source.render(start, ShownMovers())
+        for index in (3, 4, 5):
+            source.samples = history.at(index)
+            frames.append(source.render(start, ShownMovers()).astype(int))
+    plain, sampled, again = frames
+    assert (abs(sampled - plain).sum(axis=2) > 60).sum() > 100
+    assert (abs(again - plain).sum(axis=2) > 60).sum() == 0
+    history.add(0, None)
+    assert len(history) == 0  # another run

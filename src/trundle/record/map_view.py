@@ -132,13 +132,18 @@ class MapView:
 
     def stamp_trail(self, picture: Image.Image, points: FloatArray, color: Rgb, width: float) -> None:
         """Draw a polyline through points [m], shape (N, 2), into a finished picture, without changing the view."""
-        if len(points) < 2:
-            return
-        box = self._box(self.to_pixels(points), width + 1.0)
+        if len(points) > 1:
+            self.stamp_lines(picture, points[None], color, width)
+
+    def stamp_lines(self, picture: Image.Image, lines: npt.NDArray[np.floating], color: Rgb, width: float) -> None:
+        """Draw polylines through points [m], shape (N, T, 2), into a finished picture, without changing the view."""
+        pixels = self.to_pixels(lines)
+        box = self._box(pixels, width + 1.0)
         patch = _enlarge(picture, box)
-        pixels = (self.to_pixels(points) - box[:2]) * SMOOTH
-        line = [(float(x), float(y)) for x, y in pixels]
-        ImageDraw.Draw(patch, "RGBA").line(line, fill=color, width=max(1, round(width * SMOOTH)), joint="curve")
+        draw = ImageDraw.Draw(patch, "RGBA")
+        for line in ((pixels - box[:2]) * SMOOTH).reshape(lines.shape):
+            points = [(float(x), float(y)) for x, y in line]
+            draw.line(points, fill=color, width=max(1, round(width * SMOOTH)), joint="curve")
         picture.paste(patch.reduce(SMOOTH), box)
 
     # Drawing: widths and radii in pixels of the finished picture ----------------------------------------------------

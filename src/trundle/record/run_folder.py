@@ -23,6 +23,7 @@ from trundle.mission.path_file import save_paths
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.mover_trails import MoverTrails
 from trundle.record.overlay import draw_run
+from trundle.record.sample_history import SampleHistory
 from trundle.record.video import MakeFrames, Report, write_video
 from trundle.version import __version__
 
@@ -86,6 +87,7 @@ class RunFolder:
         self._report = report
         self._info: RunInfo | None = None
         self._movers = MoverTrails()
+        self._samples = SampleHistory()
         self._files: list[str] = []
         self._failures: list[str] = []
 
@@ -106,8 +108,10 @@ class RunFolder:
         self._info = run
 
     def on_step(self, step: Step) -> None:
-        """Keep where the movers are; the episode has everything else."""
+        """Keep where the movers are, and what the video shows of samples; the episode has everything else."""
         self._movers.add(step.state.time, step.state.movers)
+        if self._video:
+            self._samples.add(step.index, step.rollouts)
 
     def on_end(self, episode: Episode) -> None:
         """Write the files. If one fails, or is stopped by Ctrl-C, the others are still written.
@@ -153,7 +157,9 @@ class RunFolder:
         if self._video:
             self._save(
                 "video.mp4",
-                lambda path: write_video(path, info, episode, self._frames, movers=self._movers, report=self._report),
+                lambda path: write_video(
+                    path, info, episode, self._frames, movers=self._movers, samples=self._samples, report=self._report
+                ),
             )
 
     def _save_record(self, episode: Episode, *, complete: bool) -> None:

@@ -19,9 +19,10 @@ from trundle.errors import InputError, OutputError
 from trundle.files.writing import write_bytes
 from trundle.geometry import FloatArray, Pose2D
 from trundle.mission import Episode, RunInfo
-from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, START, WARNING
+from trundle.pictures.colors import GOAL, INK, PAGE, PLANNED, ROBOT, SAMPLED, START, WARNING
 from trundle.pictures.text import font
 from trundle.record.map_view import MapView, empty_floor
+from trundle.record.sample_history import SampleHistory, Samples
 from trundle.record.zones import speed_zones
 from trundle.sim.mover_history import MoverHistory, ShownMovers
 
@@ -56,6 +57,7 @@ def write_video(
     frames: MakeFrames | None = None,
     *,
     movers: MoverHistory | None = None,
+    samples: SampleHistory | None = None,
     report: Report | None = None,
 ) -> str:
     """Write a time-lapse of a run, of at most 300 frames; as an animated GIF if PyAV is missing.
@@ -68,6 +70,7 @@ def write_video(
         episode: Its episode.
         frames: Source of the pictures; None means a drawn view from above.
         movers: Where the moving obstacles were; None shows none.
+        samples: The controller's best samples, thin lines in the drawn view; None shows none.
         report: Called with the progress.
 
     Returns:
@@ -86,6 +89,8 @@ def write_video(
         for number, row in enumerate(rows):
             time = float(trajectory.time[row])
             moving = ShownMovers() if movers is None else movers.at(time)
+            if samples is not None and isinstance(source, DrawnFrames):
+                source.samples = samples.at(int(row))
             frame = source.render(Pose2D(*trajectory.poses[row].tolist()), moving)
             yield caption(frame, time, float(trajectory.v[row]), rate)
             if report is not None:
@@ -198,9 +203,13 @@ class DrawnFrames:
     Args:
         run: The run.
         episode: Its episode.
+
+    Attributes:
+        samples: The controller's samples to draw in the next frame, or none.
     """
 
     def __init__(self, run: RunInfo, episode: Episode) -> None:
+        self.samples: Samples | None = None
         self._robot = run.robot
         goals = np.array([goal[:2] for goal in episode.goals]).reshape(-1, 2)
         seen = [episode.trajectory.poses[:, :2], goals, *(path.poses[:, :2] for path in episode.paths)]
@@ -231,6 +240,8 @@ class DrawnFrames:
             self._view.refresh(self._picture, step, 4.0)
         self._last = pose
         frame = self._picture.copy()
+        if self.samples is not None:
+            self._view.stamp_lines(frame, self.samples, SAMPLED, 1.0)
         for trail, state in zip(movers.trails, movers.states, strict=True):
             self._view.stamp_trail(frame, trail, WARNING, 2.0)
             self._view.stamp(frame, state.pose, np.array(state.outline), WARNING)
