@@ -169,6 +169,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "shortcut": ("weighted_grid", _core, "shortcut", part(1, lambda cost: cost * (1.0 + 1e-6))),
     "least cost": ("least_cost", _core, "line_costs", scaled(1e-6)),
     "field": ("cost_field", fuzz_cost_field, "cost_field", scaled(1e-5)),
+    "smooth field": ("eikonal", _core, "eikonal_field", scaled(1e-2)),
     "path in walls": ("hybrid_astar", HybridAStarPlanner, "plan", shifted),
     "smoothed course": ("smoothing", ConstrainedSmoother, "explain", off_course),
     "curve": ("curves", fuzz_curves, "shortest_curves", scaled(1e-5)),

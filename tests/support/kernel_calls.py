@@ -37,6 +37,8 @@ FACES = np.array(
      (1, 5, 7), (1, 7, 3)], dtype=np.int32
 )  # fmt: skip
 MESH = VERTICES, FACES, np.eye(3, 4)
+BEARINGS = np.arange(60) * (math.tau / 60)
+RIM = 2.0 * np.column_stack([np.cos(BEARINGS), np.sin(BEARINGS)])
 HEIGHTS = np.zeros((2, 2)), 2.0 * SIDE, -1.0, -1.0, 0.1, SIDE, SIDE
 HYBRID = {
     "radius": 0.3,
@@ -155,6 +157,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "LeastCost.bytes": lambda: LEAST_COST.bytes >= 0,
     "cast_outline_rays": lambda: _core.cast_outline_rays(
         np.array([(2.0, -1.0, 2.0, 1.0)]), np.array([(-2.0, 0.0, 0.5)]), 0.0, 0.0, 0.0, 0.1, 60, 10.0
+    ),
+    "compare_scan": lambda: _core.compare_scan(
+        BEARINGS, np.full(60, 2.0), RIM, 0.0, 0.0, 0.0, math.tau / 60, RIM[:20] * 0.9, 0.1, 1
     ),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),

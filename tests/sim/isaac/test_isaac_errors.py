@@ -233,7 +233,13 @@ def test_a_fault_in_the_middle_of_loading_closes_the_application(fake, monkeypat
 
 def test_an_option_that_it_does_not_have(fake):
     with pytest.raises(InputError, match="backend 'isaac'"):
+        make(warp=True)
+
+
+def test_lidars_are_refused_before_it_starts(fake):
+    with pytest.raises(InputError, match="simulates no lidars"):
         make(lidar=True)
+    assert fake.app_starts == 0
 
 
 def test_a_wheel_whose_drive_does_not_follow_a_speed_is_warned_of(fake, assets, tmp_path):
