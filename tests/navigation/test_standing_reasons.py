@@ -1,12 +1,13 @@
 """Why a controller makes no progress: counted and shown by the navigator; and the samples that observers get."""
 
 import numpy as np
+import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import NoValidControlError
 from trundle.geometry import Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.mission import Episode, Session
+from trundle.mission import Episode, Session, run
 from trundle.navigation import Choice, Navigator
 from trundle.record import RunFolder
 from trundle.robots import Robot
@@ -94,10 +95,13 @@ def test_a_run_records_the_reasons_over_all_goals_the_most_frequent_first(tmp_pa
     assert list(again.standing_reasons.items()) == list(counted.items())
 
 
-def test_observers_get_the_best_samples():
+@pytest.mark.parametrize("wanted", [True, False])
+def test_observers_that_want_them_get_the_best_samples(wanted):
     shown = []
 
     class Watch:
+        wants_rollouts = wanted
+
         def on_start(self, start):
             pass
 
@@ -109,12 +113,18 @@ def test_observers_get_the_best_samples():
 
     for controller in (Choice(name="mppi", options={"samples": 128}), Choice.of("regulated_pure_pursuit")):
         navigator = Navigator(ROOM, CARTER, controller=controller)
-        with (
-            simulate(World.from_map(ROOM), CARTER, backend="kinematic") as sim,
-            Session(sim, navigator, (2.0, 3.0, 0.0), (5.0, 3.0), observers=[Watch()]) as session,
-        ):
-            for _ in range(3):
-                session.step()
-            session.finish()
-    assert shown[1].poses.shape == (30, 57, 3)
+        with simulate(World.from_map(ROOM), CARTER, backend="kinematic") as sim:
+            run(sim, navigator, (2.0, 3.0, 0.0), (5.0, 3.0), observers=[Watch()], time_limit_s=0.2)
     assert shown[-1] is None
+    assert (shown[1] is not None) == wanted
+    if wanted:
+        assert shown[1].poses.shape == (30, 57, 3)
+
+
+def test_a_step_has_the_best_samples():
+    navigator = Navigator(ROOM, CARTER, controller=Choice(name="mppi", options={"samples": 128}))
+    with (
+        simulate(World.from_map(ROOM), CARTER, backend="kinematic") as sim,
+        Session(sim, navigator, (2.0, 3.0, 0.0), (5.0, 3.0)) as session,
+    ):
+        assert session.step().rollouts.poses.shape == (30, 57, 3)

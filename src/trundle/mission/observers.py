@@ -88,7 +88,8 @@ class Step:
         costmap: What the agent drives on, or none.
         monitor: What the collision monitor did with the command, or none without one.
         tracks: What the agent's scans show to move, map frame; see `Navigator.tracks`.
-        rollouts: The best samples of the agent's controller, or none; see `Navigator.rollouts`.
+        rollouts: The best samples of the agent's controller, or none; see `Navigator.rollouts`. Among observers, only
+            where one of them has `wants_rollouts = True`: they take a tenth of the controller's time.
     """
 
     index: int
@@ -121,7 +122,8 @@ class Observer(Protocol):
     """Follows a run. One that raises is dropped, and the run continues; see `Episode.observer_errors`.
 
     One that also has `on_substep(substep)` gets a `trundle.sim.Substep` after every physics step, before the step that
-    they belong to, where the simulator reports them: `kinematic` and `mujoco` do.
+    they belong to, where the simulator reports them: `kinematic` and `mujoco` do. Where one has `wants_rollouts` and
+    that is true, every step has the `rollouts` of the agent's controller.
     """
 
     def on_start(self, run: RunInfo) -> None:
@@ -160,6 +162,11 @@ class Audience:
     def wants_substeps(self) -> bool:
         """Whether one of them follows the physics steps."""
         return any(hasattr(observer, "on_substep") for observer in self._observers)
+
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether one of them uses the samples of the controller."""
+        return any(getattr(observer, "wants_rollouts", False) for observer in self._observers)
 
     def on_substep(self, substep: Substep) -> None:
         """Notify those that follow the physics steps."""

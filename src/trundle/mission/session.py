@@ -315,7 +315,7 @@ class Session:
             getattr(agent, "costmap", None),
             report,
             getattr(agent, "tracks", ()),
-            getattr(agent, "rollouts", None),
+            getattr(agent, "rollouts", None) if self._returns_steps or self._audience.wants_rollouts else None,
         )
         self._audience.on_step(step)
 

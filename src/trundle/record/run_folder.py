@@ -97,6 +97,11 @@ class RunFolder:
     def __exit__(self, *_: object) -> None:
         self._claim.close()
 
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether it needs the samples of the controller: for its video."""
+        return bool(self._video)
+
     def on_start(self, run: RunInfo) -> None:
         """Store the information of the run.
 
@@ -110,7 +115,7 @@ class RunFolder:
     def on_step(self, step: Step) -> None:
         """Keep where the movers are, and what the video shows of samples; the episode has everything else."""
         self._movers.add(step.state.time, step.state.movers)
-        if self._video:
+        if self.wants_rollouts:
             self._samples.add(step.index, step.rollouts)
 
     def on_end(self, episode: Episode) -> None:
