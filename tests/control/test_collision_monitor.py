@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from support.scan_scenes import scan_scene
 from trundle.control import CollisionMonitor, MonitorSettings
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
@@ -16,21 +17,9 @@ FRONT = CARTER.outline[:, 0].max()
 DT = 0.05
 
 
-def scan_of(*segments, time=0.0, base=(0.0, 0.0, 0.0), name="front", beams=720, reach=12.0):
+def scan_of(*segments, reach=12.0, **scene):
     """What a lidar at base_link sees of line segments (x0, y0, x1, y1) in the odom frame."""
-    x, y, yaw = base
-    angles = np.linspace(-math.pi, math.pi, beams, endpoint=False)
-    ranges = np.full(beams, np.inf)
-    dx, dy = np.cos(angles + yaw), np.sin(angles + yaw)
-    for x0, y0, x1, y1 in segments:
-        ex, ey = x1 - x0, y1 - y0
-        det = dx * ey - dy * ex
-        with np.errstate(divide="ignore", invalid="ignore"):
-            along = ((x0 - x) * ey - (y0 - y) * ex) / det
-            share = ((x0 - x) * dy - (y0 - y) * dx) / det
-        met = (np.abs(det) > 1e-12) & (along > 0.0) & (share >= 0.0) & (share <= 1.0)
-        ranges = np.where(met, np.minimum(ranges, along), ranges)
-    return Scan(name, time, Pose2D(0.0, 0.0), 0.4, angles, np.where(ranges <= reach, ranges, np.inf), 0.0, reach)
+    return scan_scene((), segments, reach=reach, **scene)
 
 
 def wall_ahead(distance):
