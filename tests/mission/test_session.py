@@ -88,6 +88,34 @@ def test_a_step_has_what_the_agent_gets_and_does(make_sim, navigator, start):
     assert (step.scans, step.movers, step.monitor) == ((), (), None)
 
 
+def test_a_step_has_what_the_agent_took_and_says(carter, navigator, start):
+    class Watcher:
+        def __init__(self):
+            self.steps = []
+
+        def on_start(self, info):
+            self.info = info
+
+        def on_step(self, step):
+            self.steps.append(step)
+
+        def on_end(self, episode):
+            self.episode = episode
+
+    watcher = Watcher()
+    sim = KinematicSimulator(World("hall", ()), carter)
+    with trundle.Session(sim, navigator, start, GOAL, observers=[watcher]) as session:
+        steps_of(session)
+    assert watcher.info.world is sim.world
+    assert watcher.info.grid is navigator.grid
+    assert watcher.steps[0].tick_s == 0.0
+    assert all(step.tick_s > 0.0 for step in watcher.steps[1:])
+    planned = sum(step.planning_s for step in watcher.steps)
+    assert planned * 1e3 == pytest.approx(watcher.episode.metrics.planning_ms)
+    assert {step.message for step in watcher.steps} == {""}
+    assert watcher.steps[1].behaviors == ()
+
+
 def test_a_session_that_is_left_early_is_aborted(make_sim, navigator, start):
     with Session(make_sim(), navigator, start, GOAL) as session:
         session.step()

@@ -10,14 +10,17 @@ from typing import Any, Protocol, cast, runtime_checkable
 from trundle.control import Rollouts
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
 from trundle.navigation import NavigationStatus
+from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Estimate, Observation, Scan, Track
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import MoverState, RobotState, Substep
 from trundle.values import check_kind
+from trundle.worlds import World
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -55,6 +58,8 @@ class RunInfo:
         controller: Name of the controller, or of the agent.
         seed: Of the simulator.
         speed_mask: What limits its speed, or None.
+        world: The simulated world, or None where the simulator does not provide one.
+        grid: The map that the agent was given, or None.
     """
 
     name: str
@@ -69,6 +74,8 @@ class RunInfo:
     controller: str
     seed: int
     speed_mask: SpeedMask | None = None
+    world: World | None = None
+    grid: OccupancyGrid | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +97,10 @@ class Step:
         tracks: What the agent's scans show to move, map frame; see `Navigator.tracks`.
         rollouts: The best samples of the agent's controller, or none; see `Navigator.rollouts`. Among observers, only
             where one of them has `wants_rollouts = True`: they take a tenth of the controller's time.
+        message: What blocks the agent, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
+        behaviors: The behaviors that it has run so far, in order; the last one may still be running.
+        tick_s: Wall time [s] that the agent took for its command.
+        planning_s: Wall time [s] that it planned during the period; at the start, for the plans before the run.
     """
 
     index: int
@@ -105,6 +116,10 @@ class Step:
     monitor: MonitorReport | None = None
     tracks: tuple[Track, ...] = ()
     rollouts: Rollouts | None = None
+    message: str = ""
+    behaviors: tuple[BehaviorRun, ...] = ()
+    tick_s: float = 0.0
+    planning_s: float = 0.0
 
     @property
     def scans(self) -> tuple[Scan, ...]:

@@ -16,6 +16,7 @@ from trundle.navigation.speed_limiter import fastest_s
 from trundle.navigation.waypoint import tasks_of
 from trundle.path import Path
 from trundle.robots import Robot
+from trundle.worlds import World
 
 TIME_PER_GOAL_S = 60.0
 SLOWNESS = 4.0
@@ -70,6 +71,7 @@ def describe_run(
     *,
     time_limit_s: float,
     seed: int,
+    world: World | None,
 ) -> RunInfo:
     """What observers get before the first step."""
     return RunInfo(
@@ -85,4 +87,6 @@ def describe_run(
         controller=getattr(agent, "controller_name", type(agent).__name__),
         seed=seed,
         speed_mask=getattr(agent, "speed_mask", None),
+        world=world,
+        grid=getattr(agent, "grid", None),
     )

@@ -28,7 +28,7 @@ from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.waypoint import tasks_of
-from trundle.observation import Estimate
+from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, world_of
@@ -133,13 +133,16 @@ class Session:
         paths, self._unreachable = prepare(agent, begin, goals, through=through if self._hands_over_goals else None)
         if time_limit_s is None:
             time_limit_s = allowed_time(agent, robot, begin, goals, paths)
-        self._info = describe_run(agent, robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed)
+        self._info = describe_run(
+            agent, robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+        )
         checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
         self._goals = GoalCount(goals, checker, through=through)
         self._rules = Rules() if rules is None else rules
         self._log = RunLog(every_contact=self._rules.every_contact)
         self._totals = AgentTotals()
         self._wall_s = 0.0
+        self._tick_s, self._planning_s = 0.0, getattr(agent, "planning_time_s", 0.0)
         self._outcome: Outcome | None = None
         self._message = ""
         self._error: BaseException | None = None
@@ -316,6 +319,10 @@ class Session:
             report,
             getattr(agent, "tracks", ()),
             getattr(agent, "rollouts", None) if self._returns_steps or self._audience.wants_rollouts else None,
+            getattr(agent, "message", None) or "",
+            getattr(agent, "behavior_runs", ()),
+            self._tick_s,
+            self._planning_s,
         )
         self._audience.on_step(step)
 
@@ -333,7 +340,7 @@ class Session:
             return self._end_at_goal()
         observation = self._observation
         while True:
-            command = agent.update(observation, self._estimate)
+            command = self._ask_agent(observation)
             status = agent.status
             if self._hands_over_goals:
                 if not self._goals.count_passed(getattr(agent, "goals_reached", 0), state.pose, self._believed):
@@ -352,6 +359,15 @@ class Session:
             if state.time >= self._info.time_limit_s - 1e-9:
                 return self._end(*endings.timed_out(self._info))
             return command
+
+    def _ask_agent(self, observation: Observation) -> Twist2D:
+        """The agent's command, with the wall times that it took for it."""
+        agent = self._agent
+        planned, began = getattr(agent, "planning_time_s", 0.0), clock.perf_counter()
+        command = agent.update(observation, self._estimate)
+        self._tick_s = clock.perf_counter() - began
+        self._planning_s = getattr(agent, "planning_time_s", 0.0) - planned
+        return command
 
     def _count_goal(self) -> bool:
         """Count a goal at which the agent has arrived; whether there is another one, to which it drives on."""
