@@ -1,0 +1,61 @@
+"""Maps and costmaps as pictures for the page."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.costmap import Costmap
+from trundle.maps import OccupancyGrid
+from trundle.maps.frame import GridFrame
+from trundle.maps.images.png import encode_png
+from trundle.page.encoding import rounded
+
+UNKNOWN_GREY, FREE_GREY = 205, 254
+"""Of cells of a map; occupied ones are 0, as in ROS maps."""
+
+_MOST_CELLS = 4_000_000
+
+
+def grid_png(grid: OccupancyGrid) -> dict[str, Any]:
+    """A map as {"png", "resolution", "origin", "width", "height"}: 8-bit grey, row 0 at the top.
+
+    Occupied cells are 0, free ones 254 and unknown ones 205, as in ROS maps. A map of more than 4 million cells gets
+    larger cells, of which each has the most occupied of those that it holds.
+    """
+    occupancy = np.clip(grid.data, 0, 100).astype(np.float32)
+    grey = (FREE_GREY - np.rint(occupancy * (FREE_GREY / 100.0))).astype(np.uint8)
+    grey[grid.data < 0] = UNKNOWN_GREY
+    return _picture(grid, 255 - grey, invert=True)
+
+
+def costmap_png(costmap: Costmap) -> dict[str, Any]:
+    """A costmap as {"png", "resolution", "origin", "width", "height"}: grey values are Nav2's costs, row 0 at the top.
+
+    A costmap of more than 4 million cells gets larger cells, of which each has the largest cost of those that it holds.
+    """
+    return _picture(costmap, costmap.data, invert=False)
+
+
+def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], *, invert: bool) -> dict[str, Any]:
+    factor = int(np.ceil(np.sqrt(values.size / _MOST_CELLS)))
+    if factor > 1:
+        values = _coarser(values, factor)
+    shown = 255 - values if invert else values
+    return {
+        "png": base64.b64encode(encode_png(np.ascontiguousarray(shown[::-1]))).decode(),
+        "resolution": frame.resolution * factor,
+        "origin": rounded(frame.origin.as_tuple(), 6),
+        "width": int(values.shape[1]),
+        "height": int(values.shape[0]),
+    }
+
+
+def _coarser(values: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:
+    """The largest value in every square of `factor` cells."""
+    rows, cols = values.shape
+    padded = np.pad(values, ((0, -rows % factor), (0, -cols % factor)))
+    return padded.reshape(padded.shape[0] // factor, factor, -1, factor).max(axis=(1, 3))

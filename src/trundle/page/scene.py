@@ -1,0 +1,214 @@
+"""`scene_of`: a world, a robot and a map as the page draws them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from trundle.errors import WorldError
+from trundle.geometry import FloatArray, Pose3D
+from trundle.maps import OccupancyGrid
+from trundle.page.cell_boxes import boxes_of
+from trundle.page.encoding import pack_array, rounded
+from trundle.page.maps import grid_png
+from trundle.page.robot_look import robot_of
+from trundle.robots import Robot
+from trundle.solids import Box, Color, Cylinder, Mesh, OccupancyCells, Solid, Sphere, solids_bounds
+from trundle.worlds import World
+from trundle.worlds.movers.crowd import each_body
+
+MOST_BYTES = 40_000_000
+"""The largest scene, as it is sent."""
+
+FLOOR_COLOR = (168, 171, 173, 255)
+
+_MOST_COLORS = 40
+"""Meshes are merged by colour; of more colours, the most alike are drawn as one."""
+
+_AROUND_M = 5.0
+
+
+def scene_of(
+    world: World | None,
+    robot: Robot,
+    grid: OccupancyGrid | None = None,
+    *,
+    most_bytes: int = MOST_BYTES,
+) -> dict[str, Any]:
+    """A world, a robot and a map as plain values; arrays are {"b64", "dtype", "shape"}.
+
+    Solids that repeat a shape are instances of it, meshes are merged by colour: a world of any size takes few draw
+    calls. Meshes that do not fit into `most_bytes`, the largest first, are drawn as their bounding boxes, and "note"
+    says so.
+
+    Args:
+        world: The world; none draws only the map.
+        robot: The robot.
+        grid: The map; none draws no map.
+        most_bytes: The most bytes for the solids.
+
+    Raises:
+        WorldError: If the scene is larger even so.
+    """
+    solids = () if world is None else world.solids
+    instances, meshes, boxed = _draw(solids, most_bytes, "the world" if world is None else f"world {world.name!r}")
+    note = f"{boxed} of {len(solids)} solids are drawn as boxes: their meshes are too large to send" if boxed else ""
+    return {
+        "name": "" if world is None else world.name,
+        "bounds": _bounds(solids, grid),
+        "instances": instances,
+        "meshes": meshes,
+        "floor": {"color": list(FLOOR_COLOR)},
+        "robot": robot_of(robot),
+        "map": None if grid is None else grid_png(grid),
+        "movers": [] if world is None else [_mover(name, parts) for name, parts in each_body(world.movers)],
+        "note": note,
+    }
+
+
+def solid_instances(solids: Sequence[Solid]) -> list[dict[str, Any]]:
+    """Solids without meshes as instances, such as a box that is dropped into a run."""
+    return _draw(solids, MOST_BYTES, "the world")[0]
+
+
+def _draw(
+    solids: Sequence[Solid], most_bytes: int, what: str
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
+    """Instances, merged meshes, and how many solids are drawn as boxes instead of their meshes."""
+    instances = _Instances()
+    meshes: list[tuple[Solid, Mesh]] = []
+    for solid in solids:
+        if isinstance(solid.shape, Mesh):
+            meshes.append((solid, solid.shape))
+        else:
+            instances.add(solid)
+    room = most_bytes * 3 // 4 - instances.size
+    meshes.sort(key=lambda one: _size_of(one[1]))
+    fits = np.cumsum([_size_of(mesh) for _, mesh in meshes]) <= room
+    kept = int(fits.sum())
+    if len(meshes) > kept:
+        lows, highs = solids_bounds([solid for solid, _ in meshes[kept:]])
+        for (solid, _), low, high in zip(meshes[kept:], lows, highs, strict=True):
+            instances.add_box(solid, (low + high) / 2.0, np.maximum(high - low, 1e-3))
+    if instances.size > most_bytes * 3 // 4:
+        raise WorldError(
+            f"{what} is too large to send: {len(solids)} solids take {instances.size * 4 / 3e6:.0f} MB, and the most "
+            f"is {most_bytes / 1e6:.0f} MB; leave parts of it out with exclude"
+        )
+    return instances.packed(), _merge(meshes[:kept]), len(meshes) - kept
+
+
+class _Instances:
+    """Boxes, cylinders and spheres with their poses, sizes and colours."""
+
+    def __init__(self) -> None:
+        self._rows: dict[str, list[tuple[float, ...]]] = {"box": [], "cylinder": [], "sphere": []}
+        self._colors: dict[str, list[tuple[int, ...]]] = {name: [] for name in self._rows}
+
+    @property
+    def size(self) -> int:
+        """Bytes of the arrays."""
+        return 45 * sum(len(rows) for rows in self._rows.values())
+
+    def add(self, solid: Solid) -> None:
+        """Add a solid that is no mesh."""
+        match solid.shape:
+            case Box(size):
+                self._add("box", solid, solid.pose, size)
+            case Cylinder(radius, length):
+                self._add("cylinder", solid, solid.pose, (radius, radius, length))
+            case Sphere(radius):
+                self._add("sphere", solid, solid.pose, (radius, radius, radius))
+            case OccupancyCells() as cells:
+                for x, y, width, depth in boxes_of(cells).tolist():
+                    pose = solid.pose @ Pose3D((x, y, cells.height / 2.0))
+                    self._add("box", solid, pose, (width, depth, cells.height), wall=True)
+            case Mesh():
+                raise WorldError(f"the mesh {solid.name!r} is no box, cylinder or sphere")
+
+    def add_box(self, solid: Solid, middle: FloatArray, size: FloatArray) -> None:
+        """Add an upright box instead of a solid."""
+        self._add("box", solid, Pose3D((float(middle[0]), float(middle[1]), float(middle[2]))), tuple(size.tolist()))
+
+    def packed(self) -> list[dict[str, Any]]:
+        """One entry for each shape that there is."""
+        found: list[dict[str, Any]] = []
+        for shape, rows in self._rows.items():
+            if rows:
+                table = np.array(rows)
+                found.append(
+                    {
+                        "shape": shape,
+                        "pose": pack_array(table[:, :7], "f4"),
+                        "size": pack_array(table[:, 7:10], "f4"),
+                        "color": pack_array(self._colors[shape], "u1"),
+                        "wall": pack_array(table[:, 10], "u1"),
+                    }
+                )
+        return found
+
+    def _add(self, shape: str, solid: Solid, pose: Pose3D, size: Sequence[float], *, wall: bool = False) -> None:
+        self._rows[shape].append((*pose.position, *pose.quaternion, *size, wall or solid.kind == "wall"))
+        self._colors[shape].append(color_bytes(solid.color))
+
+
+def color_bytes(color: Color) -> tuple[int, int, int, int]:
+    """Red, green, blue and opacity from 0 to 255."""
+    red, green, blue, alpha = (round(255.0 * min(1.0, max(0.0, value))) for value in color)
+    return red, green, blue, alpha
+
+
+def _size_of(mesh: Mesh) -> int:
+    return 12 * (len(mesh.vertices) + len(mesh.faces))
+
+
+def _merge(meshes: Sequence[tuple[Solid, Mesh]]) -> list[dict[str, Any]]:
+    """Meshes merged by colour, in the map frame."""
+    groups: dict[tuple[int, ...], list[tuple[Solid, Mesh]]] = {}
+    step = 1
+    while True:
+        groups.clear()
+        for solid, mesh in meshes:
+            color = tuple(min(255, round(value / step) * step) for value in color_bytes(solid.color))
+            groups.setdefault(color, []).append((solid, mesh))
+        if len(groups) <= _MOST_COLORS:
+            break
+        step *= 2
+    return [_merged(color, members) for color, members in groups.items()]
+
+
+def _merged(color: Sequence[int], members: Sequence[tuple[Solid, Mesh]]) -> dict[str, Any]:
+    vertices: list[FloatArray] = []
+    faces: list[npt.NDArray[np.int64]] = []
+    count = 0
+    for solid, mesh in members:
+        vertices.append(solid.pose.transform_points(mesh.vertices))
+        faces.append(mesh.faces.astype(np.int64) + count)
+        count += len(mesh.vertices)
+    return {
+        "color": list(color),
+        "vertices": pack_array(np.concatenate(vertices), "f4"),
+        "triangles": pack_array(np.concatenate(faces), "u4"),
+    }
+
+
+def _mover(name: str, parts: Sequence[Solid]) -> dict[str, Any]:
+    """A mover: its parts are in its own frame, x forward, origin on the floor."""
+    instances, meshes, _ = _draw(parts, MOST_BYTES, f"the mover {name!r}")
+    return {"name": name, "kind": parts[0].kind, "instances": instances, "meshes": meshes}
+
+
+def _bounds(solids: Sequence[Solid], grid: OccupancyGrid | None) -> list[float]:
+    """Lowest and highest corner [m] of what is drawn: that of the solids, of the map without them, or some metres."""
+    if solids:
+        lows, highs = solids_bounds(solids)
+        return rounded([*lows.min(axis=0), *highs.max(axis=0)])
+    if grid is not None:
+        rows, cols = grid.shape
+        x, y = cols * grid.resolution, rows * grid.resolution
+        corners = grid.origin.transform_points([(0.0, 0.0), (x, 0.0), (0.0, y), (x, y)])
+        return rounded([*corners.min(axis=0), 0.0, *corners.max(axis=0), 1.0])
+    return [-_AROUND_M, -_AROUND_M, 0.0, _AROUND_M, _AROUND_M, 1.0]
