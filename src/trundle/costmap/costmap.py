@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle import _core
+from trundle.costmap.arguments import as_corners, as_footprint, as_poses, as_range, keepout_costs, slices_of, widen
 from trundle.costmap.inflation import (
     DEFAULT_COST_SCALING_FACTOR,
     DEFAULT_MARGIN_M,
@@ -108,7 +109,7 @@ class Costmap(GridFrame):
         if self.unseen is not None:
             object.__setattr__(self, "unseen", _frozen(self.unseen))
         data = _frozen(data)
-        planar = _as_footprint(self.footprint)
+        planar = as_footprint(self.footprint)
         object.__setattr__(self, "data", data)
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", Pose2D.of(self.origin))
@@ -173,10 +174,10 @@ class Costmap(GridFrame):
             MapError: If the mask lies beside the map.
         """
         check_kind(grid, OccupancyGrid, "a costmap's map", "OccupancyGrid.load(path) reads one")
-        planar = _as_footprint(footprint)
+        planar = as_footprint(footprint)
         radius = planar.circumscribed_radius + DEFAULT_MARGIN_M if inflation_radius is None else inflation_radius
         check_inflation(radius, cost_scaling_factor, grid.resolution)
-        floor = None if keepout is None else _costs_of(keepout, grid)
+        floor = None if keepout is None else keepout_costs(keepout, grid)
         check_unknown(unknown, unknown_cost)
         style = CostmapStyle(planar, float(radius), float(cost_scaling_factor), unknown, unknown_cost)
         return style.make(grid.data, grid.resolution, grid.origin, floor)
@@ -195,8 +196,8 @@ class Costmap(GridFrame):
         Raises:
             InputError: If the rectangle is empty or not within the map, or the values are none of these.
         """
-        row, row_end = _as_range(rows, "rows", self.shape[0])
-        col, col_end = _as_range(cols, "cols", self.shape[1])
+        row, row_end = as_range(rows, "rows", self.shape[0])
+        col, col_end = as_range(cols, "cols", self.shape[1])
         try:
             values = np.asarray(occupancy)
         except ValueError as error:
@@ -209,14 +210,14 @@ class Costmap(GridFrame):
         table = cost_table(self.inscribed_radius, self.inflation_radius, self.cost_scaling_factor, self.resolution)
         reach = math.isqrt(len(table) - 1)
         # What the rectangle can change, and what that depends on.
-        changed = _widen((row, row_end, col, col_end), reach, self.shape)
-        window = _widen(changed, reach, self.shape)
-        old = self.data[_slices(window)]
+        changed = widen((row, row_end, col, col_end), reach, self.shape)
+        window = widen(changed, reach, self.shape)
+        old = self.data[slices_of(window)]
         cells = np.full(old.shape, FREE, dtype=np.int8)
         cells[old == LETHAL] = OCCUPIED
         cells[old == NO_INFORMATION] = UNKNOWN
         cells[row - window[0] : row_end - window[0], col - window[2] : col_end - window[2]] = values
-        floor = None if self.keepout is None else self.keepout[_slices(window)]
+        floor = None if self.keepout is None else self.keepout[slices_of(window)]
         unseen = None if self.unseen is None else self.unseen.copy()
         if unseen is not None:
             unseen[row:row_end, col:col_end] = values == UNKNOWN
@@ -224,14 +225,14 @@ class Costmap(GridFrame):
             cells[cells == UNKNOWN] = FREE
         costs = inflate(cells, table, floor)
         if unseen is not None and self.unknown == "costly":
-            costs = raise_unknown(costs, unseen[_slices(window)], self.unknown_cost)
+            costs = raise_unknown(costs, unseen[slices_of(window)], self.unknown_cost)
         data = self.data.copy()
-        data[_slices(changed)] = costs[
+        data[slices_of(changed)] = costs[
             changed[0] - window[0] : changed[1] - window[0], changed[2] - window[2] : changed[3] - window[2]
         ]
         data.flags.writeable = False
         successor = replace(self, data=data, footprint=self.planar, unseen=unseen)
-        changes = (*self._changes, (self.version, _slices(changed)))
+        changes = (*self._changes, (self.version, slices_of(changed)))
         object.__setattr__(successor, "_changes", changes[-_REMEMBERED_CHANGES:])
         return successor
 
@@ -290,8 +291,8 @@ class Costmap(GridFrame):
         Raises:
             InputError: If the poses or the outline have another shape, or the outline is not finite.
         """
-        corners = self.footprint if outline is None else _as_corners(outline)
-        return _core.footprint_collides(self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses))
+        corners = self.footprint if outline is None else as_corners(outline)
+        return _core.footprint_collides(self.data, self.resolution, *self.origin.as_tuple(), corners, as_poses(poses))
 
     def footprint_sweeps(
         self, first: npt.ArrayLike, last: npt.ArrayLike, *, outline: npt.ArrayLike | None = None
@@ -314,8 +315,8 @@ class Costmap(GridFrame):
         Raises:
             InputError: If the poses or the outline have another shape, or the outline is not convex.
         """
-        corners = self.footprint if outline is None else _as_corners(outline)
-        ends = _as_poses(first), _as_poses(last)
+        corners = self.footprint if outline is None else as_corners(outline)
+        ends = as_poses(first), as_poses(last)
         if len(ends[0]) != len(ends[1]):
             raise InputError(f"each motion needs two poses; got {len(ends[0])} first and {len(ends[1])} last ones")
         try:
@@ -341,7 +342,7 @@ class Costmap(GridFrame):
             raise InputError(f"cap must be a positive number of metres, got {cap!r}")
         corners = self.footprint if outline is None else outline
         return _core.footprint_clearance(
-            self.data, self.resolution, *self.origin.as_tuple(), corners, _as_poses(poses), float(cap)
+            self.data, self.resolution, *self.origin.as_tuple(), corners, as_poses(poses), float(cap)
         )
 
 
@@ -390,63 +391,9 @@ class CostmapStyle:
         )
 
 
-def _costs_of(keepout: KeepoutMask, grid: OccupancyGrid) -> npt.NDArray[np.uint8]:
-    from trundle.maps.masks import KeepoutMask
-
-    check_kind(keepout, KeepoutMask, "keepout", "KeepoutMask.load(path) reads one")
-    return keepout.costs_on(grid)
-
-
 def _frozen(data: npt.NDArray[_Item]) -> npt.NDArray[_Item]:
     """The array itself if it is read-only and contiguous, else a copy."""
     if data.flags.writeable or not data.flags.c_contiguous:
         data = np.array(data, order="C", copy=True)
         data.flags.writeable = False
     return data
-
-
-def _as_range(part: slice, what: str, count: int) -> tuple[int, int]:
-    if not isinstance(part, slice) or part.step not in (None, 1):
-        raise InputError(f"{what} must be a slice without a step, got {part!r}")
-    first = 0 if part.start is None else part.start
-    end = count if part.stop is None else part.stop
-    if not (isinstance(first, int | np.integer) and isinstance(end, int | np.integer) and 0 <= first < end <= count):
-        raise InputError(f"{what} must be a part of 0 to {count} that is not empty, got {part!r}")
-    return int(first), int(end)
-
-
-def _widen(window: tuple[int, int, int, int], by: int, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-    row, row_end, col, col_end = window
-    return max(0, row - by), min(shape[0], row_end + by), max(0, col - by), min(shape[1], col_end + by)
-
-
-def _slices(window: tuple[int, int, int, int]) -> tuple[slice, slice]:
-    return slice(window[0], window[1]), slice(window[2], window[3])
-
-
-def _as_footprint(footprint: Robot | Footprint | npt.ArrayLike) -> Footprint:
-    """The footprint of a robot, or of corners in base_link [m], shape (N, 2); see `Footprint` for the errors."""
-    return footprint.planar if isinstance(footprint, Robot) else Footprint.of(footprint)
-
-
-def _as_corners(outline: npt.ArrayLike) -> FloatArray:
-    corners = _as_numbers(outline, "an outline", "(M, 2): x, y")
-    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3 or not (np.abs(corners) < 1e100).all():
-        raise InputError(f"an outline needs at least 3 finite corners of shape (M, 2) [m], got shape {corners.shape}")
-    return corners
-
-
-def _as_poses(poses: npt.ArrayLike) -> FloatArray:
-    array = _as_numbers(poses, "poses", "(N, 3): x, y, yaw")
-    if array.ndim == 1:
-        array = array.reshape(1, -1)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise InputError(f"poses need shape (N, 3): x, y, yaw; got {np.shape(poses)}")
-    return array
-
-
-def _as_numbers(values: npt.ArrayLike, what: str, shape: str) -> FloatArray:
-    try:
-        return np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{what} must be an array of numbers of shape {shape}; {error}") from None
