@@ -5,6 +5,7 @@
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
+# make web    build the page's script and style from web/ into src/trundle/page/assets, which is committed; needs Node
 # make build  rebuild the C++ kernels (an editable install does not do so on import)
 PYTHON ?= python3
 FUZZ_SECONDS ?= 10
@@ -32,7 +33,7 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test test-wheels test-ray fuzz check docs build setup dev clean
+.PHONY: demo test test-wheels test-ray fuzz check docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -91,6 +92,14 @@ docs: $(VENV)/.trundle-docs
 $(VENV)/.trundle-docs: Makefile scripts/requirements.py pyproject.toml | $(VENV)/.tools
 	@$(CREATE)
 	@$(INSTALL) $$($(BIN)/python scripts/requirements.py docs)
+	@touch $@
+
+web: web/node_modules/.package-lock.json
+	node web/build.mjs
+
+# Without the scripts that packages would run on install: none is needed.
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json
+	npm ci --prefix web --ignore-scripts --no-audit --no-fund
 	@touch $@
 
 build: setup

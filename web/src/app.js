@@ -1,0 +1,56 @@
+// What every part of the page shares: the scene, the run, the newest frame, and who listens to changes.
+import { Run, Clock } from "./run.js";
+
+export const LAYERS = [
+  "map", "costmap", "solids", "path", "trail", "scan", "footprint", "clearance", "goals", "movers", "tracks",
+  "rollouts", "contacts",
+];
+
+export class App {
+  constructor(mode) {
+    this.mode = mode;
+    this.scene = null;
+    this.grid = null; // The map's picture, decoded.
+    this.run = new Run();
+    this.frame = null;
+    this.costmap = null;
+    this.clock = new Clock();
+    this.layers = Object.fromEntries(LAYERS.map((name) => [name, name !== "clearance"]));
+    this.state = "idle";
+    this.paused = false;
+    this.factor = null;
+    this.placed = {}; // The start and goal chosen before a run.
+    this.tool = null; // What a click sets: "goal", "start", "box" or nothing.
+    this.draft = null; // The pose a press is choosing.
+    this.dirty = true;
+    this.listeners = {};
+  }
+
+  on(name, listener) {
+    (this.listeners[name] ??= []).push(listener);
+  }
+
+  emit(name, value) {
+    this.dirty = true;
+    for (const listener of this.listeners[name] ?? []) listener(value);
+  }
+
+  setRun(run) {
+    this.run = run;
+    this.clock.shown = 0;
+    this.frame = null;
+    this.emit("run", run);
+  }
+
+  setTool(tool) {
+    this.tool = tool;
+    this.draft = null;
+    this.emit("tool", tool);
+  }
+}
+
+/** The current goal's number, from the row shown. */
+export function goalNumber(state) {
+  const value = state.row?.[12];
+  return Number.isInteger(value) ? value : 0;
+}

@@ -1,0 +1,19 @@
+// Switches of the layers that both views show.
+import { h, icon } from "./dom.js";
+import { LAYERS } from "./app.js";
+import { t } from "./strings.js";
+
+export function layerSwitches(app) {
+  const boxes = LAYERS.map((name) =>
+    h("label", { class: "check" },
+      h("input", {
+        type: "checkbox", id: `layer-${name}`, checked: app.layers[name],
+        onchange: (event) => {
+          app.layers[name] = event.target.checked;
+          app.dirty = true;
+        },
+      }),
+      t(`l_${name}`)),
+  );
+  return h("details", { class: "layers" }, h("summary", {}, icon("layers"), t("layers")), h("div", { class: "layer-list" }, ...boxes));
+}

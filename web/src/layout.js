@@ -1,0 +1,76 @@
+// The frame of the page: header, the two views, the side with figures, and what lies over them.
+import { button, h } from "./dom.js";
+import { CAMERAS } from "./scene/cameras.js";
+import { layerSwitches } from "./layers.js";
+import { switchLanguage, t } from "./strings.js";
+import { switchTheme } from "./theme.js";
+
+/** The header: what runs, its state, and the choices of the reader. */
+export function header(app, ...parts) {
+  const name = h("h1", {}, t("title"));
+  const state = h("span", { class: "state", role: "status" });
+  app.on("scene", (scene) => {
+    name.textContent = [scene.name, scene.robot?.name].filter(Boolean).join(" · ") || t("title");
+  });
+  const show = () => {
+    state.textContent = t(app.mode === "live" ? app.state : app.mode);
+    state.dataset.state = app.mode === "live" ? app.state : "ended";
+  };
+  app.on("state", show);
+  app.on("link", ({ state: link }) => {
+    if (link === "closed") {
+      state.textContent = t("offline");
+      state.dataset.state = "offline";
+    } else show();
+  });
+  show();
+  return h("header", {}, name, state, h("span", { class: "grow" }), ...parts,
+    h("button", { type: "button", id: "language", onclick: switchLanguage }, t("language")),
+    button("theme", t("theme"), switchTheme, { id: "theme" }));
+}
+
+/** The 3D view with its cameras; a note instead where the browser has no WebGL. */
+export function sceneBox(app, stage, ...over) {
+  if (!stage) return h("div", { id: "scene", class: "scene none" }, h("p", { class: "note" }, t("nowebgl")), ...over);
+  const cameras = CAMERAS.map((mode) =>
+    h("button", { type: "button", "aria-pressed": String(mode === stage.cameras.mode), "data-camera": mode, onclick: () => stage.cameras.choose(mode) }, t(mode)),
+  );
+  app.on("camera", (mode) => {
+    for (const element of cameras) element.setAttribute("aria-pressed", String(element.dataset.camera === mode));
+  });
+  const loading = h("p", { class: "note", role: "status" }, t("noscene"));
+  app.on("scene", () => loading.remove());
+  stage.element.append(h("div", { class: "cameras", role: "group", "aria-label": t("cameras") }, ...cameras), loading, ...over);
+  return stage.element;
+}
+
+/** Short notes at the foot of the views: lost connections, refusals, remarks. */
+export function notes(app) {
+  const link = h("p", { class: "banner", role: "status", hidden: true });
+  const error = h("p", { class: "banner error", role: "alert", hidden: true });
+  const remark = h("p", { class: "banner", role: "status", hidden: true });
+  let timer;
+  app.on("link", ({ state, wait }) => {
+    link.hidden = state === "open";
+    link.textContent = t("reconnecting", { s: (wait / 1000).toFixed(1) });
+  });
+  app.on("error", (text) => {
+    error.textContent = text;
+    error.hidden = false;
+    clearTimeout(timer);
+    timer = setTimeout(() => (error.hidden = true), 8000);
+  });
+  app.on("remark", (text) => {
+    remark.textContent = text;
+    remark.hidden = false;
+  });
+  return h("div", { class: "notes" }, link, error, remark);
+}
+
+export function layout(app, { head, scene, map, under, side, below }) {
+  const views = h("div", { class: "views" }, scene, under);
+  const aside = h("aside", { class: "side" }, map, layerSwitches(app), ...side);
+  const main = h("main", { class: "bench" }, views, aside);
+  document.getElementById("app").replaceChildren(head, main, ...(below ? [below] : []));
+}
+

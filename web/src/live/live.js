@@ -1,0 +1,119 @@
+// A run as the server tells it: each kind of message brings one part of the page up to date.
+import { Run } from "../run.js";
+import { costRaster, mapRaster } from "../raster.js";
+import { Link } from "./link.js";
+
+export class Live {
+  constructor(app) {
+    this.app = app;
+    this.client = null;
+    this.driver = null;
+    this.asking = null;
+    this.clients = 0;
+    this.choices = {};
+    this.link = new Link((message) => this.receive(message), (state, wait) => this.changed(state, wait));
+    this.arrival = Promise.resolve();
+  }
+
+  get youDrive() {
+    return this.client !== null && this.client === this.driver;
+  }
+
+  send(type, fields) {
+    return this.link.send(type, fields);
+  }
+
+  changed(state, wait) {
+    if (state === "closed") this.app.factor = null;
+    this.app.emit("link", { state, wait });
+  }
+
+  receive(message) {
+    const take = this[`on_${message.type}`];
+    if (take) take.call(this, message);
+  }
+
+  on_hello(message) {
+    Object.assign(this, { client: message.client, driver: message.driver, clients: message.clients, choices: message.choices ?? {} });
+    this.source = message.source ?? {};
+    this.state(message.state);
+    this.app.emit("hello", message);
+    this.app.emit("drivers", this);
+  }
+
+  async on_scene({ scene }) {
+    const { app } = this;
+    app.scene = scene;
+    app.grid = null;
+    app.costmap = null;
+    app.emit("costmap", null);
+    app.emit("scene", scene);
+    if (scene.note) app.emit("remark", scene.note);
+    if (!scene.map) return;
+    const grid = await mapRaster(scene.map);
+    if (app.scene !== scene) return;
+    app.grid = grid;
+    app.emit("scene_map", grid);
+  }
+
+  on_solid(message) {
+    this.app.emit("solid", message);
+  }
+
+  on_run({ info, n }) {
+    const { app } = this;
+    app.setRun(new Run(info, n));
+    this.state("running");
+  }
+
+  on_log(message) {
+    const { app } = this;
+    app.run.add(message);
+    app.emit("log", message);
+  }
+
+  on_frame(message) {
+    const { app } = this;
+    app.frame = message;
+    app.factor = message.factor;
+    app.clock.factor = message.factor || 1;
+    if (message.goals) app.run.goals = message.goals;
+    this.state(app.run.end ? "ended" : message.paused ? "paused" : "running");
+    app.emit("frame", message);
+  }
+
+  on_costmap(message) {
+    const { app } = this;
+    const run = app.run;
+    this.arrival = this.arrival
+      .then(() => costRaster(message, !app.scene?.map))
+      .then((costmap) => {
+        if (app.run !== run) return;
+        app.costmap = costmap;
+        app.emit("costmap", costmap);
+      });
+  }
+
+  on_drivers({ driver, request, clients }) {
+    Object.assign(this, { driver, clients, asking: request ?? null });
+    this.app.emit("drivers", this);
+  }
+
+  on_end(message) {
+    this.app.run.end = message;
+    this.state("ended");
+    this.app.emit("end", message);
+  }
+
+  on_error({ text }) {
+    this.app.emit("error", text);
+  }
+
+  state(state) {
+    const { app } = this;
+    app.paused = state === "paused";
+    if (state === app.state) return;
+    app.state = state;
+    app.emit("state", state);
+  }
+}

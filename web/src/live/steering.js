@@ -1,0 +1,121 @@
+// The bar that steers a run: pause, step, speed, goal, queue, restart, box, end.
+import { button, h, icon, takesKeys } from "../dom.js";
+import { t } from "../strings.js";
+
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 3, 5, 10, 20, 50, "max"];
+const BOX = [0.4, 0.4, 0.6];
+
+const named = (factor) => (factor === "max" ? t("max") : `× ${factor}`);
+
+export class Steering {
+  constructor(app, live) {
+    this.app = app;
+    this.live = live;
+    this.pause = button("pause", t("pause"), () => this.togglePause(), { id: "pause", class: "main" });
+    this.step = button("step", t("step"), () => live.send("step"), { id: "step" });
+    this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle("goal"), "aria-pressed": "false" }, icon("goal"), t("goal"));
+    this.queue = h("input", { type: "checkbox", id: "queue" });
+    this.box = button("box", t("box"), () => this.toggle("box"), { "aria-pressed": "false", id: "box" });
+    this.restart = button("restart", t("restart"), () => live.send("restart", { seed: null }), { id: "restart" });
+    this.next = button("next", t("next"), () => live.send("restart", { seed: "next" }), { id: "next" });
+    this.end = button("stop", t("stop"), () => live.send("end"), { id: "end" });
+    this.speed = h("input", {
+      type: "range", id: "speed", min: 0, max: SPEEDS.length - 1, step: 1, value: SPEEDS.indexOf(1), oninput: () => this.setSpeed(),
+    });
+    this.speedText = h("output", { htmlFor: "speed", class: "speed-text" });
+    this.hint = h("p", { class: "hint", role: "status" });
+    this.element = h(
+      "div",
+      { class: "steering", role: "toolbar", "aria-label": t("drive") },
+      h("div", { class: "row" }, this.pause, this.step, this.goal,
+        h("label", { class: "check" }, this.queue, t("queue")), this.box, this.restart, this.next, this.end),
+      h("label", { class: "row speed" }, h("span", {}, t("speed")), this.speed, this.speedText),
+      this.hint,
+    );
+    app.on("tool", (tool) => this.showTool(tool));
+    app.on("placed", (placed) => this.placed(placed));
+    for (const name of ["state", "drivers", "link", "run"]) app.on(name, () => this.show());
+    app.on("frame", (frame) => this.showSpeed(frame));
+    document.addEventListener("keydown", (event) => this.key(event));
+    this.showText();
+    this.show();
+  }
+
+  togglePause() {
+    this.live.send("pause", { paused: !this.app.paused });
+  }
+
+  toggle(tool) {
+    this.app.setTool(this.app.tool === tool ? null : tool);
+    if (this.app.tool) this.app.emit("wants_point");
+  }
+
+  placed({ tool, pose, append }) {
+    if (tool === "goal" && this.app.state !== "idle") {
+      const queued = append || this.queue.checked;
+      this.live.send("goal", { pose, append: queued });
+      if (!queued) this.app.setTool(null);
+    }
+    if (tool === "box") {
+      this.live.send("box", { x: pose[0], y: pose[1], yaw: pose[2] ?? 0, size: BOX });
+      this.app.setTool(null);
+    }
+  }
+
+  setSpeed() {
+    this.wanted = performance.now();
+    this.live.send("speed", { factor: SPEEDS[this.speed.value] });
+    this.showText();
+  }
+
+  // Another client's choice moves the slider, but not while it is being moved here.
+  showSpeed({ speed }) {
+    const index = SPEEDS.indexOf(speed);
+    const mine = this.wanted && performance.now() - this.wanted < 1000;
+    if (index >= 0 && !mine) this.speed.value = index;
+    this.showText();
+  }
+
+  showText() {
+    const wanted = named(SPEEDS[this.speed.value]);
+    const { factor, state } = this.app;
+    const real = factor && state === "running" ? t("real", { x: factor < 10 ? factor.toFixed(2) : factor.toFixed(0) }) : "";
+    this.speed.setAttribute("aria-valuetext", wanted);
+    this.speedText.value = real ? `${wanted} · ${real}` : wanted;
+  }
+
+  showTool(tool) {
+    for (const [name, element] of [["goal", this.goal], ["box", this.box]]) element.setAttribute("aria-pressed", String(tool === name));
+    const hint = { goal: "hintGoal", start: "hintStart", box: "hintBox" }[tool];
+    this.hint.textContent = hint ? `${t(hint)} ${t("mapKeys")}` : "";
+  }
+
+  show() {
+    const { state } = this.app;
+    const drives = this.live.youDrive && this.live.link?.isOpen;
+    const going = drives && (state === "running" || state === "paused");
+    for (const element of [this.pause, this.goal, this.box, this.end, this.queue]) element.disabled = !going;
+    this.step.disabled = !going || state !== "paused";
+    this.speed.disabled = !drives;
+    for (const element of [this.restart, this.next]) element.disabled = !drives || state === "idle";
+    const paused = state === "paused";
+    const label = t(paused ? "resume" : "pause");
+    this.pause.replaceChildren(icon(paused ? "play" : "pause"));
+    this.pause.setAttribute("aria-label", label);
+    this.pause.title = label;
+    this.pause.setAttribute("aria-pressed", String(paused));
+    if (!going && (this.app.tool === "box" || (this.app.tool === "goal" && state !== "idle"))) this.app.setTool(null);
+    this.showText();
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+    if (event.key === "Escape" && this.app.tool) return this.app.setTool(null);
+    if (takesKeys(event.target)) return;
+    const onButton = event.target.closest?.("button, a, summary");
+    const press = { " ": onButton ? null : this.pause, n: this.step, g: this.goal, b: this.box }[event.key];
+    if (!press || press.disabled) return;
+    event.preventDefault();
+    press.click();
+  }
+}

@@ -1,0 +1,101 @@
+// What is going on in words and numbers: status, event log, outcome.
+import { h } from "./dom.js";
+import { C } from "./run.js";
+import { t } from "./strings.js";
+
+const MOST_EVENTS = 300;
+
+const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
+export const clockText = (seconds) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
+
+export class Status {
+  constructor(app) {
+    this.app = app;
+    this.cells = {};
+    const figures = ["time", "speedNow", "turning", "clearance", "crossTrack", "planning", "tick", "goalNow"].map((name) => {
+      this.cells[name] = h("dd");
+      return h("div", {}, h("dt", {}, t(name)), this.cells[name]);
+    });
+    this.doing = h("p", { class: "doing", role: "status" });
+    this.held = h("p", { class: "held", role: "alert", hidden: true });
+    this.element = h("section", { id: "status", class: "panel", "aria-label": t("status") }, this.doing, this.held, h("dl", { class: "figures" }, ...figures));
+  }
+
+  show(state) {
+    const { app, cells } = this;
+    const { row } = state;
+    const frame = app.frame ?? {};
+    const text = app.state === "idle" ? t("idle") : (frame.doing ?? (row ? row[C.status] : ""));
+    if (this.doing.textContent !== text) this.doing.textContent = text;
+    const held = frame.held_back ? t("heldBack", { why: frame.held_back }) : frame.manual ? t("manualBy", { id: frame.manual }) : "";
+    if (this.held.textContent !== held) this.held.textContent = held;
+    this.held.hidden = !held;
+    this.held.classList.toggle("strong", Boolean(frame.held_back));
+    if (!row) return;
+    const goals = app.run.goals.length;
+    const values = {
+      time: clockText(state.t),
+      speedNow: number(row[C.v], 2, "m/s"),
+      turning: number(row[C.w], 2, "rad/s"),
+      clearance: number(row[C.clearance], 2, "m"),
+      crossTrack: number(row[C.cross_track], 2, "m"),
+      planning: number(row[C.plan_ms], 1, "ms"),
+      tick: number(row[C.tick_ms], 2, "ms"),
+      goalNow: goals > 1 && Number.isInteger(row[C.goal]) ? `${Math.min(goals, row[C.goal] + 1)} / ${goals}` : goals ? "1 / 1" : "–",
+    };
+    for (const [name, value] of Object.entries(values)) if (cells[name].textContent !== value) cells[name].textContent = value;
+  }
+}
+
+export class EventLog {
+  constructor(app, seek = null) {
+    this.app = app;
+    this.seek = seek;
+    this.shown = 0;
+    this.list = h("ol", { class: "events", tabIndex: 0, "aria-label": t("events") });
+    this.element = h("section", { class: "panel" }, h("h2", {}, t("events")), this.list);
+    app.on("run", () => this.clear());
+    app.on("log", ({ from }) => {
+      if (from === 0) this.clear();
+      this.show();
+    });
+  }
+
+  clear() {
+    this.list.replaceChildren();
+    this.shown = 0;
+  }
+
+  show() {
+    const { events } = this.app.run;
+    const atEnd = this.list.scrollTop + this.list.clientHeight > this.list.scrollHeight - 20;
+    this.list.append(...events.slice(Math.max(this.shown, events.length - MOST_EVENTS)).map((event) => this.line(event)));
+    this.shown = events.length;
+    while (this.list.childElementCount > MOST_EVENTS) this.list.firstElementChild.remove();
+    if (atEnd) this.list.scrollTop = this.list.scrollHeight;
+  }
+
+  line({ t: time, kind, text }) {
+    const when = clockText(time);
+    const at = this.seek ? h("button", { type: "button", class: "link", onclick: () => this.seek(time) }, when) : h("time", {}, when);
+    return h("li", { class: `kind-${kind}` }, at, h("span", {}, text));
+  }
+}
+
+export class Outcome {
+  constructor(app) {
+    this.app = app;
+    this.element = h("section", { class: "panel outcome", role: "alert", hidden: true });
+    app.on("end", (end) => this.show(end));
+    app.on("run", () => (this.element.hidden = true));
+  }
+
+  show({ outcome, message, folder, replay }) {
+    const children = [h("h2", { class: "verdict", "data-good": String(outcome === "arrived" || outcome === "succeeded") }, outcome)];
+    if (message) children.push(h("p", {}, message));
+    if (replay) children.push(h("p", {}, h("a", { href: replay, target: "_blank", rel: "noopener" }, t("openReplay"))));
+    if (folder) children.push(h("p", { class: "soft" }, `${t("folder")}: `, h("code", {}, folder)));
+    this.element.replaceChildren(...children);
+    this.element.hidden = false;
+  }
+}
