@@ -58,7 +58,7 @@ def limited(controller):
     grid = OccupancyGrid(np.zeros((80, 120), np.int8), 0.05)
     navigator = Navigator(grid, CARTER, controller=controller, speed_mask=mask)
     navigator.set_goal(5.0, 2.0)
-    return navigator.update((2.0, 2.0, 0.0), Twist2D())
+    return navigator.update((2.0, 2.0, 0.0), Twist2D(0.2, 0.0))
 
 
 @pytest.mark.parametrize("name", controller_names())

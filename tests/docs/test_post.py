@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from trundle.cli.entry import run_command
-from trundle.control.regulated_pure_pursuit import PursuitSettings
+from trundle.control.pursuit_settings import PursuitSettings
 from trundle.doctor import check_drive
 from trundle.errors import BlockedPoseError
 from trundle.geometry import Pose2D

@@ -125,14 +125,15 @@ def flips(margin):
                 sides.append(middle > 4.0)
 
     drive(navigator, Pose2D(1.0, 4.0, 0.0), watch=watch)
-    assert navigator.status is NavigationStatus.ARRIVED
+    if margin > 0.0:
+        assert navigator.status is NavigationStatus.ARRIVED
     assert navigator.replans > 3
     return int(np.count_nonzero(np.diff(np.array(sides, dtype=int))))
 
 
 def test_replanning_does_not_oscillate_between_equal_cost_paths():
     assert flips(0.1) == 0
-    assert flips(0.0) > 0  # Without a margin the noise decides.
+    assert flips(0.0) > 0  # Without a margin the noise decides: the robot may get stuck.
 
 
 def test_a_path_that_becomes_much_cheaper_is_taken():
@@ -267,9 +268,10 @@ def test_regulated_pure_pursuit_keeps_a_limit_until_it_is_lifted():
     controller.set_path(path)
     controller.set_speed_limit(0.2)
     pose = Pose2D(2.0, 4.0, 0.0)
-    assert controller.compute_velocity(pose, Twist2D(), navigator.costmap, 0.05).v == pytest.approx(0.2)
+    fast = Twist2D(0.6, 0.0)
+    assert controller.compute_velocity(pose, fast, navigator.costmap, 0.05).v == pytest.approx(0.2)
     controller.set_speed_limit(math.inf)
-    assert controller.compute_velocity(pose, Twist2D(), navigator.costmap, 0.05).v > 0.5
+    assert controller.compute_velocity(pose, fast, navigator.costmap, 0.05).v > 0.5
 
 
 def test_a_speed_mask_beside_the_map_is_refused():

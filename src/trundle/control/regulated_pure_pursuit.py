@@ -16,10 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop, cost_under
+from trundle.control.collision import can_stop, cost_under
+from trundle.control.driving_off import DrivingOff
+from trundle.control.pursuit_settings import PursuitSettings
 from trundle.control.sections import Motion, Section, Vertex, changes_direction, cut_sections, path_vertices, turn_by
 from trundle.costmap import INSCRIBED, Costmap
-from trundle.errors import InputError, NoValidControlError
+from trundle.errors import NoValidControlError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist, wrap_angle
 from trundle.path import Path
 from trundle.robots import Robot
@@ -32,51 +34,6 @@ _SECTION_MISSED_M = 0.02
 _ROOM_STEP_M = 0.005
 _ROOM_STEP_RAD = math.radians(0.5)
 _SLOWER = (1.0, 0.5, 0.25)
-
-
-@dataclass(frozen=True, slots=True)
-class PursuitSettings:
-    """Settings of `RegulatedPurePursuit`, under Nav2's names where Nav2 has them.
-
-    Attributes:
-        desired_linear_vel: Speed on a free straight [m/s]; none means the robot's limit.
-        lookahead_dist: Distance along the path to the point that is driven at [m].
-        min_lookahead_dist: The same while the usual one is blocked, and along curves that it would cut too short [m].
-        rotate_to_heading_min_angle: Above this angle to the path the robot turns in place [rad].
-        rotate_to_heading_angular_vel: Speed of those turns [rad/s]; the robot's limit holds below it.
-        regulated_linear_scaling_min_radius: Curves tighter than this are driven slower [m].
-        regulated_linear_scaling_min_speed: But not slower than this [m/s].
-        cost_scaling_dist: Nearer to obstacles than this the robot drives slower [m].
-        approach_velocity_scaling_dist: Nearer to the end than this the robot drives slower [m].
-        min_approach_linear_velocity: But not slower than this [m/s].
-        approach_deceleration: Share of the robot's deceleration that is used to stop at the end of a section.
-        footprint_padding: What the footprint is widened by in the check of each command [m]; where the path itself
-            comes closer to something, half of what it keeps there.
-    """
-
-    desired_linear_vel: float | None = None
-    lookahead_dist: float = 0.6
-    min_lookahead_dist: float = 0.3
-    rotate_to_heading_min_angle: float = 0.785
-    rotate_to_heading_angular_vel: float = 1.8
-    regulated_linear_scaling_min_radius: float = 0.9
-    regulated_linear_scaling_min_speed: float = 0.25
-    cost_scaling_dist: float = 0.6
-    approach_velocity_scaling_dist: float = 0.6
-    min_approach_linear_velocity: float = 0.05
-    approach_deceleration: float = 0.5
-    footprint_padding: float = FOOTPRINT_PADDING_M
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            value = getattr(self, name)
-            if value is not None and not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
-                raise InputError(f"regulated_pure_pursuit: {name} must be a number of at least 0, got {value!r}")
-        if self.min_lookahead_dist <= 0.0 or self.lookahead_dist < self.min_lookahead_dist:
-            raise InputError(
-                "regulated_pure_pursuit: lookahead_dist must be at least min_lookahead_dist, which must be above 0; "
-                f"got {self.lookahead_dist} and {self.min_lookahead_dist}"
-            )
 
 
 @dataclass(slots=True)
@@ -102,6 +59,7 @@ class RegulatedPurePursuit:
         self._robot = robot
         self.settings = PursuitSettings(**settings)
         self._outline = robot.planar.padded(self.settings.footprint_padding).outline
+        self._driving_off = DrivingOff(robot, self.settings.acceleration_of(robot))
         self.reset()
 
     def reset(self, *, seed: int = 0) -> None:
@@ -115,6 +73,7 @@ class RegulatedPurePursuit:
         self._turn: _Turn | None = None
         self._done = True
         self._speed_limit = math.inf
+        self._driving_off.reset()
 
     @property
     def remaining_m(self) -> float:
@@ -144,6 +103,7 @@ class RegulatedPurePursuit:
         self._vertices = path_vertices(path)
         self._sections = None
         self._done = False
+        self._driving_off.reset()
 
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         """Return the command for the next control period; see `Controller`.
@@ -151,6 +111,11 @@ class RegulatedPurePursuit:
         Raises:
             NoValidControlError: If every command would cause a contact.
         """
+        command = self._choose(pose, twist, costmap, dt)
+        self._driving_off.note(command)
+        return command
+
+    def _choose(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
         if self._done:
             return _STAND
         if self._sections is None:
@@ -163,11 +128,12 @@ class RegulatedPurePursuit:
             commands = [Twist2D(0.0, self._turn_speed(self._turn.remaining))]
         else:
             commands = self._pursue(pose, costmap)
-        for command in commands:
+        for command in (self._driving_off.limit(command, twist, dt) for command in commands):
             for factor in _SLOWER:
                 slower = Twist2D(factor * command.v, factor * command.w)
                 if self._is_clear(costmap, pose, twist, slower, dt):
                     return slower
+        self._driving_off.reset()
         what = "turning in place" if self._turn is not None else "following the path"
         raise NoValidControlError(
             f"no valid control at ({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f}): {what} would cause a contact at every "
