@@ -6,9 +6,20 @@ from trundle.sim.simulator import (
     RobotState,
     Simulator,
     Substep,
+    add_solid,
     simulate,
     simulator_names,
     world_of,
 )
 
-__all__ = ["Contact", "MoverState", "RobotState", "Simulator", "Substep", "simulate", "simulator_names", "world_of"]
+__all__ = [
+    "Contact",
+    "MoverState",
+    "RobotState",
+    "Simulator",
+    "Substep",
+    "add_solid",
+    "simulate",
+    "simulator_names",
+    "world_of",
+]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -17,6 +18,7 @@ from trundle.sim.movers import MoverField
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.solids import Solid
 from trundle.worlds import World
 
 TIMESTEP = 0.005
@@ -48,14 +50,14 @@ class KinematicSimulator:
         if not 0.0 < timestep <= 1.0:
             raise InputError(f"timestep {timestep} s is out of range; use more than 0 and at most 1")
         self._robot = robot
-        self._world = world
+        self._world = self._first_world = world
         self._timestep = timestep
         self._ramp = CommandRamp(robot, timestep)
         self._footprint = FootprintChecker(world, robot)
         self._movers = MoverField(world, robot) if world.movers else None
-        beams = SceneBeams(world, self._movers)
-        self._lidars = LidarSet(robot, lidar, beams.cast)
-        beams.prepare(self._lidars.heights)
+        self._beams = SceneBeams(world, self._movers)
+        self._lidars = LidarSet(robot, lidar, self._beams.cast)
+        self._beams.prepare(self._lidars.heights)
         self._closed = False
         self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
@@ -67,13 +69,29 @@ class KinematicSimulator:
 
     @property
     def world(self) -> World:
-        """The world."""
+        """The world, with what was added since the reset."""
         return self._world
+
+    def add_solid(self, solid: Solid) -> None:
+        """Put a solid into the world until the next reset.
+
+        Raises:
+            WorldError: If the world has a solid or a mover of that name.
+        """
+        self._check_open()
+        self._change_world(replace(self._world, solids=(*self._world.solids, solid)))
+
+    def _change_world(self, world: World) -> None:
+        self._footprint = FootprintChecker(world, self._robot)
+        self._beams.change_world(world)
+        self._world = world
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run."""
         self._check_open()
         pose = Pose2D.of(pose)
+        if self._world is not self._first_world:
+            self._change_world(self._first_world)
         self._lidars.reset(seed)
         self._ramp.reset()
         self._steps = 0

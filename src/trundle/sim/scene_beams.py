@@ -33,6 +33,11 @@ class SceneBeams:
                 if self._movers is not None:
                     self._mover_outlines[height] = MoverOutline(self._movers, height)
 
+    def change_world(self, world: World) -> None:
+        """Cast against another world with the same movers from now on."""
+        self._world = world
+        self._outlines = {height: WorldOutline(world, height) for height in self._outlines}
+
     def cast(self, x: float, y: float, z: float, angles: FloatArray, reach: float) -> FloatArray:
         """Distances [m] from (x, y, z) along level beams; see `trundle.sim.lidar.BeamCaster`."""
         ranges = self._outlines[z].cast(x, y, angles, reach)

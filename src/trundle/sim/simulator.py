@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, Self, runtime_checkable
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.observation import Observation, Scan
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
+from trundle.solids import Solid
 from trundle.values import check_kind
 from trundle.worlds import World
 
@@ -165,6 +167,26 @@ def watch_substeps(simulator: Simulator, watch: Callable[[Substep], None] | None
         return False
     simulator.on_substep = watch  # pyright: ignore[reportAttributeAccessIssue] - optional
     return True
+
+
+def add_solid(simulator: Simulator, solid: Solid) -> None:
+    """Put a solid into the world of a simulator, in the middle of a run; its next reset takes it out again.
+
+    It is an optional method `add_solid(solid)` of a simulator, which may be within others that have it as `inner`.
+    `kinematic` and `mujoco` have it. Moving obstacles pass through what is added.
+
+    Raises:
+        InputError: If the simulator cannot add solids.
+    """
+    while (inner := getattr(simulator, "inner", None)) is not None:
+        simulator = inner
+    add = getattr(simulator, "add_solid", None)
+    if not callable(add):
+        raise InputError(
+            f"{type(simulator).__name__} cannot put anything into its world during a run; use the backend mujoco or "
+            "kinematic"
+        )
+    add(solid)
 
 
 def simulator_names() -> list[str]:

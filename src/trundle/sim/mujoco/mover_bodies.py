@@ -60,6 +60,14 @@ class MoverBodies:
         self._place(self.field.state)
         self.set_speeds()
 
+    def resume(self, before: MoverBodies) -> None:
+        """Go on where the bodies of another model of the same movers were."""
+        for index in before._passing:
+            self._passing[index] = None
+            self._model.geom_conaffinity[self._geoms[self._owners == index]] = 0
+        self._place(self.field.state)
+        self.set_speeds()
+
     def advance(self, time: float) -> None:
         """Move them to a time since the reset [s]."""
         self._place(self.field.advance(time, self._robot))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal, Self
 
 import mujoco
@@ -25,12 +26,14 @@ from trundle.sim.mujoco.robot_parts import FeedForward, scale_robot, traction_jo
 from trundle.sim.ramp import CommandRamp, Motion, count_steps
 from trundle.sim.scene_beams import SceneBeams
 from trundle.sim.simulator import Contact, RobotState, Substep
+from trundle.solids import Solid
 from trundle.values import as_number, check_seed
 from trundle.worlds import World
 
 Casters = Literal["trailing", "reversed"]
 
 
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _SETTLE_S = 2.0
 _LARGEST_TILT = 0.05
 """Maximum tilt of a robot at rest [rad]; one that has tipped over exceeds it."""
@@ -82,26 +85,17 @@ class MujocoSimulator:
                 raise InputError(f"{name} must be a factor from {least:g} to {most:g}, got {factor}")
         log_warnings()
         self._robot = robot
-        self._world = world
         self._timestep = timestep
+        self._mass, self._friction = mass, friction
         self._rest = _resting_state(robot, timestep, casters, mass=mass)
-        try:
-            self.model = build_spec(within_reach(world, robot), robot, timestep=timestep, looks=False).compile()
-        except InputError:
-            raise
-        except ValueError as error:
-            raise WorldError(f"MuJoCo cannot model the world {world.name!r}: {error}") from error
-        self.data = mujoco.MjData(self.model)
-        self._wheel_qpos, self._wheel_qvel = _wheel_addresses(self.model, robot)
         self._ramp = CommandRamp(robot, timestep)
-        self._feed_forward = FeedForward.of(self.model, robot)
-        scale_robot(self.model, mass=mass, friction=friction)
-        self._movers = MoverBodies(self.model, self.data, MoverField(world, robot)) if world.movers else None
-        self._contacts = ContactReader(self.model, world, self._movers.names if self._movers else {})
+        self._field = MoverField(world, robot) if world.movers else None
+        self._world = self._first_world = world
+        self._model_world(world)
         # mj_multiRay tests every beam against every geom: with 800 solids that took 18 times as long.
-        beams = SceneBeams(world, None if self._movers is None else self._movers.field)
-        self._lidars = LidarSet(robot, lidar, beams.cast)
-        beams.prepare(self._lidars.heights)
+        self._beams = SceneBeams(world, self._field)
+        self._lidars = LidarSet(robot, lidar, self._beams.cast)
+        self._beams.prepare(self._lidars.heights)
         self._closed = False
         self.on_substep: Callable[[Substep], None] | None = None
         self.reset(Pose2D(0.0, 0.0))
@@ -113,8 +107,48 @@ class MujocoSimulator:
 
     @property
     def world(self) -> World:
-        """The world."""
+        """The world, with what was added since the reset."""
         return self._world
+
+    def add_solid(self, solid: Solid) -> None:
+        """Put a solid into the world until the next reset: the model is built again, and its state stays.
+
+        Raises:
+            WorldError: If the world has a solid or a mover of that name, or MuJoCo cannot model it.
+        """
+        self._check_open()
+        world = replace(self._world, solids=(*self._world.solids, solid))
+        before, size = self.data, mujoco.mj_stateSize(self.model, _STATE)
+        state = np.empty(size)
+        mujoco.mj_getState(self.model, before, state, _STATE)
+        movers = self._movers
+        self._change_world(world)
+        mujoco.mj_setState(self.model, self.data, state, _STATE)
+        if self._movers is not None and movers is not None:
+            self._movers.resume(movers)
+        mujoco.mj_forward(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, state, _STATE)
+
+    def _change_world(self, world: World) -> None:
+        self._model_world(world)
+        self._beams.change_world(world)
+        self._world = world
+
+    def _model_world(self, world: World) -> None:
+        """Build the model of a world and the robot, and what reads it."""
+        robot = self._robot
+        try:
+            self.model = build_spec(within_reach(world, robot), robot, timestep=self._timestep, looks=False).compile()
+        except InputError:
+            raise
+        except ValueError as error:
+            raise WorldError(f"MuJoCo cannot model the world {world.name!r}: {error}") from error
+        self.data = mujoco.MjData(self.model)
+        self._wheel_qpos, self._wheel_qvel = _wheel_addresses(self.model, robot)
+        self._feed_forward = FeedForward.of(self.model, robot)
+        scale_robot(self.model, mass=self._mass, friction=self._friction)
+        self._movers = None if self._field is None else MoverBodies(self.model, self.data, self._field)
+        self._contacts = ContactReader(self.model, world, self._movers.names if self._movers else {})
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. The same seed gives the same run.
@@ -123,6 +157,8 @@ class MujocoSimulator:
         """
         self._check_open()
         pose, seed = Pose2D.of(pose), check_seed(seed)
+        if self._world is not self._first_world:
+            self._change_world(self._first_world)
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._rest
         self.data.qpos[0:2] = pose.x, pose.y
