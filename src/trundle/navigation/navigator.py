@@ -22,6 +22,7 @@ from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask, SpeedMask, check_overlap
 from trundle.navigation.agenda import Agenda
+from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
@@ -284,6 +285,11 @@ class Navigator(Drive):
         return cast("Rollouts | None", best()) if callable(best) else None
 
     @property
+    def has_map(self) -> bool:
+        """Whether it drives on a map, and not only on what its scans see."""
+        return self._sensed.static is not None
+
+    @property
     def waits_to_plan(self) -> bool:
         """Whether the robot waits for a plan: the last one missed its deadline."""
         return self._replanner.tries.pending
@@ -403,6 +409,31 @@ class Navigator(Drive):
         self._command = self._decide(Now(now, here, moving, self.costmap))
         self._delayed.send(self._command, now)
         return self._command
+
+    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate, /) -> AssistedCommand:
+        """Check a command by hand, instead of `update`: what of it may be sent in the next control period.
+
+        It takes in what was observed, and slows the command down or stops it as it does with its own: before what is
+        in the costmap, in space that was not seen, and by the speed mask. Goal and path stay; set the goal again when
+        the robot is to drive on.
+
+        Raises:
+            InputError: If one of these is of another kind.
+        """
+        check_kind(command, Twist2D, "a command", "Twist2D(v, w) makes one")
+        check_kind(observation, Observation, "an observation", "give assist_teleop(command, observation, estimate)")
+        check_kind(estimate, Estimate, "an estimate", "give assist_teleop(command, observation, estimate)")
+        time, scans = observation.time, observation.scans
+        self._look(estimate.pose, time, check_scans(scans) if scans else (), estimate)
+        self._clock = self._time = time
+        moving = credible_twist(observation.twist, self.robot)
+        soon = self._when_taking_effect(Now(time, estimate.pose, moving, self.costmap))
+        wish = self.robot.limits.clamp(command)
+        allowed = self._slow_down(wish, soon)
+        assisted = assist_teleop(wish, allowed, soon, self.robot.limits, self.dt, padded=self._padded)
+        self._command = assisted.command
+        self._delayed.send(self._command, time)
+        return assisted
 
     def _last_command(self, now: float) -> Twist2D:
         """The command that the robot follows now."""
