@@ -10,24 +10,53 @@ from trundle.mission.rules import Rules
 from trundle.mission.sampling import sample_mission, sample_tight_ends
 from trundle.mission.scenario import Mission, Scenario, Setting
 from trundle.mission.session import Session
+from trundle.mission.steering.directives import (
+    DropBox,
+    End,
+    GivenDirective,
+    Manual,
+    Pause,
+    Release,
+    Restart,
+    SetGoal,
+    Speed,
+    StepOnce,
+)
+from trundle.mission.steering.live import LiveRun, LiveStatus
+from trundle.mission.steering.queue import Steering
+from trundle.mission.steering.report import SteeringReport
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [
+    "DropBox",
+    "End",
     "Episode",
+    "GivenDirective",
     "Goal",
+    "LiveRun",
+    "LiveStatus",
+    "Manual",
     "Metrics",
     "Mission",
     "Monitor",
     "MonitorReport",
     "Observer",
     "Outcome",
+    "Pause",
+    "Release",
+    "Restart",
     "Rules",
     "RunInfo",
     "RunSettings",
     "Scenario",
     "Session",
+    "SetGoal",
     "Setting",
+    "Speed",
+    "Steering",
+    "SteeringReport",
     "Step",
+    "StepOnce",
     "Trajectory",
     "run",
     "sample_mission",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.mission.episode import Outcome
-from trundle.mission.observers import RunInfo
 from trundle.navigation import Agent, NavigationStatus, Navigator
 from trundle.sim import Contact, RobotState
 
@@ -31,10 +31,10 @@ def elsewhere(agent: Agent, state: RobotState) -> Ending:
     return Outcome.STUCK, f"the {name} says that it arrived, but it is at {_words(state.pose)}"
 
 
-def timed_out(info: RunInfo) -> Ending:
+def timed_out(goals: Sequence[Goal], time_limit_s: float) -> Ending:
     """The time limit is over."""
-    what = "goal not reached" if info.goals else "not finished"
-    return Outcome.TIMED_OUT, f"{what} within {info.time_limit_s:.1f} s"
+    what = "goal not reached" if goals else "not finished"
+    return Outcome.TIMED_OUT, f"{what} within {time_limit_s:.1f} s"
 
 
 def given_up(agent: Agent, state: RobotState) -> Ending | None:

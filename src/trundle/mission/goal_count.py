@@ -18,31 +18,41 @@ class GoalCount:
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
 
     Attributes:
+        goals: The same; `replace` changes them.
         reached: The number of goals reached.
         reached_by_estimate: Whether one of them was reached only by the localizer's estimate.
     """
 
     def __init__(self, goals: Sequence[Goal], checker: GoalChecker, *, through: bool) -> None:
-        self._goals = goals
+        self.goals = tuple(goals)
         self._checker = checker
         self._through = through
         self.reached = 0
+        self._before = 0
         self.reached_by_estimate = False
 
     @property
     def current(self) -> int:
         """Index of the goal that the robot drives to; of the last one at the end, whose tasks may still run."""
-        return min(self.reached, max(0, len(self._goals) - 1))
+        return min(self.reached, max(0, len(self.goals) - 1))
 
     @property
     def next(self) -> Goal:
         """The goal that comes after those reached."""
-        return self._goals[self.reached]
+        return self.goals[self.reached]
 
     @property
     def are_reached(self) -> bool:
         """Whether all goals are reached."""
-        return self.reached >= len(self._goals)
+        return self.reached >= len(self.goals)
+
+    def replace(self, goals: Sequence[Goal]) -> None:
+        """Change the goals that are not reached; those that are stay the first ones."""
+        self.goals = tuple(goals)
+
+    def begin_again(self) -> None:
+        """Expect that the agent gets the goals that are left, and counts them from none."""
+        self._before = self.reached
 
     def count(self, pose: Pose2D, believed: Pose2D | None) -> bool:
         """Count the next goal; False where neither the true nor the believed pose is at it."""
@@ -56,9 +66,9 @@ class GoalCount:
 
         Goals that it drives through are not checked.
         """
-        while self.reached < min(reached, len(self._goals)):
+        while self.reached < min(self._before + reached, len(self.goals)):
             goal = self.next
-            is_stop = not self._through or bool(tasks_of(goal)) or self.reached == len(self._goals) - 1
+            is_stop = not self._through or bool(tasks_of(goal)) or self.reached == len(self.goals) - 1
             if is_stop and not self._is_at(goal, pose, believed):
                 return False
             self.reached += 1
@@ -66,9 +76,9 @@ class GoalCount:
 
     def is_near_last(self, pose: Pose2D, radius: float | None) -> bool:
         """Whether only the last goal is left, and the pose is within a radius [m] of it; never without a radius."""
-        if radius is None or self.reached + 1 != len(self._goals):
+        if radius is None or self.reached + 1 != len(self.goals):
             return False
-        return pose.distance_to(self._goals[-1].pose) <= radius
+        return pose.distance_to(self.goals[-1].pose) <= radius
 
     def _is_at(self, goal: Goal, pose: Pose2D, believed: Pose2D | None) -> bool:
         if self._checker.is_within(pose, goal.pose, any_yaw=goal.yaw_free):

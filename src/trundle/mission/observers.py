@@ -13,6 +13,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
+from trundle.mission.steering.report import SteeringReport
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Estimate, Observation, Scan, Track
@@ -101,6 +102,7 @@ class Step:
         behaviors: The behaviors that it has run so far, in order; the last one may still be running.
         tick_s: Wall time [s] that the agent took for its command.
         planning_s: Wall time [s] that it planned during the period; at the start, for the plans before the run.
+        steering: How the run was steered during the period that ends now, or none where it takes no directives.
     """
 
     index: int
@@ -120,6 +122,7 @@ class Step:
     behaviors: tuple[BehaviorRun, ...] = ()
     tick_s: float = 0.0
     planning_s: float = 0.0
+    steering: SteeringReport | None = None
 
     @property
     def scans(self) -> tuple[Scan, ...]:

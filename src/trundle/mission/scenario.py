@@ -23,11 +23,12 @@ from trundle.maps import OccupancyGrid
 from trundle.mission.episode import Episode
 from trundle.mission.fields import ScenarioFields
 from trundle.mission.goal_fields import exact_goals, make_goal, shorten_goal
-from trundle.mission.loop import run
 from trundle.mission.observers import Observer
 from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
+from trundle.mission.session import Session
 from trundle.mission.simulation import session_options, start_backend, wrap_backend
+from trundle.mission.steering.queue import Steering
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.navigation.behaviors.choice import shorten_behavior
 from trundle.planning.planner import Planner
@@ -244,7 +245,17 @@ class Mission(Setting):
 
     def run(self, *, observers: Sequence[Observer] = (), stop_on_contact: bool = True) -> Episode:
         """Run it once; see `trundle.run` for the errors."""
-        return run(
+        return self.session(observers=observers, stop_on_contact=stop_on_contact).run()
+
+    def session(
+        self,
+        *,
+        observers: Sequence[Observer] = (),
+        stop_on_contact: bool = True,
+        steering: Steering | None = None,
+    ) -> Session:
+        """Begin to run it, steered by directives where `steering` is given; see `Session` for the errors."""
+        return Session(
             self.sim,
             self.navigator,
             self.start,
@@ -254,6 +265,7 @@ class Mission(Setting):
             seed=self.scenario.seed,
             stop_on_contact=stop_on_contact,
             name=self.scenario.title,
+            steering=steering,
             **session_options(self.scenario, self.grid, self.robot),
         )
 

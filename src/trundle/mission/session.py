@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Self
 
@@ -13,10 +13,10 @@ from trundle.errors import ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
-from trundle.mission import endings
+from trundle.mission.course import Course, Moment
+from trundle.mission.endings import Ending
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.episode_maker import AgentTotals, make_episode
-from trundle.mission.goal_count import GoalCount
+from trundle.mission.episode_maker import make_episode
 from trundle.mission.legs import read_goals
 from trundle.mission.monitoring import Monitor
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
@@ -24,11 +24,15 @@ from trundle.mission.preparation import allowed_time, describe_run, prepare
 from trundle.mission.rules import Rules
 from trundle.mission.run_log import RunLog
 from trundle.mission.scan_mail import ScanMail, report_latency
+from trundle.mission.steering.directives import GivenDirective, Restart
+from trundle.mission.steering.helm import Helm
+from trundle.mission.steering.queue import Steering
+from trundle.mission.steering.report import SteeringReport
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
+from trundle.navigation import Agent, Navigator
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.waypoint import tasks_of
-from trundle.observation import Estimate, Observation
+from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.robots import Robot
 from trundle.sim import RobotState, Simulator, world_of
@@ -73,6 +77,9 @@ class Session:
         name: Name of the run.
         measure: Measures the surroundings for the metrics; None means that they are not measured.
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
+        steering: Where directives come from, which are applied between two steps; none takes no directives. With it, a
+            navigator needs no goal: it waits for one, and the run goes on after it, until a directive ends it.
+        directives: Those of an earlier run, which are given again after as many control periods as then.
 
     Raises:
         InputError: If a pose is not two or three finite numbers, there is no goal in the list, or the time limit is not
@@ -99,10 +106,14 @@ class Session:
         name: str = "run",
         measure: Measure | None = measure_truth,
         through: bool = False,
+        steering: Steering | None = None,
+        directives: Sequence[GivenDirective] = (),
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
         check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
-        aimless = goal is None and not isinstance(agent, Navigator)
+        is_steered = steering is not None or bool(directives)
+        waits = goal is None and isinstance(agent, Navigator) and is_steered
+        aimless = goal is None and (waits or not isinstance(agent, Navigator))
         begin, goals = Pose2D.of(start), () if aimless else read_goals(goal)
         if time_limit_s is not None and not (
             math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
@@ -110,7 +121,6 @@ class Session:
             raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
         self._audience = Audience(observers)
         self._agent = agent
-        self._stop_on_contact = stop_on_contact
         self._measure = measure
         latency = Latency() if latency is None else latency
         check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
@@ -129,20 +139,30 @@ class Session:
         self._latency = latency
         report_latency(agent, latency)
         report_latency(self._monitor, latency)
-        self._hands_over_goals = through or any(tasks_of(goal) for goal in goals)
-        paths, self._unreachable = prepare(agent, begin, goals, through=through if self._hands_over_goals else None)
+        hands_over = through or any(tasks_of(goal) for goal in goals)
+        paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
+        extends = time_limit_s is None
         if time_limit_s is None:
             time_limit_s = allowed_time(agent, robot, begin, goals, paths)
         self._info = describe_run(
             agent, robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
         )
-        checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
-        self._goals = GoalCount(goals, checker, through=through)
-        self._rules = Rules() if rules is None else rules
-        self._log = RunLog(every_contact=self._rules.every_contact)
-        self._totals = AgentTotals()
+        rules = Rules() if rules is None else rules
+        self._course = Course(
+            agent,
+            self._info,
+            paths,
+            unreachable,
+            through=through,
+            hands_over=hands_over,
+            rules=rules,
+            stop_on_contact=stop_on_contact,
+            extends=extends,
+            waits=waits,
+        )
+        self._helm = Helm(self._course, sim, robot, steering, directives) if is_steered else None
+        self._log = RunLog(every_contact=rules.every_contact)
         self._wall_s = 0.0
-        self._tick_s, self._planning_s = 0.0, getattr(agent, "planning_time_s", 0.0)
         self._outcome: Outcome | None = None
         self._message = ""
         self._error: BaseException | None = None
@@ -201,6 +221,21 @@ class Session:
         """What aborted the run: a KeyboardInterrupt or a SimulationError; None otherwise."""
         return self._error
 
+    @property
+    def steering(self) -> SteeringReport | None:
+        """How the run is steered now; None where it takes no directives."""
+        return None if self._helm is None else self._helm.report
+
+    @property
+    def directives(self) -> tuple[GivenDirective, ...]:
+        """The directives that were given so far; `Session(directives=…)` gives them again."""
+        return () if self._helm is None else tuple(self._helm.log)
+
+    @property
+    def restart(self) -> Restart | None:
+        """The directive that ended the run so that it starts again; None where none did."""
+        return None if self._helm is None else self._helm.restart
+
     # Running --------------------------------------------------------------------------------------------------------
 
     def _start(self) -> None:
@@ -216,7 +251,7 @@ class Session:
             self._audience.on_start(self._info)
             self._record(Twist2D(), Twist2D(), None)
         except KeyboardInterrupt as error:
-            self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
+            self.abort(error)
 
     def step(self) -> Step | None:
         """Drive one control period.
@@ -228,30 +263,60 @@ class Session:
         """
         return self._last if self._advance() else None
 
+    def steer(self) -> bool:
+        """Apply the directives that are due; `step` does so first, and waits while the run is paused.
+
+        Returns:
+            Whether the next control period may be driven now: neither is the run paused, nor has it ended.
+        """
+        helm = self._helm
+        if helm is None or self._outcome is not None:
+            return self._outcome is None
+        helm.steer(len(self._log) - 1, self._state, self._estimate)
+        if helm.ending is not None:
+            self._end(*helm.ending)
+        return self._outcome is None and not helm.is_held
+
     def run(self) -> Episode:
         """Drive until the run has ended, and return the episode."""
         self._returns_steps = False
         try:
             while self._advance():
                 pass
-        except KeyboardInterrupt:  # between two periods
-            return self.finish("stopped by Ctrl-C")
+        except KeyboardInterrupt as error:  # between two periods
+            self.abort(error)
         return self.finish()
 
+    def abort(self, error: KeyboardInterrupt) -> None:
+        """End the run as aborted by Ctrl-C, unless it has ended; `error` has this interrupt then."""
+        if self._outcome is None:
+            self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
+
+    def drive(self) -> Step | None:
+        """Drive one control period as things stand: `step` without directives; for a loop that calls `steer`."""
+        return self._last if self._attempt(self._drive) else None
+
     def _advance(self) -> bool:
-        """Drive one control period; whether it did."""
+        """Drive one control period, after the directives; whether it did."""
+        return self._attempt(self._drive_when_steered)
+
+    def _attempt(self, drive: Callable[[], bool]) -> bool:
         if self._outcome is not None:
             return False
         try:
-            command = self._decide()
-            if command is not None:
-                self._drive(command)
-                return True
+            return drive()
         except KeyboardInterrupt as error:
-            self._end(Outcome.ABORTED, "stopped by Ctrl-C", error)
+            self.abort(error)
         except SimulationError as error:
             self._end(Outcome.ABORTED, f"the simulator failed: {error}", error)
         return False
+
+    def _drive_when_steered(self) -> bool:
+        while not self.steer():
+            if self._helm is None or self._outcome is not None:
+                return False
+            self._helm.wait()
+        return self._drive()
 
     def finish(self, why: str = "ended from outside") -> Episode:
         """End the run and notify the observers, once; later calls return the same episode.
@@ -268,22 +333,40 @@ class Session:
             self._episode = replace(episode, observer_errors=tuple(self._audience.errors))
         return self._episode
 
-    def _drive(self, command: Twist2D) -> None:
-        report, sent, seen = None, command, self._observation
+    def _drive(self) -> bool:
+        """Drive one control period; whether it did."""
+        helm = self._helm
+        driver = None if helm is None or helm.manual is None else helm
+        asked = self._course.next_command(self._moment) if driver is None else self._drive_by_hand(driver)
+        if not isinstance(asked, Twist2D):
+            self._end(*asked)
+            return False
+        report, sent, seen = None, asked, self._observation
         if self._waits_for_scans and seen.scans:
             self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
             report_latency(self._monitor, self._latency)
         if self._monitor is not None:
             if callable(set_intent := getattr(self._monitor, "set_intent", None)):
-                set_intent(getattr(self._agent, "intent", None))
-            report = self._monitor.check(command, seen.twist, seen.scans, seen.time, seen.odometry)
+                set_intent(None if driver else getattr(self._agent, "intent", None))
+            report = self._monitor.check(asked, seen.twist, seen.scans, seen.time, seen.odometry)
             self._log.add_report(report)
             sent = report.command
-            if sent != command and callable(report_sent := getattr(self._agent, "set_sent_command", None)):
+            if sent != asked and callable(report_sent := getattr(self._agent, "set_sent_command", None)):
                 report_sent(sent)
-        self._state = self._sim.step(sent, getattr(self._agent, "dt", CONTROL_PERIOD_S))
+        self._state = self._sim.step(sent, self.dt)
         self._observe()
-        self._record(command, sent, report)
+        self._record(asked, sent, report)
+        return True
+
+    def _drive_by_hand(self, helm: Helm) -> Twist2D | Ending:
+        """What of the command by hand passes the agent's stop check; or how the run ends now."""
+        ending = self._course.pass_by_hand(self._moment, self.dt)
+        return helm.assist(self._agent, self._observation, self._estimate) if ending is None else ending
+
+    @property
+    def _moment(self) -> Moment:
+        believed = None if self._localizer is None else self._estimate.pose
+        return Moment(self._state, self._observation, self._estimate, believed, self._log.hit)
 
     def _observe(self) -> None:
         """Take what the robot observes now, and estimate where it is."""
@@ -301,8 +384,9 @@ class Session:
     def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> None:
         agent, log = self._agent, self._log
         path: Path | None = getattr(agent, "path", None)
-        goal = self._goals.current
+        goal = self._course.current
         log.add(self._state, sent, self._estimate, goal, path)
+        steering = None if self._helm is None else self._helm.finish_period(command, report)
         if not (self._returns_steps or self._audience):
             return
         self._last = step = Step(
@@ -321,79 +405,13 @@ class Session:
             getattr(agent, "rollouts", None) if self._returns_steps or self._audience.wants_rollouts else None,
             getattr(agent, "message", None) or "",
             getattr(agent, "behavior_runs", ()),
-            self._tick_s,
-            self._planning_s,
+            self._course.tick_s,
+            self._course.planning_s,
+            steering,
         )
         self._audience.on_step(step)
 
     # Ending ---------------------------------------------------------------------------------------------------------
-
-    def _decide(self) -> Twist2D | None:
-        """Ask the agent for a command; None where the run ends now."""
-        state, log, agent = self._state, self._log, self._agent
-        if self._unreachable is not None and log.hit is None:
-            return self._end(Outcome.NO_PATH, str(self._unreachable))
-        if log.hit is not None and self._stop_on_contact:
-            return self._end(Outcome.COLLIDED, endings.describe_contact(log.hit, state.time))
-        if self._goals.is_near_last(state.pose, self._rules.arrival_radius):
-            self._goals.reached += 1
-            return self._end_at_goal()
-        observation = self._observation
-        while True:
-            command = self._ask_agent(observation)
-            status = agent.status
-            if self._hands_over_goals:
-                if not self._goals.count_passed(getattr(agent, "goals_reached", 0), state.pose, self._believed):
-                    return self._end_elsewhere()
-                if status is NavigationStatus.ARRIVED:
-                    return self._end_at_goal()
-            elif status is NavigationStatus.ARRIVED and self._info.goals:
-                if not self._count_goal():
-                    return None
-                self._totals.add(agent)
-                agent.set_goal(self._goals.next)
-                observation = replace(observation, scans=())  # the agent has them
-                continue
-            if status is not NavigationStatus.DRIVING and self._has_given_up():
-                return None
-            if state.time >= self._info.time_limit_s - 1e-9:
-                return self._end(*endings.timed_out(self._info))
-            return command
-
-    def _ask_agent(self, observation: Observation) -> Twist2D:
-        """The agent's command, with the wall times that it took for it."""
-        agent = self._agent
-        planned, began = getattr(agent, "planning_time_s", 0.0), clock.perf_counter()
-        command = agent.update(observation, self._estimate)
-        self._tick_s = clock.perf_counter() - began
-        self._planning_s = getattr(agent, "planning_time_s", 0.0) - planned
-        return command
-
-    def _count_goal(self) -> bool:
-        """Count a goal at which the agent has arrived; whether there is another one, to which it drives on."""
-        if not self._goals.count(self._state.pose, self._believed):
-            self._end_elsewhere()
-        elif self._goals.are_reached:
-            self._end_at_goal()
-        return self._outcome is None
-
-    def _end_at_goal(self) -> None:
-        estimate = self._estimate.pose if self._goals.reached_by_estimate else None
-        self._end(*endings.at_goal(self._state, estimate))
-
-    def _end_elsewhere(self) -> None:
-        self._end(*endings.elsewhere(self._agent, self._state))
-
-    def _has_given_up(self) -> bool:
-        """End the run if the agent does not drive on."""
-        if (ending := endings.given_up(self._agent, self._state)) is not None:
-            self._end(*ending)
-        return self._outcome is not None
-
-    @property
-    def _believed(self) -> Pose2D | None:
-        """Where the localizer believes the robot to be; none without one."""
-        return None if self._localizer is None else self._estimate.pose
 
     def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
         self._wall_s = clock.perf_counter() - self._began
@@ -407,15 +425,15 @@ class Session:
     def _make_episode(self) -> Episode:
         if not len(self._log):  # Ctrl-C came before the first row
             self._log.add(self._state, Twist2D(), self._estimate, 0, None)
-        self._totals.add(self._agent)
+        self._course.totals.add(self._agent)
         outcome = Outcome.ABORTED if self._outcome is None else self._outcome
         return make_episode(
-            self._info,
+            self._course.info,
             self._log,
-            self._totals,
+            self._course.totals,
             outcome,
             self._message,
-            goals_reached=self._goals.reached,
+            goals_reached=self._course.reached,
             behaviors=tuple(getattr(self._agent, "behavior_runs", ())),
             world=world_of(self._sim),
             wall_s=self._wall_s,

@@ -1,0 +1,247 @@
+"""`Course`: the goals of a run; what its agent commands on the way to them, and how the run ends."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.mission import endings
+from trundle.mission.endings import Ending
+from trundle.mission.episode import Outcome
+from trundle.mission.episode_maker import AgentTotals
+from trundle.mission.goal_count import GoalCount
+from trundle.mission.observers import RunInfo
+from trundle.mission.preparation import allowed_time
+from trundle.mission.rules import Rules
+from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
+from trundle.observation import Estimate, Observation
+from trundle.path import Path
+from trundle.sim import Contact, RobotState
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What is known of a run before a control period.
+
+    Attributes:
+        state: Of the simulator: the truth.
+        observation: What the robot observes.
+        estimate: Where it believes to be.
+        believed: The same by its localizer; None without one.
+        hit: A contact that counts as a collision, or None.
+    """
+
+    state: RobotState
+    observation: Observation
+    estimate: Estimate
+    believed: Pose2D | None
+    hit: Contact | None
+
+
+class Course:
+    """Gives the agent its goals, counts those that are reached, and says how the run ends.
+
+    Args:
+        agent: What drives.
+        info: The run, with its first goals and its time limit.
+        legs: Lengths of the plans to these goals [m].
+        unreachable: Why there is no path to the first goal, or None.
+        through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
+        hands_over: Whether the agent has all goals at once, and counts them itself.
+        rules: What else ends the run.
+        stop_on_contact: Whether a contact ends it.
+        extends: Whether another goal, and driving by hand, extend the time limit.
+        waits: Whether a run without goals waits for some, and goes on after the last one.
+
+    Attributes:
+        totals: What the agent counted for the goals that were left or reached.
+        time_limit_s: When the run is stopped [s].
+        tick_s: Wall time [s] that the agent took for its last command; 0 while it is driven by hand.
+        planning_s: Wall time [s] that it planned since the command before; at first, for the plans before the run.
+    """
+
+    def __init__(
+        self,
+        agent: Agent,
+        info: RunInfo,
+        legs: Sequence[Path],
+        unreachable: PlanningError | None,
+        *,
+        through: bool,
+        hands_over: bool,
+        rules: Rules,
+        stop_on_contact: bool,
+        extends: bool,
+        waits: bool,
+    ) -> None:
+        self._agent, self._info, self._rules = agent, info, rules
+        self._legs = [path.length for path in legs]
+        self._unreachable = unreachable
+        self._through, self._hands_over = through, hands_over
+        self._stop_on_contact, self._extends, self._waits = stop_on_contact, extends, waits
+        checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
+        self._count = GoalCount(info.goals, checker, through=through)
+        self.totals = AgentTotals()
+        self.time_limit_s = info.time_limit_s
+        self.tick_s, self.planning_s = 0.0, getattr(agent, "planning_time_s", 0.0)
+        self._planned_s = 0.0
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """All goals, in order."""
+        return self._count.goals
+
+    @property
+    def reached(self) -> int:
+        """How many of them are reached."""
+        return self._count.reached
+
+    @property
+    def current(self) -> int:
+        """Index of the goal that the robot drives to."""
+        return self._count.current
+
+    @property
+    def info(self) -> RunInfo:
+        """The run, with the goals and the time limit that it has now."""
+        if self.goals == self._info.goals and self.time_limit_s == self._info.time_limit_s:
+            return self._info
+        return replace(self._info, goals=self.goals, time_limit_s=self.time_limit_s, path_length_m=sum(self._legs))
+
+    # Driving --------------------------------------------------------------------------------------------------------
+
+    def next_command(self, now: Moment) -> Twist2D | Ending:
+        """Ask the agent for a command; or how the run ends now."""
+        if (ending := self._ending_before(now)) is not None:
+            return ending
+        agent, state, observation = self._agent, now.state, now.observation
+        while True:
+            command = self._ask(observation, now.estimate)
+            status = agent.status
+            if self._hands_over:
+                if not self._count.count_passed(getattr(agent, "goals_reached", 0), state.pose, now.believed):
+                    return endings.elsewhere(agent, state)
+                if status is NavigationStatus.ARRIVED and not self._waits:
+                    return self._at_goal(now)
+            elif status is NavigationStatus.ARRIVED and not self._count.are_reached:
+                if not self._count.count(state.pose, now.believed):
+                    return endings.elsewhere(agent, state)
+                if not self._count.are_reached:
+                    self._begin((self._count.next,))
+                    observation = replace(observation, scans=())  # the agent has them
+                    continue
+                if not self._waits:
+                    return self._at_goal(now)
+            gives_up = status is not NavigationStatus.DRIVING and not self._waits
+            if gives_up and (ending := endings.given_up(agent, state)) is not None:
+                return ending
+            return self._timed_out(state) or command
+
+    def _ask(self, observation: Observation, estimate: Estimate) -> Twist2D:
+        """The agent's command; and the wall times that it took."""
+        planned, began = getattr(self._agent, "planning_time_s", 0.0), clock.perf_counter()
+        command = self._agent.update(observation, estimate)
+        self.tick_s = clock.perf_counter() - began
+        self.planning_s = getattr(self._agent, "planning_time_s", 0.0) - planned + self._planned_s
+        self._planned_s = 0.0
+        return command
+
+    def pass_by_hand(self, now: Moment, dt: float) -> Ending | None:
+        """Note that a control period of this length [s] is driven by hand; or how the run ends now."""
+        self.tick_s = self.planning_s = 0.0
+        if self._extends:
+            self.time_limit_s += dt
+        return self._ending_before(now) or self._timed_out(now.state)
+
+    def _ending_before(self, now: Moment) -> Ending | None:
+        if self._unreachable is not None and now.hit is None:
+            return Outcome.NO_PATH, str(self._unreachable)
+        if now.hit is not None and self._stop_on_contact:
+            return Outcome.COLLIDED, endings.describe_contact(now.hit, now.state.time)
+        if self._count.is_near_last(now.state.pose, self._rules.arrival_radius):
+            self._count.reached += 1
+            return self._at_goal(now)
+        return None
+
+    def _at_goal(self, now: Moment) -> Ending:
+        return endings.at_goal(now.state, now.estimate.pose if self._count.reached_by_estimate else None)
+
+    def _timed_out(self, state: RobotState) -> Ending | None:
+        return endings.timed_out(self.goals, self.time_limit_s) if state.time >= self.time_limit_s - 1e-9 else None
+
+    def ended_by_hand(self, why: str) -> Ending:
+        """How a run ends that is ended by hand: finished, where it has no other end."""
+        return (Outcome.FINISHED if self._waits else Outcome.ABORTED), why
+
+    # Goals ----------------------------------------------------------------------------------------------------------
+
+    def set_goal(self, goal: Goal, state: RobotState, estimate: Estimate, *, append: bool) -> None:
+        """Drive to this goal instead of those that are left, or after them.
+
+        Raises:
+            InputError: If the agent drives without goals.
+            PlanningError: If there is no path to it; the goals stay as they were.
+        """
+        if not isinstance(self._agent, Navigator) and not self._info.goals:
+            raise InputError("the agent of this run drives without goals")
+        append = append and not self._count.are_reached
+        here = self.goals[-1].pose if append else estimate.pose
+        leg = self._plan_on(here, goal) if append else self._begin_at(here, goal)
+        done = len(self.goals) if append else self.reached
+        self._count.replace((*self.goals[:done], goal))
+        self._legs[done:] = [0.0 if leg is None else leg.length]
+        if self._extends:
+            allowed = allowed_time(self._agent, self._info.robot, here, (goal,), () if leg is None else (leg,))
+            self.time_limit_s = (self.time_limit_s if append else state.time) + allowed
+        if append and self._hands_over:
+            self.set_again()
+
+    def set_again(self) -> None:
+        """Give the agent the goals that are left once more: it plans again, and measures its progress from here."""
+        left = self.goals[self.reached :]
+        if left:
+            self._begin(left)
+
+    def _begin(self, goals: Sequence[Goal]) -> None:
+        """Give the agent these goals; only the first one, where it takes one at a time."""
+        self.totals.add(self._agent)
+        if not self._hands_over:
+            self._agent.set_goal(goals[0])
+            return
+        self._count.begin_again()
+        set_goals = getattr(self._agent, "set_goals")  # noqa: B009 - `prepare` has checked that it has that
+        set_goals(goals, through=self._through)
+
+    def _begin_at(self, here: Pose2D, goal: Goal) -> Path | None:
+        """Give the agent this goal alone, and plan to it from here; None without a plan."""
+        agent = self._agent
+        self._begin((goal,))
+        if not isinstance(agent, Navigator):
+            return None
+        try:
+            path = agent.plan(here)
+        except PlanningError:
+            if agent.waits_to_plan:  # the plan took too long, and is tried again
+                return None
+            agent.cancel()
+            self.set_again()
+            raise
+        self._planned_s = agent.planning_time_s
+        return path
+
+    def _plan_on(self, here: Pose2D, goal: Goal) -> Path | None:
+        """The path of a navigator between two goals; None where there is none yet."""
+        agent = self._agent
+        if not isinstance(agent, Navigator):
+            return None
+        try:
+            return agent.planner.plan(agent.costmap, here, goal.pose, goal_yaw_free=goal.yaw_free)
+        except PlanningStoppedError:
+            return None
+        except PlanningError:
+            if agent.has_map:
+                raise
+            return None

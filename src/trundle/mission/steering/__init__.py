@@ -1,0 +1,1 @@
+"""Steering a run in progress: directives, the queue that they are put into, and the loop that paces a run."""

@@ -1,0 +1,204 @@
+"""`Helm`: applies directives to a run, between its control periods."""
+
+from __future__ import annotations
+
+import time as clock
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from trundle.errors import InputError, TrundleError
+from trundle.geometry import Twist2D
+from trundle.mission.course import Course
+from trundle.mission.endings import Ending
+from trundle.mission.episode import Outcome
+from trundle.mission.steering import directives as kinds
+from trundle.mission.steering.directives import GivenDirective
+from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering
+from trundle.mission.steering.report import SteeringReport
+from trundle.navigation import Agent
+from trundle.navigation.assisted_teleop import AssistedCommand
+from trundle.observation import Estimate, Observation
+from trundle.robots import Robot
+from trundle.sim import RobotState, Simulator, add_solid, world_of
+from trundle.sim.footprint import FootprintChecker
+from trundle.worlds import World
+
+if TYPE_CHECKING:
+    from trundle.mission.observers import MonitorReport
+
+_STAND = Twist2D()
+
+
+class Helm:
+    """Applies directives to a run, and keeps what they have set; only the thread that drives the run uses it.
+
+    Args:
+        course: The goals of the run.
+        sim: Its simulator.
+        robot: Its robot.
+        steering: Where directives come from while it drives; None without any.
+        recorded: The directives of an earlier run, which are given again at the same moments.
+
+    Attributes:
+        paused: Whether the run is paused.
+        manual: The command by hand; None where the agent drives.
+        speed: How fast the run is to pass, relative to real time.
+        log: All directives that were given so far.
+        ending: How the run was ended by a directive, or None.
+        restart: What asked for another run after this one, or None.
+        held_back: What kept the last command by hand from being sent as it was; empty where nothing did.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        sim: Simulator,
+        robot: Robot,
+        steering: Steering | None,
+        recorded: Sequence[GivenDirective],
+    ) -> None:
+        self._course, self._sim, self._robot, self._steering = course, sim, robot, steering
+        self._recorded = deque(recorded)
+        self._steps_left = 0
+        self._by = ""
+        self._holds_until: float | None = None
+        self._boxes: list[str] = []
+        self.paused = False
+        self.manual: Twist2D | None = None
+        self.speed = 1.0
+        self.log: list[GivenDirective] = []
+        self.ending: Ending | None = None
+        self.restart: kinds.Restart | None = None
+        self.held_back = ""
+
+    @property
+    def is_held(self) -> bool:
+        """Whether no control period may be driven now."""
+        return self.paused and self._steps_left == 0
+
+    @property
+    def report(self) -> SteeringReport:
+        """How the run is steered now."""
+        by, goals = "" if self.manual is None else self._by, self._course.goals
+        return SteeringReport(self.paused, self.manual, self.held_back, by, self.speed, goals, len(self._boxes))
+
+    def steer(self, index: int, state: RobotState, estimate: Estimate) -> None:
+        """Apply what is due after so many control periods, in this state."""
+        while self.ending is None and self._recorded and self._recorded[0].index <= index:
+            given = self._recorded.popleft()
+            self._give(Order(given.directive, given.by), index, state, estimate)
+        if self._steering is None:
+            return
+        for _ in range(len(self._steering)):
+            order = self._steering.take() if self.ending is None else None
+            if order is None:
+                return
+            self._give(order, index, state, estimate)
+        if self._holds_until is not None and clock.monotonic() > self._holds_until:
+            self._give(Order(kinds.Manual(), "dead-man"), index, state, estimate)
+
+    def wait(self) -> None:
+        """Wait for the next directive of a run that is paused; without any to come, the run ends."""
+        if self._steering is not None:
+            self._steering.wait()
+        elif self.ending is None:
+            self.ending = Outcome.ABORTED, "the run is paused, and its record has no more directives"
+
+    def assist(self, agent: Agent, observation: Observation, estimate: Estimate) -> Twist2D:
+        """What of the command by hand passes the agent's stop check, if it has one."""
+        wish = self._robot.limits.clamp(self.manual or _STAND)
+        check = getattr(agent, "assist_teleop", None)
+        if not callable(check):
+            return wish
+        passed = cast("AssistedCommand", check(wish, observation, estimate))
+        self.held_back = passed.reason
+        return passed.command
+
+    def finish_period(self, command: Twist2D, report: MonitorReport | None) -> SteeringReport:
+        """Count a control period that was driven, with what a monitor did to its command, and report it."""
+        self._steps_left = max(0, self._steps_left - 1)
+        if self.manual is None:
+            self.held_back = ""
+        elif report is not None and report.command != command:
+            self.held_back = f"the collision monitor: {report.action}"
+        return self.report
+
+    # Directives -----------------------------------------------------------------------------------------------------
+
+    def _give(self, order: Order, index: int, state: RobotState, estimate: Estimate) -> None:
+        if self._is_renewal(order):
+            return
+        refused = ""
+        try:
+            self._apply(order, state, estimate)
+        except TrundleError as error:
+            refused = str(error)
+        self.log.append(GivenDirective(index, state.time, order.directive, order.by, refused))
+        if refused and order.refused is not None:
+            order.refused(refused)
+
+    def _is_renewal(self, order: Order) -> bool:
+        """Whether this repeats the command by hand that holds, which is then held for longer."""
+        command = order.directive
+        if not isinstance(command, kinds.Manual) or self.manual != Twist2D(command.v, command.w):
+            return False
+        self._hold(order)
+        return self._by == order.by
+
+    def _hold(self, order: Order) -> None:
+        moves = self.manual is not None and self.manual != _STAND
+        self._holds_until = order.given_s + DEAD_MAN_S if moves and order.given_s is not None else None
+
+    def _apply(self, order: Order, state: RobotState, estimate: Estimate) -> None:
+        match order.directive:
+            case kinds.Pause(paused):
+                self._pause(paused)
+            case kinds.StepOnce():
+                self.paused = True
+                self._steps_left += 1
+            case kinds.Speed(factor):
+                self.speed = factor
+            case kinds.SetGoal(append=append) as given:
+                self._course.set_goal(given.target, state, estimate, append=append)
+                self._let_go()
+            case kinds.Manual(v, w):
+                self.manual, self._by = Twist2D(v, w), order.by
+                self._hold(order)
+            case kinds.Release():
+                if self.manual is not None:
+                    self._let_go()
+                    self._course.set_again()
+            case kinds.DropBox() as box:
+                self._drop(box, state)
+            case kinds.Restart() as restart:
+                self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
+            case kinds.End(why):
+                self.ending = self._course.ended_by_hand(why)
+
+    def _pause(self, paused: bool) -> None:
+        resumes, self.paused, self._steps_left = self.paused and not paused, paused, 0
+        if resumes and self.manual is None:
+            self._course.set_again()
+
+    def _let_go(self) -> None:
+        self.manual, self._holds_until, self._by = None, None, ""
+
+    def _drop(self, box: kinds.DropBox, state: RobotState) -> None:
+        solid = box.solid(self._free_name())
+        checker = FootprintChecker(World("box", (solid,)), self._robot)
+        if checker.find(np.array([state.pose.as_tuple()])):
+            raise InputError(f"a box at ({box.x:.2f}, {box.y:.2f}) would overlap the robot; drop it beside the robot")
+        add_solid(self._sim, solid)
+        self._boxes.append(solid.name)
+
+    def _free_name(self) -> str:
+        """A name that no solid of the world has."""
+        world = world_of(self._sim)
+        taken = set() if world is None else {solid.name for solid in world.solids}
+        number = len(self._boxes) + 1
+        while f"dropped_box_{number}" in taken:
+            number += 1
+        return f"dropped_box_{number}"

@@ -1,0 +1,82 @@
+"""`Steering`: the queue of directives of a run in progress, which any thread may put them into."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from trundle.errors import InputError
+from trundle.mission.steering.directives import DIRECTIVES, Directive
+from trundle.values import check_kind
+
+DEAD_MAN_S = 0.3
+"""How long a manual command holds [s], real time, unless it is repeated."""
+
+Refused: TypeAlias = Callable[[str], None]
+"""Called by the thread that drives the run, with the reason why a directive could not be applied."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A directive that waits to be applied.
+
+    Attributes:
+        directive: The directive.
+        by: Who gave it.
+        refused: Called where it cannot be applied; none where nobody waits for that.
+        given_s: When it was given [s], by `time.monotonic`; none for one of a record, which holds until the next.
+    """
+
+    directive: Directive
+    by: str = ""
+    refused: Refused | None = None
+    given_s: float | None = None
+
+
+class Steering:
+    """Hands directives from any thread to the one that drives a run, which applies them between control periods.
+
+    `put` returns at once. Directives are applied in the order in which they were put; only the thread that drives the
+    run touches the simulator and the agent.
+    """
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._orders: deque[Order] = deque()
+
+    def __len__(self) -> int:
+        """How many directives wait to be applied."""
+        return len(self._orders)
+
+    def put(self, directive: Directive, *, by: str = "", refused: Refused | None = None) -> None:
+        """Give a directive, from any thread.
+
+        Args:
+            directive: The directive.
+            by: Who gives it, for the record.
+            refused: Called with the reason if it cannot be applied, such as a goal where the robot cannot stand; by
+                the thread that drives the run. The run goes on then as before.
+
+        Raises:
+            InputError: If it is no directive.
+        """
+        check_kind(directive, tuple(DIRECTIVES.values()), "a directive", "Pause(), SetGoal((5.0, 3.5)) make one")
+        if not isinstance(by, str):
+            raise InputError(f"who gives a directive is a text, got {by!r}")
+        with self._changed:
+            self._orders.append(Order(directive, by, refused, time.monotonic()))
+            self._changed.notify_all()
+
+    def take(self) -> Order | None:
+        """Take the oldest directive that waits, or None; for the thread that drives the run."""
+        with self._changed:
+            return self._orders.popleft() if self._orders else None
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Wait until there is a directive, or for so long [s]; whether there is one."""
+        with self._changed:
+            return self._changed.wait_for(lambda: bool(self._orders), timeout_s)
