@@ -42,15 +42,20 @@ export class App {
     this.emit("run", run);
   }
 
+  /** Whether a start and a goal can be chosen, as nothing is driving. */
+  get isSettingUp() {
+    return this.mode === "live" && (this.state === "idle" || this.state === "ended");
+  }
+
+  get goalsShown() {
+    const { start, goal } = this.placed;
+    if (this.isSettingUp && (start || goal)) return goal ? [goal] : [];
+    return this.run.goals;
+  }
+
   setTool(tool) {
     this.tool = tool;
     this.draft = null;
     this.emit("tool", tool);
   }
-}
-
-/** The current goal's number, from the row shown. */
-export function goalNumber(state) {
-  const value = state.row?.[12];
-  return Number.isInteger(value) ? value : 0;
 }

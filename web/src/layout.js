@@ -23,6 +23,7 @@ export function header(app, ...parts) {
       state.dataset.state = "offline";
     } else show();
   });
+  app.on("tool", (tool) => (document.documentElement.dataset.tool = tool ? "on" : "off"));
   show();
   return h("header", {}, name, state, h("span", { class: "grow" }), ...parts,
     h("button", { type: "button", id: "language", onclick: switchLanguage }, t("language")),

@@ -44,6 +44,9 @@ function startLive(app, views) {
     under: steering.element,
     side: [setup.element, parts.outcome.element, parts.status.element, parts.plots.element, parts.log.element],
   });
+  const showPlots = () => (parts.plots.element.hidden = !app.run.rows.length);
+  for (const name of ["run", "log"]) app.on(name, showPlots);
+  showPlots();
   return { ...parts, advance: (seconds) => app.clock.advance(app.run.duration, seconds, app.state !== "running") };
 }
 

@@ -44,6 +44,8 @@ export class Live {
   async on_scene({ scene }) {
     const { app } = this;
     app.scene = scene;
+    app.setRun(new Run());
+    this.state("idle"); // Until a run follows.
     app.grid = null;
     app.costmap = null;
     app.emit("costmap", null);
@@ -62,6 +64,7 @@ export class Live {
 
   on_run({ info, n }) {
     const { app } = this;
+    app.placed = {};
     app.setRun(new Run(info, n));
     this.state("running");
   }

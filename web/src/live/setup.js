@@ -27,14 +27,14 @@ export class Setup {
       h("h2", {}, t("newRun")),
       ...FIELDS.map((name) => h("label", {}, h("span", {}, t(name)), this.selects[name])),
       h("label", {}, h("span", {}, t("seed")), this.seed),
+      this.go,
       h("p", { class: "soft" }, t("choose")),
       ...places,
-      this.go,
     );
     app.on("hello", (hello) => this.fill(hello));
     app.on("placed", (placed) => this.placed(placed));
     app.on("tool", (tool) => {
-      for (const [name, element] of Object.entries(this.buttons)) element.setAttribute("aria-pressed", String(tool === name && app.state === "idle"));
+      for (const [name, element] of Object.entries(this.buttons)) element.setAttribute("aria-pressed", String(tool === name && app.isSettingUp));
     });
     for (const name of ["state", "drivers"]) app.on(name, () => this.show());
     this.show();
@@ -59,14 +59,14 @@ export class Setup {
   }
 
   placed({ tool, pose }) {
-    if (this.app.state !== "idle" || (tool !== "start" && tool !== "goal")) return;
+    if (!this.app.isSettingUp || (tool !== "start" && tool !== "goal")) return;
     this.app.placed[tool] = tool === "start" ? [pose[0], pose[1], pose[2] ?? 0] : pose;
     this.app.setTool(tool === "start" && !this.app.placed.goal ? "goal" : null);
     this.show();
   }
 
   show() {
-    this.element.hidden = this.app.state !== "idle";
+    this.element.hidden = !this.app.isSettingUp;
     for (const name of ["start", "goal"]) this.values[name].value = written(this.app.placed[name]);
     for (const element of this.element.querySelectorAll("button, select, input")) element.disabled = !this.live.youDrive;
   }

@@ -51,7 +51,7 @@ export class Steering {
   }
 
   placed({ tool, pose, append }) {
-    if (tool === "goal" && this.app.state !== "idle") {
+    if (tool === "goal" && this.going) {
       const queued = append || this.queue.checked;
       this.live.send("goal", { pose, append: queued });
       if (!queued) this.app.setTool(null);
@@ -94,6 +94,7 @@ export class Steering {
     const { state } = this.app;
     const drives = this.live.youDrive && this.live.link?.isOpen;
     const going = drives && (state === "running" || state === "paused");
+    this.going = going;
     for (const element of [this.pause, this.goal, this.box, this.end, this.queue]) element.disabled = !going;
     this.step.disabled = !going || state !== "paused";
     this.speed.disabled = !drives;
@@ -104,7 +105,7 @@ export class Steering {
     this.pause.setAttribute("aria-label", label);
     this.pause.title = label;
     this.pause.setAttribute("aria-pressed", String(paused));
-    if (!going && (this.app.tool === "box" || (this.app.tool === "goal" && state !== "idle"))) this.app.setTool(null);
+    if ((!going && this.app.tool === "box") || (going && this.app.tool === "start")) this.app.setTool(null);
     this.showText();
   }
 

@@ -162,9 +162,9 @@ function frameLayers(context, app, look, pixel) {
 }
 
 function goals(context, app, look, pixel) {
-  const poses = app.run.goals.length ? app.run.goals : app.placed.goal ? [app.placed.goal] : [];
+  const poses = app.goalsShown;
   poses.forEach((pose, i) => marker(context, pose, look.goal, pixel, poses.length > 1 ? String(i + 1) : ""));
-  if (app.state === "idle") marker(context, app.placed.start, look.path, pixel);
+  if (app.isSettingUp) marker(context, app.placed.start, look.path, pixel);
 }
 
 function draft(context, pose, look, pixel) {

@@ -17,7 +17,7 @@ export class Player {
 
   async load(encoded, info, end) {
     const episode = (await unpack(encoded)) ?? {};
-    const run = new Run(info);
+    const run = new Run(info, 1);
     run.add({ from: 0, rows: episode.rows, paths: episode.paths, events: episode.events });
     run.end = end ?? null;
     this.frames = episode.frames ?? [];

@@ -102,7 +102,7 @@ export class Cameras {
     this.last = [x, y];
     if (!this.placed || (jumped && !this.turned)) {
       controls.target.set(x, y, 0.3);
-      camera.position.set(x - 4.2 * Math.cos(yaw), y - 4.2 * Math.sin(yaw), 3.4);
+      camera.position.set(x - 4.8 * Math.cos(yaw), y - 4.8 * Math.sin(yaw), 4);
       this.placed = true;
       this.heading = yaw;
     }

@@ -16,6 +16,7 @@ class Buffer {
     this.object = new Kind(new BufferGeometry(), material);
     this.object.frustumCulled = false;
     this.capacity = 0;
+    this.filled = false;
     this.reserve(capacity);
   }
 
@@ -35,6 +36,7 @@ class Buffer {
     position.array.set(points);
     position.needsUpdate = true;
     this.object.geometry.setDrawRange(0, points.length / 3);
+    this.filled = points.length > 0;
   }
 }
 
@@ -43,6 +45,7 @@ export class Marker {
   constructor(color, radius = 0.32) {
     this.group = new Group();
     const material = new MeshBasicMaterial({ color, transparent: true, depthTest: false });
+    this.group.visible = false;
     const ring = new Mesh(new RingGeometry(radius * 0.72, radius, 40), material);
     const disc = new Mesh(new RingGeometry(0, radius * 0.18, 20), material);
     const tip = new Shape();
@@ -69,8 +72,8 @@ export class Overlay {
     this.app = app;
     this.group = new Group();
     const look = palette();
-    this.path = new Ribbon({ width: 0.1, pixels: 2.5, height: 0.02, color: look.path, order: 2 });
-    this.trail = new Ribbon({ width: 0.08, pixels: 3, height: 0.025, colored: true, order: 3 });
+    this.path = new Ribbon({ width: 0.1, pixels: 2.5, height: 0.02, order: 2 });
+    this.trail = new Ribbon({ width: 0.08, pixels: 3, height: 0.025, order: 3 });
     this.scan = new Buffer(Points, new PointsMaterial({ color: look.scan, size: 0.06, sizeAttenuation: true }));
     this.rollouts = new Buffer(LineSegments, new LineBasicMaterial({ color: look.path, transparent: true, opacity: 0.35 }));
     this.contacts = new Buffer(Points, new PointsMaterial({ color: look.contact, size: 9, sizeAttenuation: false, depthTest: false }), 16);
@@ -140,7 +143,7 @@ export class Overlay {
     this.showTrail(state);
     if (state.path !== this.shownPath) {
       this.shownPath = state.path;
-      this.path.set(state.path);
+      this.path.set(state.path, new Color(palette().path).toArray());
     }
     if (app.frame !== this.shownFrame) {
       this.shownFrame = app.frame;
@@ -148,18 +151,18 @@ export class Overlay {
     }
     this.path.mesh.visible = layers.path;
     this.trail.mesh.visible = layers.trail;
-    this.scan.object.visible = layers.scan;
-    this.rollouts.object.visible = layers.rollouts;
-    this.contacts.object.visible = layers.contacts;
-    this.tracks.object.visible = layers.tracks;
+    this.scan.object.visible = layers.scan && this.scan.filled;
+    this.rollouts.object.visible = layers.rollouts && this.rollouts.filled;
+    this.contacts.object.visible = layers.contacts && this.contacts.filled;
+    this.tracks.object.visible = layers.tracks && this.tracks.filled;
     this.footprint.visible = layers.footprint && Boolean(state.pose);
     if (this.costmap) this.costmap.visible = layers.costmap;
     if (state.pose) {
       this.footprint.position.set(state.pose[0], state.pose[1], 0);
       this.footprint.rotation.z = state.pose[2];
     }
-    this.showGoals(run.goals.length ? run.goals : app.placed.goal ? [app.placed.goal] : []);
-    this.start.place(app.state === "idle" ? app.placed.start : null);
+    this.showGoals(app.goalsShown);
+    this.start.place(app.isSettingUp ? app.placed.start : null);
     this.draft.place(app.draft);
   }
 

@@ -1,5 +1,7 @@
 // A line on the floor as a flat ribbon: as wide as it should look in metres, but never too thin to see; one draw call.
-import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshBasicMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshBasicMaterial, Vector2 } from "three";
+
+const PARTS = ["position", "side", "color"];
 
 /** How many metres a pixel covers one metre from the camera; set by the stage. */
 export const perPixel = { value: 0.001 };
@@ -7,26 +9,26 @@ export const perPixel = { value: 0.001 };
 function widened(material, width, pixels) {
   material.onBeforeCompile = (shader) => {
     shader.uniforms.perPixel = perPixel;
+    shader.uniforms.halves = { value: new Vector2(width / 2, pixels / 2) };
     shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nattribute vec2 side; uniform float perPixel;")
+      .replace("#include <common>", "#include <common>\nattribute vec2 side; uniform float perPixel; uniform vec2 halves;")
       .replace(
         "#include <project_vertex>",
         `float away = -(modelViewMatrix * vec4(transformed, 1.0)).z;
-        transformed.xy += side * max(${(width / 2).toFixed(4)}, ${(pixels / 2).toFixed(2)} * perPixel * away);
+        transformed.xy += side * max(halves.x, halves.y * perPixel * away);
         #include <project_vertex>`,
       );
   };
-  material.customProgramCacheKey = () => `ribbon-${width}-${pixels}`;
+  material.customProgramCacheKey = () => "ribbon";
   return material;
 }
 
 export class Ribbon {
-  constructor({ width, pixels, height, color = 0xffffff, colored = false, order = 3 }) {
+  constructor({ width, pixels, height, order }) {
     this.height = height;
-    this.parts = colored ? ["position", "side", "color"] : ["position", "side"];
     this.count = 0;
     this.capacity = 0;
-    const material = new MeshBasicMaterial({ color, vertexColors: colored, side: DoubleSide, transparent: true, opacity: 0.95 });
+    const material = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide, transparent: true, opacity: 0.95 });
     material.depthWrite = false;
     this.mesh = new Mesh(new BufferGeometry(), widened(material, width, pixels));
     this.mesh.frustumCulled = false;
@@ -37,7 +39,7 @@ export class Ribbon {
   reserve(points) {
     const old = this.mesh.geometry;
     const geometry = new BufferGeometry();
-    for (const part of this.parts) {
+    for (const part of PARTS) {
       const size = part === "side" ? 2 : 3;
       const attribute = new BufferAttribute(new Float32Array(points * 2 * size), size).setUsage(DynamicDrawUsage);
       if (this.count) attribute.array.set(old.attributes[part].array.subarray(0, this.count * 2 * size));
@@ -76,20 +78,20 @@ export class Ribbon {
     this.write(this.count, x, y, normal, color);
     this.last = { x, y, color, normal };
     this.count += 1;
-    for (const part of this.parts) this.mesh.geometry.attributes[part].needsUpdate = true;
+    for (const part of PARTS) this.mesh.geometry.attributes[part].needsUpdate = true;
   }
 
   write(i, x, y, [nx, ny], color) {
     const { position, side, color: tint } = this.mesh.geometry.attributes;
     position.array.set([x, y, this.height, x, y, this.height], 6 * i);
     side.array.set([nx, ny, -nx, -ny], 4 * i);
-    if (tint) tint.array.set([...color, ...color], 6 * i);
+    tint.array.set([...color, ...color], 6 * i);
   }
 
   /** Sets all points from a flat array [x, y, x, y, …]. */
-  set(points) {
+  set(points, color) {
     this.clear();
-    if (points) for (let i = 0; i + 1 < points.length; i += 2) this.add(points[i], points[i + 1]);
+    if (points) for (let i = 0; i + 1 < points.length; i += 2) this.add(points[i], points[i + 1], color);
     this.show(this.count);
   }
 }

@@ -1,9 +1,6 @@
 // The robot: its parts as they are, wheels that turn, and a soft shadow that grounds it.
-import {
-  CanvasTexture, Color, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Quaternion,
-  SRGBColorSpace, Vector3,
-} from "three";
-import { meshOf, shapes } from "./solids.js";
+import { CanvasTexture, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Vector3 } from "three";
+import { merged } from "./merge.js";
 
 function shadow(size) {
   const canvas = document.createElement("canvas");
@@ -21,59 +18,43 @@ function shadow(size) {
   return mesh;
 }
 
-function partOf(part) {
-  const material = new MeshLambertMaterial({ side: part.shape === "mesh" ? DoubleSide : 0, flatShading: part.shape === "mesh" });
-  let mesh;
-  if (part.shape === "mesh") mesh = meshOf(part, material);
-  else {
-    mesh = new Mesh(shapes[part.shape](), material);
-    mesh.scale.fromArray(part.size);
-    material.color.copy(new Color().setRGB(...part.color.slice(0, 3).map((value) => value / 255), SRGBColorSpace));
-  }
-  if ((part.color[3] ?? 255) < 250) Object.assign(material, { transparent: true, opacity: part.color[3] / 255 });
-  const [x, y, z, qw, qx, qy, qz] = part.pose;
-  mesh.position.set(x, y, z);
-  mesh.quaternion.set(qx, qy, qz, qw);
-  return mesh;
+// A bar across each wheel, so that its turning can be seen.
+function spokesOf(part) {
+  if (part.shape !== "cylinder") return [];
+  const [radius, , width] = part.size;
+  return [{ ...part, shape: "box", size: [radius * 1.5, radius * 0.22, width * 1.04], color: [226, 230, 238] }];
 }
 
-// A mark on each wheel, so that its turning can be seen.
-function spokeOf(part) {
-  const [radius, , width] = part.size;
-  const spoke = new Mesh(shapes.box(), new MeshLambertMaterial({ color: 0xe8eaef }));
-  spoke.scale.set(radius * 1.5, radius * 0.22, width * 1.04);
-  return spoke;
+/** The parts that turn together: those of one wheel, which lie around one point. */
+function wheelsOf(parts) {
+  const wheels = new Map();
+  for (const part of parts) {
+    if (!part.wheel) continue;
+    const key = `${part.wheel} ${part.pose.slice(0, 3).map((value) => value.toFixed(3))}`;
+    if (!wheels.has(key)) wheels.set(key, { side: part.wheel, origin: part.pose.slice(0, 3), axis: part.axis ?? [0, 1, 0], parts: [] });
+    wheels.get(key).parts.push(part, ...spokesOf(part));
+  }
+  return [...wheels.values()];
 }
 
 export class Robot {
   constructor(robot) {
-    this.group = new Group();
-    this.wheels = [];
+    const parts = robot.parts ?? [];
+    const material = new MeshLambertMaterial({ vertexColors: true });
     const reach = Math.max(0.2, ...robot.footprint.map(([x, y]) => Math.hypot(x, y)));
-    this.group.add(shadow(reach * 2.5));
-    for (const part of robot.parts ?? []) {
-      const mesh = partOf(part);
+    this.group = new Group();
+    this.group.add(shadow(reach * 2.5), new Mesh(merged(parts.filter((part) => !part.wheel)), material));
+    this.wheels = wheelsOf(parts).map(({ side, origin, axis, parts: turning }) => {
+      const mesh = new Mesh(merged(turning, origin), material);
+      mesh.position.fromArray(origin);
       this.group.add(mesh);
-      if (!part.wheel) continue;
-      const marks = new Group();
-      if (part.shape === "cylinder") {
-        marks.position.copy(mesh.position);
-        marks.quaternion.copy(mesh.quaternion);
-        marks.add(spokeOf(part));
-        this.group.add(marks);
-      }
-      const axis = new Vector3(...(part.axis ?? [0, 1, 0])).normalize();
-      this.wheels.push({ meshes: [mesh, marks], rest: mesh.quaternion.clone(), axis, side: part.wheel });
-    }
+      return { mesh, side, axis: new Vector3(...axis).normalize() };
+    });
   }
 
   place([x, y, yaw], [left, right]) {
     this.group.position.set(x, y, 0);
     this.group.rotation.z = yaw;
-    const turn = new Quaternion();
-    for (const { meshes, rest, axis, side } of this.wheels) {
-      turn.setFromAxisAngle(axis, side === "left" ? left : right);
-      for (const mesh of meshes) mesh.quaternion.multiplyQuaternions(turn, rest);
-    }
+    for (const { mesh, side, axis } of this.wheels) mesh.quaternion.setFromAxisAngle(axis, side === "left" ? left : right);
   }
 }

@@ -97,7 +97,7 @@ function instances(group, encoded, bounds) {
   }
 }
 
-export function meshOf({ vertices, triangles, color }, material) {
+function meshOf({ vertices, triangles, color }, material) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(array(vertices), 3));
   geometry.setIndex(new BufferAttribute(array(triangles), 1));

@@ -1,7 +1,7 @@
 // The 3D view: renderer, light, floor and camera; draws when something has changed.
 import {
-  AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Mesh, MeshLambertMaterial, PerspectiveCamera, Plane, PlaneGeometry,
-  Raycaster, Scene, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+  AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Mesh, MeshLambertMaterial, PerspectiveCamera, Plane,
+  Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { h } from "../dom.js";
 import { t } from "../strings.js";
@@ -9,16 +9,20 @@ import { onTheme, palette } from "../theme.js";
 import { buildSolids, cutaway, dispose } from "./solids.js";
 import { Cameras } from "./cameras.js";
 import { Overlay } from "./overlay.js";
+import { merged } from "./merge.js";
 import { perPixel } from "./ribbon.js";
 import { Robot } from "./robot.js";
 
 const SLOW_MS = 60; // A picture that takes longer than this on average is drawn with fewer pixels.
 
 function renderer() {
-  const made = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
-  const gl = made.getContext();
-  const info = gl.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { antialias: true, alpha: true, powerPreference: "high-performance" });
+  if (!context) throw new Error("no WebGL");
+  const made = new WebGLRenderer({ canvas, context });
+  made.debug.checkShaderErrors = false; // Asking for them holds up the first picture.
+  const info = context.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? String(context.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
   return { made, software: /swiftshader|llvmpipe|software|basic render/i.test(name) };
 }
 
@@ -51,19 +55,13 @@ export class Stage {
     this.canvas.addEventListener("webglcontextrestored", () => (app.dirty = true));
     app.on("scene", (scene) => this.setScene(scene));
     app.on("solid", (part) => this.extra.add(buildSolids({ ...part, bounds: app.scene.bounds })));
-    app.on("run", () => this.startRun());
+    app.on("run", (run) => this.startRun(run));
     app.on("costmap", (costmap) => this.overlay.setCostmap(costmap));
   }
 
   paint() {
     this.world.background = new Color(palette().sky);
-    if (this.floor) this.floor.material.color.set(this.floorColor());
     this.app.dirty = true;
-  }
-
-  floorColor() {
-    const [r, g, b] = this.app.scene?.floor?.color ?? [224, 227, 231];
-    return new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
   }
 
   setScene(scene) {
@@ -71,8 +69,8 @@ export class Stage {
     for (const child of [...this.extra.children]) dispose(child);
     this.solids = buildSolids(scene);
     const [x0, y0, , x1, y1] = scene.bounds;
-    this.floor = new Mesh(new PlaneGeometry(x1 - x0, y1 - y0), new MeshLambertMaterial());
-    this.floor.position.set((x0 + x1) / 2, (y0 + y1) / 2, 0);
+    const slab = { shape: "box", pose: [(x0 + x1) / 2, (y0 + y1) / 2, -0.05, 1, 0, 0, 0], size: [x1 - x0, y1 - y0, 0.1] };
+    this.floor = new Mesh(merged([{ ...slab, color: scene.floor.color }]), new MeshLambertMaterial({ vertexColors: true }));
     this.floor.renderOrder = -1;
     this.robot = new Robot(scene.robot);
     this.robot.group.visible = false;
@@ -82,10 +80,10 @@ export class Stage {
     this.cameras.setScene(scene);
   }
 
-  startRun() {
+  startRun(run) {
     this.overlay.setRun();
     for (const child of [...this.extra.children]) dispose(child);
-    this.cameras.startRun();
+    if (run.n) this.cameras.startRun();
   }
 
   resize() {

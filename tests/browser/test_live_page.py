@@ -1,0 +1,238 @@
+"""The live page against a server that the test plays: what it sends, and what it shows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from browser.conftest import ADDRESS
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def idle(open_page: Any, played: Any) -> Any:
+    tab, _ = open_page(ADDRESS, prepare=played.attach)
+    tab.wait_for_selector("#world option", state="attached")
+    return tab
+
+
+@pytest.fixture
+def driving(idle: Any, played: Any) -> Any:
+    played.run()
+    idle.wait_for_selector("#pause:not([disabled])")
+    return idle
+
+
+def middle(tab: Any, name: str = "#map") -> tuple[float, float]:
+    box = tab.locator(name).bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(tab: Any, dx: float, dy: float, name: str = "#map") -> None:
+    x, y = middle(tab, name)
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    if dx or dy:
+        tab.mouse.move(x + dx, y + dy, steps=3)
+    tab.mouse.up()
+
+
+def test_a_run_is_set_up_with_a_start_and_a_goal_from_the_map(idle: Any, played: Any) -> None:
+    idle.select_option("#robot", "jackal")
+    assert played.wait_for("preview")[0] == {"type": "preview", "world": "hall", "robot": "jackal"}
+    idle.click("#set-start")
+    drag(idle, 0, -40)
+    drag(idle, 60, 0)
+    idle.fill("#seed", "7")
+    idle.click("#go")
+    setup = played.wait_for("setup")[0]
+    assert (setup["world"], setup["robot"], setup["seed"]) == ("hall", "jackal", 7)
+    assert setup["start"][:2] == pytest.approx([0.0, 0.0], abs=0.2)
+    assert setup["start"][2] == pytest.approx(math.pi / 2, abs=0.05)
+    assert setup["goal"][2] == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_click_sets_a_goal_and_a_drag_its_heading(driving: Any, played: Any) -> None:
+    driving.click("#goal")
+    drag(driving, 0, 0)
+    driving.click("#goal")
+    drag(driving, -50, 0)
+    clicked, dragged = played.wait_for("goal", 2)
+    assert clicked["pose"][:2] == pytest.approx([0.0, 0.0], abs=0.2)
+    assert (clicked["pose"][2], clicked["append"]) == (None, False)
+    assert abs(dragged["pose"][2]) == pytest.approx(math.pi, abs=0.05)
+
+
+def test_a_goal_is_set_with_keys_alone(driving: Any, played: Any) -> None:
+    driving.keyboard.press("g")
+    for key in ("ArrowRight", "ArrowRight", "ArrowUp", "q", "Enter"):
+        driving.keyboard.press(key)
+    x, y, yaw = played.wait_for("goal")[0]["pose"]
+    assert (x, y) == (pytest.approx(2 * y), pytest.approx(x / 2))
+    assert y > 0.0
+    assert yaw == pytest.approx(math.pi / 12)
+    assert [message for message in played.got if message["type"] == "manual"] == []
+
+
+def test_goals_are_queued_with_shift_or_the_switch(driving: Any, played: Any) -> None:
+    driving.click("#goal")
+    driving.keyboard.down("Shift")
+    drag(driving, 0, 0)
+    driving.keyboard.up("Shift")
+    driving.keyboard.press("Escape")
+    driving.check("#queue")
+    driving.click("#goal")
+    drag(driving, 0, 0)
+    assert [goal["append"] for goal in played.wait_for("goal", 2)] == [True, True]
+
+
+def test_pause_step_speed_box_and_restart_are_sent(driving: Any, played: Any) -> None:
+    driving.click("#pause")
+    assert played.wait_for("pause")[0]["paused"] is True
+    played.frame(paused=True)
+    driving.wait_for_selector("#step:not([disabled])")
+    driving.click("#step")
+    driving.locator("#speed").focus()
+    for _ in range(4):
+        driving.keyboard.press("ArrowRight")
+    assert [message["factor"] for message in played.wait_for("speed", 4)] == [2, 3, 5, 10]
+    driving.locator("#speed").press("End")
+    assert played.wait_for("speed", 5)[-1]["factor"] == "max"
+    driving.click("#box")
+    drag(driving, 0, 0)
+    assert played.wait_for("box")[0]["size"] == [0.4, 0.4, 0.6]
+    driving.click("#restart")
+    driving.click("#next")
+    assert [message["seed"] for message in played.wait_for("restart", 2)] == [None, "next"]
+    driving.click("#end")
+    assert played.wait_for("end")
+    assert played.wait_for("step")
+
+
+@pytest.mark.parametrize(("key", "sign"), [("w", (1, 0)), ("ArrowLeft", (0, 1)), ("d", (0, -1))])
+def test_a_held_key_drives_until_it_is_let_go(driving: Any, played: Any, key: str, sign: tuple[int, int]) -> None:
+    driving.keyboard.down(key)
+    sent = played.wait_for("manual", 3)[0]
+    driving.keyboard.up(key)
+    played.wait_for("release")
+    assert (math.copysign(1, sent["v"]) * bool(sent["v"]), math.copysign(1, sent["w"]) * bool(sent["w"])) == sign
+
+
+def test_the_stick_drives_and_a_page_that_loses_focus_lets_go(driving: Any, played: Any) -> None:
+    x, y = middle(driving, ".stick")
+    driving.mouse.move(x, y)
+    driving.mouse.down()
+    driving.mouse.move(x, y - 60)
+    assert played.wait_for("manual", 2)[-1]["v"] == pytest.approx(played.recorded.scene["robot"]["limits"]["v"])
+    driving.mouse.up()
+    played.wait_for("release")
+    driving.keyboard.down("w")
+    played.wait_for("manual", 4)
+    driving.evaluate("window.dispatchEvent(new Event('blur'))")
+    played.wait_for("release", 2)
+
+
+def test_it_says_when_a_command_by_hand_was_held_back(driving: Any, played: Any) -> None:
+    played.frame(manual=1, held_back="obstacle ahead at (2.00, 3.50)")
+    driving.get_by_text("Held back: obstacle ahead at (2.00, 3.50)").wait_for()
+
+
+def test_one_drives_and_the_others_ask(open_page: Any, played: Any) -> None:
+    played.opening = lambda: played.begin(driver=7, state="running")
+    tab, _ = open_page(ADDRESS, prepare=played.attach)
+    tab.wait_for_selector("#drive")
+    played.run()
+    tab.wait_for_selector("#status .doing:text('driving')")
+    assert tab.locator("#pause").is_disabled()
+    assert tab.locator("#goal").is_disabled()
+    tab.keyboard.press("w")
+    tab.click("#drive")
+    assert played.wait_for("drive")[0]["answer"] is None
+    assert [message["type"] for message in played.got] == ["drive"]
+    played.send("drivers", driver=1, request=2, clients=3)
+    tab.click("#grant")
+    assert played.wait_for("drive", 2)[-1]["answer"] == "grant"
+    assert tab.locator("#pause").is_enabled()
+
+
+def test_a_page_that_reconnects_has_the_whole_trail(driving: Any, played: Any) -> None:
+    rows = played.recorded.run["rows"]
+
+    def again() -> None:
+        played.begin(state="running")
+        played.run(rows=len(rows))
+
+    played.opening = again
+    played.sockets[-1].close()
+    driving.get_by_text("Connection lost").wait_for()
+    assert driving.locator("#pause").is_disabled()
+    end = f"0:{rows[-1][0]:04.1f}"
+    driving.wait_for_function("end => document.querySelector('#status dd').textContent === end", arg=end)
+    assert len(played.sockets) == 2
+    assert driving.locator("#pause").is_enabled()
+
+
+def test_the_outcome_links_to_the_replay(driving: Any, played: Any) -> None:
+    played.send("end", outcome="arrived", message="arrived after 9.0 s", folder="runs/1", replay="/runs/1/report.html")
+    driving.wait_for_selector(".outcome a")
+    assert driving.locator(".outcome a").get_attribute("href") == "/runs/1/report.html"
+    assert driving.locator(".outcome .verdict").inner_text() == "arrived"
+    assert driving.locator("#go").is_visible()
+
+
+def test_refusals_are_shown_and_layers_switch(driving: Any, played: Any) -> None:
+    played.send("error", text="the goal (9.00, 9.00) is outside the map")
+    driving.get_by_text("the goal (9.00, 9.00) is outside the map").wait_for()
+    driving.click(".layers summary")
+    before = driving.locator("#map").screenshot()
+    driving.uncheck("#layer-map")
+    driving.uncheck("#layer-trail")
+    driving.wait_for_timeout(100)
+    assert driving.locator("#map").screenshot() != before
+
+
+def test_without_webgl_the_map_alone_is_left(driving: Any) -> None:
+    assert "no WebGL" in driving.locator("#scene").inner_text()
+    assert driving.locator("#map").is_visible()
+
+
+def test_a_click_on_the_floor_of_the_3d_view_sets_a_goal(open_page: Any, played: Any) -> None:
+    tab, seen = open_page(ADDRESS, prepare=played.attach, webgl=True, viewport={"width": 800, "height": 560})
+    tab.wait_for_selector("#world option", state="attached")
+    played.run()
+    tab.wait_for_selector("#pause:not([disabled])")
+    tab.click("[data-camera=top]")
+    tab.wait_for_timeout(300)
+    tab.click("#goal")
+    drag(tab, 40, 0, "#scene")
+    pose = played.wait_for("goal")[0]["pose"]
+    assert pose[:2] == pytest.approx([0.0, 0.0], abs=0.3)
+    assert pose[2] == pytest.approx(0.0, abs=0.1)
+    assert seen.problems == []
+    assert {url for url in seen.requests if not url.startswith("data:")} == {ADDRESS}
+
+
+def test_it_fits_a_phone(open_page: Any, played: Any) -> None:
+    tab, seen = open_page(
+        ADDRESS, prepare=played.attach, viewport={"width": 390, "height": 844}, locale="ko-KR", reduced_motion="reduce"
+    )
+    tab.wait_for_selector("#world option", state="attached")
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+    played.run()
+    tab.get_by_text("주행 중").wait_for()
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+    assert seen.problems == []
+
+
+def test_the_keyboard_reaches_everything_in_order(driving: Any) -> None:
+    reached = []
+    driving.evaluate("document.activeElement.blur()")
+    for _ in range(40):
+        driving.keyboard.press("Tab")
+        reached.append(driving.evaluate("document.activeElement.id"))
+    order = [name for name in ("language", "pause", "goal", "speed", "map") if name in reached]
+    assert order == ["language", "pause", "goal", "speed", "map"]
+    assert [reached.index(name) for name in order] == sorted(reached.index(name) for name in order)
