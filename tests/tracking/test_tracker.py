@@ -96,6 +96,19 @@ def test_a_walker_that_is_hidden_for_a_while_keeps_its_track():
     assert moving(tracker.tracks)[0].x == pytest.approx(3.0, abs=0.15)
 
 
+def test_a_walker_that_turns_and_is_hidden_is_forgotten_soon():
+    """What its filter makes of the first moments of a turn says little about where it goes."""
+    turns_s, hidden_s = 1.0, 1.1
+
+    def scene(time):
+        walker = (-1.3 + 1.5 * (turns_s - abs(time - turns_s)), 3.0, 0.3)
+        return [walker] if time < hidden_s - 0.01 else [walker, (0.1, 1.3, 0.8)]
+
+    _, seen = follow(scene, seconds=1.6)
+    assert any(track.y > 2.0 for track in moving(seen[22]))
+    assert not any(track.y > 2.0 for tracks in seen[26:] for track in moving(tracks))
+
+
 def test_two_that_pass_each_other_keep_their_tracks():
     _, seen = follow(lambda t: [(-2.0 + t, 3.0, 0.3), (2.0 - t, 4.0, 0.3)], seconds=4.0)
     assert sorted({track.id for tracks in seen for track in moving(tracks)}) == [1, 2]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import Any
 
@@ -27,6 +28,7 @@ _RESIZE_SHARE = 0.15
 _SIGNIFICANT = 2.5  # standard deviations
 _STAYS_SHARE = 0.6
 _FAST_MPS = 0.3
+_MEAN_S, _STRAY_M = 0.3, 0.1
 _LOST_M = 1.0
 _JUST_S = 0.15
 _FASTEST_MPS = 4.0
@@ -40,6 +42,7 @@ _FACTS = np.dtype(
         ("proofs", np.float64),
         ("confirmed", np.bool_),
         ("moving", np.bool_),
+        ("mean_velocity", np.float64, (2,)),
     ]
 )
 
@@ -150,6 +153,8 @@ class Followed:
             np.maximum(facts["proofs"] - _FORGOTTEN_PROOF, 0.0),
         )
         facts["hits"] += seen
+        shares = seen * np.where(facts["hits"] <= 2, 1.0, -math.expm1(-seconds / _MEAN_S))
+        facts["mean_velocity"] += shares[:, None] * (filters.states[:, 2:] - facts["mean_velocity"])
         centres = filters.states[:, :2]
         empty = ~seen & sweep.saw_through(centres, settings.same_surface)
         lost = np.flatnonzero(~seen)
@@ -256,6 +261,9 @@ class Followed:
             return
         silent = self._time - facts["seen_at"]
         kept = np.where(facts["confirmed"], silent <= self._settings.hidden_s, silent <= _TENTATIVE_S)
+        # What has just turned or sped up, or seems to as less and less of it is visible, may go on in any direction.
+        strays = np.hypot(*(filters.states[:, 2:] - facts["mean_velocity"]).T)
+        kept &= (silent <= _JUST_S) | (silent * strays <= _STRAY_M)
         kept &= facts["empty_s"] <= _EMPTY_S
         kept &= np.hypot(filters.states[:, 2], filters.states[:, 3]) <= _FASTEST_MPS
         kept &= filters.covariances[:, 0, 0] + filters.covariances[:, 1, 1] < _LOST_M**2

@@ -23,7 +23,8 @@ class TrackerSettings(Config):
             standard deviation.
         min_speed: What is slower stands [m/s].
         confirm_scans: So many scans must show that something moves before its track is confirmed.
-        hidden_s: How long a confirmed track is kept while something hides it [s].
+        hidden_s: How long a confirmed track is kept while something hides it [s], at most: one whose velocity has just
+            changed is forgotten earlier.
         source_timeout: Scans that are older than this are ignored [s].
 
     Raises:
