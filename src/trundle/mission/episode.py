@@ -12,9 +12,12 @@ from typing import cast
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError
+from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.path_file import load_paths
 from trundle.mission.record_file import RECORD, check_record, read_record
+from trundle.mission.steering.directives import GivenDirective
+from trundle.mission.steering.file import DIRECTIVES_FILE, load_directives
 from trundle.mission.trajectory import Trajectory
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.path import Path
@@ -135,6 +138,8 @@ class Episode:
         costmap: What the robot planned on at the start, for the notebook's picture; None where it was loaded.
         behaviors: The behaviors that ran, in order, each with its time, its reason and its result: steps of recovery,
             tasks of waypoints, and what was asked for; empty where a folder of an older version was loaded.
+        directives: What was asked of it by `Steering`, in order, each with its time; empty where nothing was. They are
+            recorded in `directives.json`.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
     """
 
@@ -155,6 +160,7 @@ class Episode:
     observer_errors: tuple[BaseException, ...] = ()
     costmap: Costmap | None = None
     behaviors: tuple[BehaviorRun, ...] = ()
+    directives: tuple[GivenDirective, ...] = ()
     folder: pathlib.Path | None = None
 
     @classmethod
@@ -190,6 +196,7 @@ class Episode:
             seed=facts.seed,
             time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
             behaviors=facts.behaviors,
+            directives=load_directives(place / DIRECTIVES_FILE) if is_file(place / DIRECTIVES_FILE) else (),
             folder=place,
         )
 

@@ -8,6 +8,7 @@ from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import RunInfo
 from trundle.mission.run_log import RunLog
+from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.truth import Measure, Truth
 from trundle.navigation import Agent
 from trundle.navigation.behaviors import BehaviorRun
@@ -44,6 +45,7 @@ def make_episode(
     *,
     goals_reached: int,
     behaviors: tuple[BehaviorRun, ...],
+    directives: tuple[GivenDirective, ...],
     world: World | None,
     wall_s: float,
     measure: Measure | None,
@@ -58,6 +60,7 @@ def make_episode(
         message: The outcome in words.
         goals_reached: The number of goals reached.
         behaviors: What the agent ran besides following its path.
+        directives: What was asked of the run.
         world: The true world, or none where it is not known.
         wall_s: Wall time of the loop [s].
         measure: Measures the surroundings for the metrics; None means that they are not measured.
@@ -109,4 +112,5 @@ def make_episode(
         time_limit_s=info.time_limit_s,
         costmap=info.costmap,
         behaviors=behaviors,
+        directives=directives,
     )

@@ -81,6 +81,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
             given means one where there are scans.
         rules: What ends the run besides the usual; none means nothing.
+        directives: Path of the directives that steer the run, as a steered run has recorded them; in a file, relative
+            to that file. None means that nothing steers it.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -116,6 +118,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     layers: LayersSettings | None = None
     collision_monitor: bool | MonitorSettings | None = None
     rules: Rules | None = None
+    directives: str | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None

@@ -27,6 +27,15 @@ def read_record(folder: Path) -> Mapping[str, Any]:
     file = folder / RECORD
     if not is_file(file):
         raise InputError(_describe_missing(folder))
+    return read_json(file, "record", _DAMAGED)
+
+
+def read_json(file: Path, what: str, advice: str) -> Mapping[str, Any]:
+    """Read a JSON object; messages say what it is, and end with the advice.
+
+    Raises:
+        InputError: If it cannot be read, or holds anything else.
+    """
     try:
         with open_file(file) as stream:
             content = read_up_to(stream, _MOST_BYTES)
@@ -35,11 +44,11 @@ def read_record(folder: Path) -> Mapping[str, Any]:
     try:
         values = json.loads(content.decode("utf-8"), parse_constant=_refuse)
     except json.JSONDecodeError as error:
-        raise InputError(f"{file}:{error.lineno}:{error.colno}: {error.msg}: {_DAMAGED}") from error
+        raise InputError(f"{file}:{error.lineno}:{error.colno}: {error.msg}: {advice}") from error
     except (UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise InputError(f"{file}: it cannot be read as JSON ({type(error).__name__}): {_DAMAGED}") from error
+        raise InputError(f"{file}: it cannot be read as JSON ({type(error).__name__}): {advice}") from error
     if not isinstance(values, dict):
-        raise InputError(f"{file}: it holds no record, which is a JSON object: {_DAMAGED}")
+        raise InputError(f"{file}: it holds no {what}, which is a JSON object: {advice}")
     return values
 
 

@@ -28,6 +28,7 @@ from trundle.mission.place import Place, make_place
 from trundle.mission.sampling import sample_mission
 from trundle.mission.session import Session
 from trundle.mission.simulation import session_options, start_backend, wrap_backend
+from trundle.mission.steering.file import load_directives
 from trundle.mission.steering.queue import Steering
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.navigation.behaviors.choice import shorten_behavior
@@ -184,7 +185,12 @@ class Scenario(ScenarioFields):
         return f"{Path(self.robot).stem}-{place}"
 
     def _paths(self) -> dict[str, str]:
-        files = {"map": self.map, "keepout": self.keepout, "speed_mask": self.speed_mask}
+        files = {
+            "map": self.map,
+            "keepout": self.keepout,
+            "speed_mask": self.speed_mask,
+            "directives": self.directives,
+        }
         paths = {key: path for key, path in files.items() if path is not None}
         if is_robot_file(self.robot):
             paths["robot"] = self.robot
@@ -266,6 +272,7 @@ class Mission(Setting):
             stop_on_contact=stop_on_contact,
             name=self.scenario.title,
             steering=steering,
+            directives=() if self.scenario.directives is None else load_directives(self.scenario.directives),
             **session_options(self.scenario, self.grid, self.robot),
         )
 

@@ -435,6 +435,7 @@ class Session:
             self._message,
             goals_reached=self._course.reached,
             behaviors=tuple(getattr(self._agent, "behavior_runs", ())),
+            directives=self.directives,
             world=world_of(self._sim),
             wall_s=self._wall_s,
             measure=self._measure,

@@ -20,6 +20,7 @@ RUN_FILES = (
     "drive.csv",
     "trajectory.npz",
     "paths.npz",
+    "directives.json",
     "scenario.yaml",
     "overlay.png",
     "video.mp4",

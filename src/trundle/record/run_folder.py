@@ -20,6 +20,7 @@ from trundle.errors import OutputError, TrundleError
 from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
 from trundle.mission.path_file import save_paths
+from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.mover_trails import MoverTrails
 from trundle.record.overlay import draw_run
@@ -39,8 +40,9 @@ WriteExtra = Callable[[Path, Episode], object]
 class RunFolder:
     """An observer that writes a run's folder at its end.
 
-    `trajectory.npz`, `paths.npz`, `scenario.yaml` and `episode.json` are written first, so that a later failure cannot
-    lose the outcome; then pictures and video. `episode.json` is written again at the end, with `complete: true`.
+    `trajectory.npz`, `paths.npz`, `scenario.yaml`, `directives.json` of a steered run, and `episode.json` are written
+    first, so that a later failure cannot lose the outcome; then pictures and video. `episode.json` is written again at
+    the end, with `complete: true`.
 
     Use it in a `with` block: an empty folder is removed if it was created here.
 
@@ -130,8 +132,7 @@ class RunFolder:
         with self._claim.replacing():
             self._save("trajectory.npz", episode.trajectory.save)
             self._save("paths.npz", lambda path: save_paths(path, episode.paths))
-            if self._scenario is not None:
-                self._save("scenario.yaml", self._scenario.save)
+            self._save_scenario(episode)
             self._save_record(episode, complete=False)
             self._save_pictures(info, episode)
             self._save_record(episode, complete=True)
@@ -148,6 +149,16 @@ class RunFolder:
             _LOGGER.warning("%s was not written: stopped by Ctrl-C", file)
         except (TrundleError, OSError, ValueError) as error:
             self._failures.append(f"{file}: {error}")
+
+    def _save_scenario(self, episode: Episode) -> None:
+        """Write what repeats the run."""
+        scenario = self._scenario
+        if episode.directives:
+            self._save(DIRECTIVES_FILE, lambda path: save_directives(path, episode.directives))
+            if scenario is not None:
+                scenario = scenario.model_copy(update={"directives": str(self.path / DIRECTIVES_FILE)})
+        if scenario is not None:
+            self._save("scenario.yaml", scenario.save)
 
     def _save_pictures(self, info: RunInfo, episode: Episode) -> None:
         if self._overlay:
