@@ -12,10 +12,18 @@ export function bytes(base64) {
 /** The typed array of {"b64", "dtype", "shape"}; a plain list of lists is flattened. */
 export function array(value) {
   if (!value) return new Float32Array(0);
+  if (ArrayBuffer.isView(value)) return value;
   if (Array.isArray(value)) return Float32Array.from(value.flat());
   const type = TYPES[value.dtype];
   if (!type) throw new Error(`unknown type of array ${value.dtype}`);
   return new type(bytes(value.b64).buffer);
+}
+
+/** Points [x, y, x, y, …] from the differences of each to the one before. */
+export function summed(deltas) {
+  const out = Int16Array.from(deltas);
+  for (let i = 2; i < out.length; i++) out[i] += out[i - 2];
+  return out;
 }
 
 /** The JSON value of {"gzip": base64}; any other value as it is. */

@@ -26,10 +26,15 @@ export async function mapRaster(map) {
 }
 
 /** A costmap's picture as an overlay: nothing where it is free, stronger where it costs more.
- * Without a map below it, it shows obstacles and unknown cells itself. */
-export async function costRaster(costmap, alone) {
+ * Without a map below it, it shows obstacles and unknown cells itself. Where there is a `base`, the picture holds the
+ * differences from that, modulo 256. */
+export async function costRaster(costmap, alone, base = null) {
   const made = await picture(costmap.png);
   const { data } = made.pixels;
+  if (base) {
+    const below = (await picture(base.png)).pixels.data;
+    for (let i = 0; i < data.length; i += 4) data[i] = (data[i] + below[i]) & 255;
+  }
   const { cost: [r, g, b], taken, unknown } = palette();
   const opaque = { 254: [...taken, alone ? 255 : 90], 255: [...unknown, alone ? 255 : 0] };
   for (let i = 0; i < data.length; i += 4) {

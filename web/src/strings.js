@@ -80,14 +80,16 @@ const KO = {
 let table = EN;
 
 export function startLanguage(fallback) {
-  const chosen = recall("lang") ?? fallback ?? navigator.language;
+  const chosen = recall("lang") ?? /lang=(\w+)/.exec(location.hash)?.[1] ?? fallback ?? navigator.language;
   table = chosen?.startsWith("ko") ? KO : EN;
   document.documentElement.lang = table === KO ? "ko" : "en";
 }
 
 /** Chooses the other language; the page is then loaded again. */
 export function switchLanguage() {
-  remember("lang", table === KO ? "en" : "ko");
+  const other = table === KO ? "en" : "ko";
+  remember("lang", other);
+  location.hash = `lang=${other}`; // For a page without storage.
   location.reload();
 }
 

@@ -1,5 +1,5 @@
 // A recorded run that plays: the time shown, its pace, and what was seen around the robot then.
-import { unpack } from "../decode.js";
+import { summed, unpack } from "../decode.js";
 import { lastAt, Run } from "../run.js";
 import { costRaster } from "../raster.js";
 
@@ -21,6 +21,7 @@ export class Player {
     run.add({ from: 0, rows: episode.rows, paths: episode.paths, events: episode.events });
     run.end = end ?? null;
     this.frames = episode.frames ?? [];
+    for (const scan of this.frames.flatMap((frame) => frame.scans ?? [])) scan.points ??= summed(scan.deltas);
     this.costmaps = episode.costmaps ?? [];
     this.solids = episode.solids ?? [];
     this.goalChanges = run.events.filter((event) => event.goals);
@@ -48,7 +49,8 @@ export class Player {
   async showCostmap(index) {
     if (index === this.costmapShown) return;
     this.costmapShown = index;
-    const costmap = index < 0 ? null : await costRaster(this.costmaps[index], !this.app.scene.map);
+    const encoded = this.costmaps[index];
+    const costmap = encoded ? await costRaster(encoded, !this.app.scene.map, this.costmaps[encoded.base]) : null;
     if (index !== this.costmapShown) return;
     this.app.costmap = costmap;
     this.app.emit("costmap", costmap);

@@ -56,10 +56,15 @@ function plansPart(run, player) {
 
 function commandPart(command) {
   const copy = button("copy", t("copy"), async () => {
-    await navigator.clipboard?.writeText(command);
-    copy.title = t("copied");
+    try {
+      await navigator.clipboard.writeText(command);
+      copy.title = t("copied");
+    } catch {
+      getSelection().selectAllChildren(text); // Where the browser allows no copying, it is ready to be copied by hand.
+    }
   });
-  return section("repeat", h("div", { class: "command" }, h("pre", { tabIndex: 0 }, h("code", {}, command)), copy));
+  const text = h("code", {}, command);
+  return section("repeat", h("div", { class: "command" }, h("pre", { tabIndex: 0 }, text), copy));
 }
 
 export function buildReport(boot, app, player, plots) {
