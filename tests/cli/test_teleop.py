@@ -102,13 +102,13 @@ def test_keys_drive_and_the_terminal_comes_back(terminal: Terminal, tmp_path: Pa
 def test_a_map_is_redrawn_in_place_and_the_summary_describes_the_drive(tmp_path: Path) -> None:
     terminal = Terminal(tmp_path, "--world=warehouse", "--start=-13,0,1.5708")
     try:
-        assert "\n" in terminal.wait_for(r"(?s)obstacle.*\x1b\[14A\r.*\x1b\[14A\r")[0]
-        frame = lines_of(terminal.text.split("\x1b[14A\r")[1])[:15]
+        assert "\n" in terminal.wait_for(r"(?s)obstacle.*\x1b\[15A\r.*\x1b\[15A\r")[0]
+        frame = lines_of(terminal.text.split("\x1b[15A\r")[1])[:16]
         assert frame[0].split()[1] == "s"
         assert sum(line.count("^") for line in frame[1:]) == 1
         assert sum(line.count("#") for line in frame[1:]) > 20
         terminal.send(b"w")
-        terminal.wait_for(r"v  0\.[1-9]")
+        terminal.wait_for(r"v  0\.[2-9]")
         terminal.send(b"q")
         out, _ = terminal.process.communicate(timeout=10)
     finally:
@@ -123,7 +123,7 @@ def test_a_map_is_redrawn_in_place_and_the_summary_describes_the_drive(tmp_path:
 def test_no_line_of_the_map_is_wider_than_the_terminal(tmp_path: Path) -> None:
     terminal = Terminal(tmp_path, "--world=warehouse")
     try:
-        terminal.wait_for(r"(?s)\x1b\[14A\r.*\x1b\[14A\r")
+        terminal.wait_for(r"(?s)\x1b\[15A\r.*\x1b\[15A\r")
     finally:
         terminal.close()
     lines = lines_of(terminal.text)
@@ -134,7 +134,7 @@ def test_what_is_no_terminal_gets_plain_lines(tmp_path: Path) -> None:
     terminal = Terminal(tmp_path, in_place=False)
     assert terminal.process.stderr is not None
     try:
-        lines = [terminal.process.stderr.readline().decode() for _ in range(4)]
+        lines = [terminal.process.stderr.readline().decode() for _ in range(5)]
         terminal.send(b"q")
         rest = terminal.process.communicate(timeout=10)[1].decode()
     finally:

@@ -14,7 +14,6 @@ from trundle.mission import (
     End,
     Episode,
     GivenDirective,
-    LiveRun,
     Manual,
     Outcome,
     Pause,
@@ -291,7 +290,8 @@ def test_a_damaged_record_of_directives_is_one_clear_error(entry, message, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("text", "message"), [("[]", "which is a JSON object"), ("{}", "no list 'directives'"), ("{", "directives.json:1:2")]
+    ("text", "message"),
+    [("[]", "which is a JSON object"), ("{}", "no list 'directives'"), ("{", "directives.json:1:2")],
 )
 def test_a_file_without_directives_is_one_clear_error(text, message, tmp_path):
     file = tmp_path / "directives.json"
@@ -385,23 +385,3 @@ def test_directives_from_eight_threads_are_all_applied(sim, navigator, start, st
     for who in range(8):
         mine = [given.directive.factor for given in session.directives if given.by == f"thread {who}"]
         assert mine == [1.0 + number for number in range(each)]
-
-
-# In real time ---------------------------------------------------------------------------------------------------------
-
-
-def test_a_live_run_steps_pauses_and_restarts(make_sim, navigator, start, steering):
-    seeds = []
-
-    def make(seed):
-        seeds.append(seed)
-        return Session(make_sim(), navigator, start, GOAL, steering=steering, seed=seed or 0)
-
-    live = LiveRun(make, steering, speed=math.inf)
-    assert live.status.state == "idle"
-    steering.put(Pause())
-    steering.put(StepOnce())
-    steering.put(Restart("next"))
-    episode = live.run()
-    assert (episode.outcome, episode.seed, seeds) == (Outcome.ARRIVED, 1, [None, 1])
-    assert (live.status.state, live.status.run, live.status.speed) == ("ended", 2, math.inf)

@@ -10,7 +10,7 @@ from types import NoneType
 from typing import Literal, cast, overload
 
 from trundle.control import Controller, Rollouts, create_controller
-from trundle.control.collision import FOOTPRINT_PADDING_M
+from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
 from trundle.costmap import Costmap, CostmapSettings
@@ -430,10 +430,16 @@ class Navigator(Drive):
         soon = self._when_taking_effect(Now(time, estimate.pose, moving, self.costmap))
         wish = self.robot.limits.clamp(command)
         allowed = self._slow_down(wish, soon)
-        assisted = assist_teleop(wish, allowed, soon, self.robot.limits, self.dt, padded=self._padded)
+        assisted = assist_teleop(
+            wish, allowed, lambda slower: self._can_stop(slower, soon), "an obstacle of the costmap"
+        )
         self._command = assisted.command
         self._delayed.send(self._command, time)
         return assisted
+
+    def _can_stop(self, command: Twist2D, now: Now) -> bool:
+        limits = self.robot.limits
+        return can_stop(now.costmap, limits, now.pose, now.twist, command, self.dt, padded=self._padded)
 
     def _last_command(self, now: float) -> Twist2D:
         """The command that the robot follows now."""

@@ -1,0 +1,180 @@
+"""Runs in real time; the clock is made up, so that no test depends on how busy the computer is."""
+
+import math
+import threading
+
+import pytest
+
+from trundle.errors import InputError
+from trundle.mission import End, LiveRun, Outcome, Pause, Restart, Session, Speed, Steering, StepOnce
+from trundle.mission.steering.pace import Pace
+from trundle.navigation import CommandScript
+
+GOAL = (3.0, 4.5)
+
+
+class Wall:
+    """Real time [s] that passes only while somebody waits, and by `work_s` in every control period."""
+
+    def __init__(self, monkeypatch):
+        self.now = 1000.0
+        monkeypatch.setattr("time.monotonic", lambda: self.now)
+        monkeypatch.setattr(Steering, "wait", lambda steering, timeout_s=None: self._wait(steering, timeout_s))
+        self.calls = []
+
+    def at(self, when, what):
+        """Call `what` when real time has come to `when` [s] after now."""
+        self.calls.append((self.now + when, what))
+        self.calls.sort(key=lambda call: call[0])
+
+    def _wait(self, steering, timeout_s):
+        until = math.inf if timeout_s is None else self.now + timeout_s
+        while self.calls and self.calls[0][0] <= until and not len(steering):
+            self.now, what = self.calls.pop(0)
+            what()
+        if len(steering):
+            return True
+        assert until < math.inf
+        self.now = until
+        return False
+
+
+class Marks:
+    """An observer that notes at what real time each step ended."""
+
+    def __init__(self, wall, work_s=0.0):
+        self.wall, self.work_s, self.times = wall, work_s, []
+
+    def on_start(self, run):
+        pass
+
+    def on_step(self, step):
+        self.wall.now += self.work_s
+        self.times.append((self.wall.now - 1000.0, step.state.time))
+
+    def on_end(self, episode):
+        pass
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    return Wall(monkeypatch)
+
+
+def run_live(make_sim, start, wall, *, seconds=2.0, speed=1.0, work_s=0.0, directives=()):
+    """Drive a script, with directives at real times; what was noted, and the live run."""
+    steering, marks = Steering(), Marks(wall, work_s)
+    for when, directive in directives:
+        wall.at(when, lambda directive=directive: steering.put(directive))
+    script = CommandScript([(0.1, 0.0, seconds)])
+    live = LiveRun(
+        lambda _: Session(make_sim(), script, start, observers=[marks], measure=None, steering=steering),
+        steering,
+        speed=speed,
+    )
+    episode = live.run()
+    assert episode.outcome in (Outcome.FINISHED, Outcome.ABORTED)
+    return marks.times, live
+
+
+@pytest.mark.parametrize("speed", [0.1, 1.0, 10.0, 50.0])
+def test_a_run_takes_the_real_time_of_its_speed(make_sim, start, wall, speed):
+    times, _ = run_live(make_sim, start, wall, speed=speed)
+    assert len(times) == 41
+    for real, simulated in times[1:]:
+        assert real == pytest.approx((simulated - 0.05) / speed, abs=1e-9)
+
+
+def test_a_run_at_most_speed_never_waits(make_sim, start, wall):
+    times, live = run_live(make_sim, start, wall, speed=math.inf)
+    assert {real for real, _ in times} == {0.0}
+    assert live.status.speed == math.inf
+
+
+def test_a_pause_holds_the_time_without_drift(make_sim, start, wall):
+    times, _ = run_live(make_sim, start, wall, directives=[(0.525, Pause()), (7.3, Pause(False))])
+    before = [real for real, _ in times if real < 1.0]
+    after = [real for real, _ in times if real >= 1.0]
+    assert before[-1] == pytest.approx(0.5)
+    assert after[0] == pytest.approx(7.3)
+    assert after == pytest.approx([7.3 + 0.05 * k for k in range(len(after))])
+    assert len(before) + len(after) == 41
+
+
+def test_a_paused_run_steps_at_once_and_by_one_period(make_sim, start, wall):
+    steps = [(1.0, StepOnce()), (1.5, StepOnce()), (2.5, End("enough"))]
+    times, live = run_live(make_sim, start, wall, directives=[(0.02, Pause()), *steps])
+    assert times[-2:] == [pytest.approx((1.0, 0.1)), pytest.approx((1.5, 0.15))]
+    assert live.status.time == pytest.approx(0.15)
+    assert live.status.factor == 0.0
+
+
+def test_another_speed_counts_from_now_on(make_sim, start, wall):
+    times, live = run_live(make_sim, start, wall, directives=[(0.92, Speed(10.0))])
+    assert times[19] == pytest.approx((0.9, 0.95))
+    assert times[-1][0] == pytest.approx(0.92 + 0.005 * 20)
+    assert live.status.speed == 10.0
+
+
+def test_a_computer_that_is_too_slow_reports_its_speed_and_does_not_hurry_later(make_sim, start, wall):
+    times, live = run_live(make_sim, start, wall, seconds=4.0, work_s=0.1)
+    assert times[-1][0] == pytest.approx(0.1 * 81, abs=0.3)
+    assert live.status.state == "ended"
+    pace = Pace()
+    for k in range(30):
+        pace.mark(0.05 * k)
+        wall.now += 0.1
+    assert pace.factor == pytest.approx(0.5)
+    assert pace.left_s(5.0, 1.0) == 0.0
+    wall.now += 10.0
+    assert pace.left_s(5.05, 1.0) == 0.0
+    assert pace.left_s(5.10, 1.0) == pytest.approx(0.05)
+
+
+def test_restarts_make_new_sessions_with_the_seed_that_was_asked_for(make_sim, navigator, start):
+    steering, seeds = Steering(), []
+
+    def make(seed):
+        seeds.append(seed)
+        return Session(make_sim(), navigator, start, GOAL, steering=steering, seed=seed or 0)
+
+    live = LiveRun(make, steering, speed=math.inf)
+    assert live.status.state == "idle"
+    for directive in (Pause(), StepOnce(), Restart("next"), Restart(), Restart(7)):
+        steering.put(directive)
+    episode = live.run()
+    assert (episode.outcome, episode.seed, seeds) == (Outcome.ARRIVED, 7, [None, 1, 1, 7])
+    assert (live.status.state, live.status.run, live.status.speed) == ("ended", 4, math.inf)
+
+
+def test_a_live_run_in_another_thread_is_paused_and_ended(make_sim, navigator, start):
+    steering = Steering()
+    live = LiveRun(lambda _: Session(make_sim(), navigator, start, GOAL, steering=steering), steering)
+    episodes = []
+    thread = threading.Thread(target=lambda: episodes.append(live.run()))
+    steering.put(Pause())
+    thread.start()
+    steering.put(End("seen enough"))
+    thread.join(30.0)
+    assert [episode.message for episode in episodes] == ["seen enough"]
+
+
+def test_ctrl_c_ends_a_live_run(make_sim, navigator, start, monkeypatch):
+    def interrupt(self, timeout_s=None):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Steering, "wait", interrupt)
+    steering, sessions = Steering(), []
+
+    def make(_):
+        sessions.append(Session(make_sim(), navigator, start, GOAL, steering=steering))
+        return sessions[-1]
+
+    assert LiveRun(make, steering).run().message == "stopped by Ctrl-C"
+    assert isinstance(sessions[0].error, KeyboardInterrupt)
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, 51.0, math.nan, "fast"])
+def test_a_speed_out_of_range_is_refused(speed):
+    with pytest.raises(InputError, match="the speed of a run"):
+        LiveRun(lambda _: None, Steering(), speed=speed)
