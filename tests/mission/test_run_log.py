@@ -3,7 +3,7 @@
 import pytest
 
 from trundle.geometry import Pose2D, Twist2D
-from trundle.mission.run_log import RunLog
+from trundle.mission.running.run_log import RunLog
 from trundle.observation import Estimate
 from trundle.robots import WheelSpeeds
 from trundle.sim import Contact, MoverState, RobotState

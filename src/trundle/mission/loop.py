@@ -8,10 +8,10 @@ from trundle.geometry import Pose2D
 from trundle.latency import Latency
 from trundle.localization import Localizer
 from trundle.mission.episode import Episode
-from trundle.mission.monitoring import Monitor
 from trundle.mission.observers import Observer
 from trundle.mission.rules import Rules
-from trundle.mission.session import Session
+from trundle.mission.running.monitoring import Monitor
+from trundle.mission.running.session import Session
 from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent
 from trundle.sim import Simulator

@@ -11,9 +11,9 @@ import numpy as np
 
 from trundle.errors import InputError, TrundleError
 from trundle.geometry import Twist2D
-from trundle.mission.course import Course
-from trundle.mission.endings import Ending
 from trundle.mission.episode import Outcome
+from trundle.mission.running.course import Course
+from trundle.mission.running.endings import Ending
 from trundle.mission.steering import directives as kinds
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering

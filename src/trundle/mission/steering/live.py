@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from trundle.mission.episode import Episode
-from trundle.mission.session import Session
+from trundle.mission.running.session import Session
 from trundle.mission.steering.directives import Speed
 from trundle.mission.steering.pace import Pace
 from trundle.mission.steering.queue import Steering

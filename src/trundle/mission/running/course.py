@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.mission import endings
-from trundle.mission.endings import Ending
 from trundle.mission.episode import Outcome
-from trundle.mission.episode_maker import AgentTotals
-from trundle.mission.goal_count import GoalCount
 from trundle.mission.observers import RunInfo
-from trundle.mission.preparation import allowed_time
 from trundle.mission.rules import Rules
+from trundle.mission.running import endings
+from trundle.mission.running.endings import Ending
+from trundle.mission.running.episode_maker import AgentTotals
+from trundle.mission.running.goal_count import GoalCount
+from trundle.mission.running.preparation import allowed_time
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
 from trundle.observation import Estimate, Observation
 from trundle.path import Path

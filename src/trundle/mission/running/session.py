@@ -13,17 +13,17 @@ from trundle.errors import ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
-from trundle.mission.course import Course, Moment
-from trundle.mission.endings import Ending
 from trundle.mission.episode import Episode, Outcome
-from trundle.mission.episode_maker import make_episode
 from trundle.mission.legs import read_goals
-from trundle.mission.monitoring import Monitor
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
-from trundle.mission.preparation import allowed_time, describe_run, prepare
 from trundle.mission.rules import Rules
-from trundle.mission.run_log import RunLog
-from trundle.mission.scan_mail import ScanMail, report_latency
+from trundle.mission.running.course import Course, Moment
+from trundle.mission.running.endings import Ending
+from trundle.mission.running.episode_maker import make_episode
+from trundle.mission.running.monitoring import Monitor
+from trundle.mission.running.preparation import allowed_time, describe_run, prepare
+from trundle.mission.running.run_log import RunLog
+from trundle.mission.running.scan_mail import ScanMail, report_latency
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.helm import Helm
 from trundle.mission.steering.queue import Steering

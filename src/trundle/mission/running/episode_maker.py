@@ -7,7 +7,7 @@ from collections import Counter
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import RunInfo
-from trundle.mission.run_log import RunLog
+from trundle.mission.running.run_log import RunLog
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.truth import Measure, Truth
 from trundle.navigation import Agent
