@@ -18,6 +18,7 @@ def test_the_demo_arrives_and_leaves_map_picture_and_record(trundle: Trundle) ->
         "map.yaml",
         "overlay.png",
         "paths.npz",
+        "report.html",
         "scenario.yaml",
         "scene.png",
         "trajectory.npz",

@@ -44,6 +44,7 @@ def test_a_run_arrives_and_leaves_its_folder(trundle: Trundle, room_map: Path) -
         "trajectory.npz",
         "paths.npz",
         "scenario.yaml",
+        "report.html",
         "overlay.png",
     }
     assert json.loads((folder / "episode.json").read_text()) | {"files": done.json["files"]} == done.json
@@ -335,7 +336,7 @@ def test_a_run_that_is_stopped(room_map: Path, tmp_path: Path, number: signal.Si
     assert process.returncode == 1, err
     assert json.loads(out)["outcome"] == "aborted"
     assert "Traceback" not in err
-    assert names == {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png"}
+    assert names == {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "report.html", "overlay.png"}
 
 
 def test_a_robot_drives_without_a_map_by_lidar_and_odometry(trundle, tmp_path):

@@ -15,7 +15,7 @@ from trundle.mission.path_file import load_paths
 from trundle.record.run_folder import RunFolder
 from trundle.record.video import encode
 
-FILES = {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png", "video.mp4"}
+FILES = {"episode.json", "trajectory.npz", "paths.npz", "scenario.yaml", "report.html", "overlay.png", "video.mp4"}
 NAMES_THAT_STAY = {
     "outcome",
     "time_s",
@@ -101,6 +101,27 @@ def test_one_file_that_fails_does_not_keep_the_others(tmp_path, scenario):
     assert "video.mp4" not in json.loads((tmp_path / "episode.json").read_text())["files"]
 
 
+@pytest.mark.parametrize("method", ["on_start", "on_step", "on_end", "run_dict"])
+def test_a_report_that_fails_does_not_cost_the_episode(tmp_path, scenario, monkeypatch, method):
+    def fail(*_):
+        raise KeyError("a fault")
+
+    monkeypatch.setattr(f"trundle.page.run_data.RunData.{method}", fail)
+    with scenario.build() as mission, RunFolder(tmp_path, scenario=mission.scenario, video=False) as folder:
+        episode = mission.run(observers=[folder])
+    assert names(tmp_path) == FILES - {"video.mp4", "report.html"}
+    (error,) = episode.observer_errors
+    assert "report.html: 'a fault'" in str(error)
+    assert json.loads((tmp_path / "episode.json").read_text())["complete"] is True
+
+
+def test_a_run_can_do_without_a_report(tmp_path, scenario):
+    with scenario.build() as mission, RunFolder(tmp_path, page=False, video=False) as folder:
+        assert not folder.wants_rollouts
+        mission.run(observers=[folder])
+    assert "report.html" not in names(tmp_path)
+
+
 def test_ctrl_c_during_the_video_leaves_the_video_out(tmp_path, scenario):
     def interrupted(run, episode):
         raise KeyboardInterrupt
@@ -133,7 +154,7 @@ def test_the_outcome_is_written_before_pictures_and_again_at_the_end(tmp_path, s
     assert (early["outcome"], early["complete"]) == ("arrived", False)
     late = json.loads((tmp_path / "r" / "episode.json").read_text())
     assert late["complete"] is True
-    assert set(late["files"]) == {"trajectory.npz", "paths.npz", "scenario.yaml", "overlay.png", "extra.txt"}
+    assert set(late["files"]) == FILES - {"episode.json", "video.mp4"} | {"extra.txt"}
     assert {key: late[key] for key in ("outcome", "distance_m", "name")} == {
         key: early[key] for key in ("outcome", "distance_m", "name")
     }
@@ -251,6 +272,8 @@ def check_whole(folder):
         elif path.name == "overlay.png":
             with Image.open(path) as image:
                 image.load()
+        elif path.name == "report.html":
+            assert path.read_text().endswith("</html>\n")
         else:
             assert path.name == "video.mp4"
             assert b"moov" in path.read_bytes()

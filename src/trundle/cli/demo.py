@@ -21,6 +21,7 @@ def demo(
     *,
     seed: options.Seed = 4,
     backend: options.Backend = "mujoco",
+    report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -34,6 +35,7 @@ def demo(
     of the scene (scene.png).
 
     Args:
+        report: Write report.html: one file with the replay, plots and figures of the run.
         video: Write video.mp4.
         view: Watch it drive in a window, if there is a screen.
         out: Output folder, which must not hold a run; default: a new one under runs.
@@ -45,6 +47,7 @@ def demo(
         scenario,
         out=out,
         overwrite=overwrite,
+        page=report,
         video=video,
         view=view,
         json=json,

@@ -35,6 +35,7 @@ def run(
     *,
     given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
     from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
+    report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -44,8 +45,8 @@ def run(
 ) -> int:
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
-    Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), overlay.png and
-    video.mp4.
+    Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), report.html,
+    overlay.png and video.mp4.
     Exit code 1: the robot did not reach the goal.
 
     Args:
@@ -53,6 +54,7 @@ def run(
             maze, cylinders, corridors, lot), or a world's file. With
             --backend isaac also an environment of Isaac Sim whose file is on this machine.
         from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
+        report: Write report.html: one file with the replay, plots and figures of the run.
         video: Write video.mp4.
         view: Watch it drive in a window, if there is a screen.
         out: Output folder, which must not hold a run; default: a new one under runs.
@@ -68,4 +70,6 @@ def run(
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
         scenario = given.make(source)
-    return missions.drive(scenario, out=out, overwrite=overwrite, video=video, view=view, json=json, quiet=quiet)
+    return missions.drive(
+        scenario, out=out, overwrite=overwrite, page=report, video=video, view=view, json=json, quiet=quiet
+    )

@@ -104,7 +104,11 @@ class Scenario(ScenarioFields):
     def _plain_for(self, path: str | os.PathLike[str]) -> dict[str, Any]:
         """Plain values for a YAML at this path, which its files are named relative to; its own fields first."""
         paths = {key: path_beside(value, path) for key, value in self._paths().items()}
-        dumped = self._with_paths(paths).model_dump(mode="json", exclude_none=True)
+        return self._with_paths(paths).plain()
+
+    def plain(self) -> dict[str, Any]:
+        """Its settings as plain values, in the short forms of its YAML."""
+        dumped = self.model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
         for key in ("world", "planner", "controller", "smoother", "backend", "localizer"):
             if key in settings:
@@ -156,6 +160,7 @@ class Scenario(ScenarioFields):
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
+        navigator.grid = place.grid if self.known_map else None
         start, goals = self._pick_ends(costmap)
         world = place.world
         if self.unmapped is not None:

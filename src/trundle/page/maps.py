@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from typing import Any
 
 import numpy as np
@@ -29,29 +30,39 @@ def grid_png(grid: OccupancyGrid) -> dict[str, Any]:
     occupancy = np.clip(grid.data, 0, 100).astype(np.float32)
     grey = (FREE_GREY - np.rint(occupancy * (FREE_GREY / 100.0))).astype(np.uint8)
     grey[grid.data < 0] = UNKNOWN_GREY
-    return _picture(grid, 255 - grey, invert=True)
+    values, factor = _shrunk(255 - grey)
+    return _picture(grid, 255 - values, factor)
 
 
-def costmap_png(costmap: Costmap) -> dict[str, Any]:
+def costmap_png(costmap: Costmap, *, base: Costmap | None = None) -> dict[str, Any]:
     """A costmap as {"png", "resolution", "origin", "width", "height"}: grey values are Nav2's costs, row 0 at the top.
 
     A costmap of more than 4 million cells gets larger cells, of which each has the largest cost of those that it holds.
+
+    Args:
+        costmap: The costmap.
+        base: One of the same extent: then the picture holds how much higher the costs are, modulo 256.
     """
-    return _picture(costmap, costmap.data, invert=False)
+    values, factor = _shrunk(costmap.data)
+    if base is not None:
+        values = values - _shrunk(base.data)[0]
+    return _picture(costmap, values, factor)
 
 
-def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], *, invert: bool) -> dict[str, Any]:
-    factor = int(np.ceil(np.sqrt(values.size / _MOST_CELLS)))
-    if factor > 1:
-        values = _coarser(values, factor)
-    shown = 255 - values if invert else values
+def _picture(frame: GridFrame, values: npt.NDArray[np.uint8], factor: int) -> dict[str, Any]:
     return {
-        "png": base64.b64encode(encode_png(np.ascontiguousarray(shown[::-1]))).decode(),
+        "png": base64.b64encode(encode_png(np.ascontiguousarray(values[::-1]))).decode(),
         "resolution": frame.resolution * factor,
         "origin": rounded(frame.origin.as_tuple(), 6),
         "width": int(values.shape[1]),
         "height": int(values.shape[0]),
     }
+
+
+def _shrunk(values: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.uint8], int]:
+    """Values in cells of so many times the size that they are few enough, and that factor."""
+    factor = math.ceil(math.sqrt(values.size / _MOST_CELLS))
+    return (_coarser(values, factor) if factor > 1 else values), factor
 
 
 def _coarser(values: npt.NDArray[np.uint8], factor: int) -> npt.NDArray[np.uint8]:

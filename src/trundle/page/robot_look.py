@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from trundle.geometry import FloatArray
 from trundle.page.encoding import pack_array, rounded
 from trundle.robots import Robot
-from trundle.sim.mujoco.model import robot_spec
-from trundle.sim.mujoco.robot_looks import GROUP_LOOKS
 
-_SIDES = {1: "left", -1: "right"}
+_ACROSS_Y = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+_TYRE = [13, 13, 14, 255]
+_STEEL = [158, 163, 168, 255]
 
 
 def robot_of(robot: Robot) -> dict[str, Any]:
-    """A robot: footprint, limits, wheels, lidars, and its visible parts in base_link."""
+    """A robot: footprint, limits, wheels, lidars, and its visible parts in base_link.
+
+    Without MuJoCo, as in Isaac Sim's own Python, the parts are a plain body and wheels.
+    """
+    try:
+        from trundle.page.robot_parts import engine_parts
+    except ImportError:
+        parts = plain_parts(robot)
+    else:
+        parts = engine_parts(robot)
     limits = robot.limits
     return {
         "name": robot.name,
@@ -32,7 +41,7 @@ def robot_of(robot: Robot) -> dict[str, Any]:
         },
         "wheel_radius": robot.drive.wheel_radius,
         "track": robot.drive.track_width,
-        "parts": _parts_of(robot),
+        "parts": parts,
         "lidars": [
             {"name": name, "pose": rounded((lidar.x, lidar.y, lidar.z, lidar.yaw))}
             for name, lidar in robot.lidars.items()
@@ -40,54 +49,49 @@ def robot_of(robot: Robot) -> dict[str, Any]:
     }
 
 
-def _parts_of(robot: Robot) -> list[dict[str, Any]]:
-    model = robot_spec(robot).compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    sides = {int(model.jnt_bodyid[model.joint(wheel.joint).id]): _SIDES[wheel.side] for wheel in robot.drive.wheels}
-    return [
-        _part_of(model, data, geom, sides.get(int(model.geom_bodyid[geom])))
-        for geom in range(model.ngeom)
-        if model.geom_group[geom] == GROUP_LOOKS
-    ]
+def plain_parts(robot: Robot) -> list[dict[str, Any]]:
+    """The body as a prism of the footprint, and the wheels with a bar that shows how they turn."""
+    drive = robot.drive
+    radius, width = drive.wheel_radius, drive.wheel_width
+    color = [round(255.0 * value) for value in robot.body.color]
+    parts = [_prism(robot.outline, robot.body.clearance, robot.body.height, [*color, 255])]
+    for wheel in drive.wheels:
+        side = "left" if wheel.side > 0 else "right"
+        at = (wheel.x, wheel.side * drive.track_width / 2.0, radius)
+        bar = (1.2 * radius, 1.1 * width, 0.2 * radius)
+        parts += [
+            _part("cylinder", (*at, *_ACROSS_Y), (radius, radius, width), _TYRE, side),
+            _part("box", (*at, 1.0, 0.0, 0.0, 0.0), bar, _STEEL, side),
+        ]
+    return parts
 
 
-def _part_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int, wheel: str | None) -> dict[str, Any]:
-    turned = np.zeros(4)
-    mujoco.mju_mat2Quat(turned, data.geom_xmat[geom])
-    shape, size, mesh = _shape_of(model, geom)
-    color = np.rint(255.0 * np.clip(model.geom_rgba[geom], 0.0, 1.0)).astype(int).tolist()
+def _part(
+    shape: str, pose: tuple[float, ...], size: tuple[float, ...], color: list[int], wheel: str | None
+) -> dict[str, Any]:
     return {
         "shape": shape,
-        "pose": rounded([*data.geom_xpos[geom], *turned], 5),
-        "size": rounded(size.tolist(), 5),
+        "pose": rounded(pose, 5),
+        "size": rounded(size, 5),
         "color": color,
         "wheel": wheel,
         "axis": None if wheel is None else [0, 1, 0],
-        **mesh,
     }
 
 
-def _shape_of(model: mujoco.MjModel, geom: int) -> tuple[str, FloatArray, dict[str, Any]]:
-    """Name, size and, of a mesh, the triangles of a geom."""
-    size = model.geom_size[geom]
-    match model.geom_type[geom]:
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            return "box", 2.0 * size, {}
-        case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            return "cylinder", np.array([size[0], size[0], 2.0 * size[1]]), {}
-        case mujoco.mjtGeom.mjGEOM_SPHERE:
-            return "sphere", np.full(3, size[0]), {}
-        case _:
-            mesh = model.geom_dataid[geom]
-            first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-            face, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
-            vertices = model.mesh_vert[first : first + count]
-            return (
-                "mesh",
-                np.ptp(vertices, axis=0),
-                {
-                    "vertices": pack_array(vertices, "f4"),
-                    "triangles": pack_array(model.mesh_face[face : face + faces], "u4"),
-                },
-            )
+def _prism(outline: FloatArray, low: float, high: float, color: list[int]) -> dict[str, Any]:
+    """A convex outline [m], counter-clockwise, from one height to another."""
+    count = len(outline)
+    vertices = np.vstack([np.c_[outline, np.full(count, z)] for z in (low, high)])
+    triangles: list[tuple[int, int, int]] = []
+    for i in range(count):
+        j = (i + 1) % count
+        triangles += [(i, j, count + j), (i, count + j, count + i)]
+    for i in range(1, count - 1):
+        triangles += [(0, i + 1, i), (count, count + i, count + i + 1)]
+    size = tuple(np.ptp(vertices, axis=0).tolist())
+    return {
+        **_part("mesh", (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), size, color, None),
+        "vertices": pack_array(vertices, "f4"),
+        "triangles": pack_array(np.array(triangles), "u4"),
+    }

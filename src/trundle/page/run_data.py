@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Generic, TypeVar
+
+import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
 from trundle.observation import Scan
+from trundle.page.encoding import unpack_array
 from trundle.page.frames import frame_of
 from trundle.page.maps import costmap_png
 from trundle.page.run_lines import RunLines
@@ -17,9 +20,18 @@ MOST_ROWS = 36_000
 """Half an hour of control periods; of a longer run, every second row, every fourth, and so on."""
 
 _MOST_FRAME_BYTES = 3_000_000
-_MOST_COSTMAP_BYTES = 600_000
+_MOST_COSTMAP_BYTES = 300_000
+_MOST_CELLS = 30_000_000
 _FRAME_S = 0.2
 _COSTMAP_S = 2.0
+_MOST_CONTACTS = 200
+_APART_CM = 8
+"""Points of a kept scan nearer to the one before are left out."""
+
+_LISTS = ("rows", "paths", "events", "frames", "costmaps", "contacts")
+
+
+_Item = TypeVar("_Item")
 
 
 class RunData:
@@ -34,10 +46,12 @@ class RunData:
     def __init__(self) -> None:
         self.lines: RunLines | None = None
         self._info: RunInfo | None = None
-        self._frames = _Thinned(_FRAME_S, _MOST_FRAME_BYTES)
-        self._costmaps = _Thinned(_COSTMAP_S, _MOST_COSTMAP_BYTES)
+        self._frames: _Thinned[dict[str, Any]] = _Thinned(_FRAME_S, _MOST_FRAME_BYTES)
+        self._costmaps: _Thinned[Costmap] = _Thinned(_COSTMAP_S, _MOST_CELLS)
         self._shown: Costmap | None = None
         self._scans: dict[str, Scan] = {}
+        self._contacts: list[dict[str, Any]] = []
+        self._touching: frozenset[str] = frozenset()
 
     def on_start(self, run: RunInfo) -> None:
         """Begin."""
@@ -48,17 +62,18 @@ class RunData:
         if self.lines is None:
             return
         self.lines.add(step)
+        self._add_contacts(step)
         for scan in step.scans:
             self._scans[scan.lidar] = scan
         time = step.state.time
         if self._frames.is_due(time) and (step.movers or self._scans or step.tracks or step.rollouts):
             frame = frame_of(step, scans=tuple(self._scans.values()))
+            frame["scans"] = [_compact(scan) for scan in frame["scans"]]
             self._frames.add(time, frame, _weight(frame))
             self._scans.clear()
         if step.costmap is not None and step.costmap is not self._shown and self._costmaps.is_due(time):
             self._shown = step.costmap
-            picture = {"t": round(time, 4), **costmap_png(step.costmap)}
-            self._costmaps.add(time, picture, len(picture["png"]))
+            self._costmaps.add(time, step.costmap, step.costmap.data.size)
 
     def on_end(self, episode: Episode) -> None:
         """Add how it ended."""
@@ -66,10 +81,10 @@ class RunData:
             self.lines.end(episode)
 
     def run_dict(self) -> dict[str, Any]:
-        """{"info", "rows", "paths", "events", "frames", "costmaps"}; see `RunLines` and `frame_of`."""
+        """{"info", "rows", "paths", "events", "frames", "costmaps", "contacts"}; see `RunLines` and `frame_of`."""
         lines = self.lines
         if lines is None:
-            return {"info": None, "rows": [], "paths": [], "events": [], "frames": [], "costmaps": []}
+            return {"info": None, **{name: [] for name in _LISTS}}
         step = -(-len(lines.rows) // MOST_ROWS) or 1
         last = [] if (len(lines.rows) - 1) % step == 0 else lines.rows[-1:]
         return {
@@ -77,18 +92,67 @@ class RunData:
             "rows": [*lines.rows[::step], *last],
             "paths": lines.paths,
             "events": lines.events,
-            "frames": self._frames.kept,
-            "costmaps": self._costmaps.kept,
+            "frames": [frame for _, frame in self._frames.kept],
+            "costmaps": encode_costmaps(self._costmaps.kept, _MOST_COSTMAP_BYTES),
+            "contacts": self._contacts,
         }
 
+    def _add_contacts(self, step: Step) -> None:
+        """Keep where a touch begins."""
+        touched = frozenset(contact.other for contact in step.state.contacts)
+        for contact in step.state.contacts:
+            if contact.other not in self._touching and len(self._contacts) < _MOST_CONTACTS:
+                self._touching |= {contact.other}
+                what = f"{contact.part} touches {contact.other}"
+                x, y = round(contact.x, 3), round(contact.y, 3)
+                self._contacts.append({"t": round(step.state.time, 4), "what": what, "x": x, "y": y})
+        self._touching = touched
 
-class _Thinned:
+
+def encode_costmaps(costmaps: Sequence[tuple[float, Costmap]], most_bytes: int) -> list[dict[str, Any]]:
+    """Costmaps at times as {"t", …} of `costmap_png`; of too many, every second one.
+
+    One of the same extent as one before, "base" in the list, has as its picture what the costs are above those of the
+    base, modulo 256.
+    """
+    while True:
+        found = [{"t": round(time, 4), **picture} for time, picture in _encode_in_turn(costmaps)]
+        if len(found) < 2 or sum(len(one["png"]) for one in found) <= most_bytes:
+            return found
+        costmaps = costmaps[::2]
+
+
+def _encode_in_turn(costmaps: Sequence[tuple[float, Costmap]]) -> Iterator[tuple[float, dict[str, Any]]]:
+    base, at = None, 0
+    for index, (time, costmap) in enumerate(costmaps):
+        if base is None or (costmap.shape, costmap.resolution, costmap.origin) != (
+            base.shape,
+            base.resolution,
+            base.origin,
+        ):
+            base, at = costmap, index
+            yield time, costmap_png(costmap)
+        else:
+            yield time, {**costmap_png(costmap, base=base), "base": at}
+
+
+def _compact(scan: Mapping[str, Any]) -> dict[str, Any]:
+    """A scan of a frame with "deltas", the differences from point to point [cm], instead of its points."""
+    points = unpack_array(scan["points"]).astype(np.int64)
+    cells = points // _APART_CM
+    kept = np.ones(len(points), dtype=np.bool_)
+    kept[1:] = (cells[1:] != cells[:-1]).any(axis=1)
+    deltas = np.diff(points[kept], axis=0, prepend=np.zeros((1, 2), dtype=np.int64))
+    return {"name": scan["name"], "pose": scan["pose"], "deltas": deltas.ravel().tolist()}
+
+
+class _Thinned(Generic[_Item]):
     """Items at times, of which every second one is dropped when they are too large together."""
 
     def __init__(self, period_s: float, most_bytes: int) -> None:
         self._period_s = period_s
         self._most = most_bytes
-        self._items: list[tuple[float, Mapping[str, Any], int]] = []
+        self._items: list[tuple[float, _Item, int]] = []
         self._size = 0
         self._due = 0.0
 
@@ -96,7 +160,7 @@ class _Thinned:
         """Whether one is wanted now [s]."""
         return time >= self._due - 1e-9
 
-    def add(self, time: float, item: Mapping[str, Any], size: int) -> None:
+    def add(self, time: float, item: _Item, size: int) -> None:
         """Keep one."""
         self._items.append((time, item, size))
         self._size += size
@@ -107,13 +171,13 @@ class _Thinned:
         self._due = time + self._period_s
 
     @property
-    def kept(self) -> list[Mapping[str, Any]]:
-        """Those that are left, in order."""
-        return [item for _, item, _ in self._items]
+    def kept(self) -> list[tuple[float, _Item]]:
+        """Those that are left, in order, each with its time [s]."""
+        return [(time, item) for time, item, _ in self._items]
 
 
 def _weight(frame: Mapping[str, Any]) -> int:
     """About how many bytes a frame takes as JSON."""
-    scans = sum(len(scan["points"]["b64"]) + 80 for scan in frame["scans"])
+    scans = sum(3 * len(scan["deltas"]) + 80 for scan in frame["scans"])
     rollouts = sum(12 * len(line) for line in frame["rollouts"])
     return 100 + scans + rollouts + 40 * (len(frame["movers"]) + len(frame["tracks"]) + len(frame["contacts"]))

@@ -22,6 +22,7 @@ RUN_FILES = (
     "paths.npz",
     "directives.json",
     "scenario.yaml",
+    "report.html",
     "overlay.png",
     "video.mp4",
     "video.gif",

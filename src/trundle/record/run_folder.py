@@ -21,6 +21,8 @@ from trundle.files.writing import write_bytes, write_text
 from trundle.mission import Episode, RunInfo, Scenario, Step
 from trundle.mission.path_file import save_paths
 from trundle.mission.steering.file import DIRECTIVES_FILE, save_directives
+from trundle.page.report import REPORT, report_scene, write_report
+from trundle.page.run_data import RunData
 from trundle.record.folder_claim import FolderClaim
 from trundle.record.mover_trails import MoverTrails
 from trundle.record.overlay import draw_run
@@ -41,8 +43,8 @@ class RunFolder:
     """An observer that writes a run's folder at its end.
 
     `trajectory.npz`, `paths.npz`, `scenario.yaml`, `directives.json` of a steered run, and `episode.json` are written
-    first, so that a later failure cannot lose the outcome; then pictures and video. `episode.json` is written again at
-    the end, with `complete: true`.
+    first, so that a later failure cannot lose the outcome; then the report, pictures and video. `episode.json` is
+    written again at the end, with `complete: true`.
 
     Use it in a `with` block: an empty folder is removed if it was created here.
 
@@ -51,6 +53,7 @@ class RunFolder:
         name: Name of the run, for the folder's name.
         overwrite: Replace an existing run in the folder; it is deleted once the new one is complete.
         scenario: The exact scenario, written as `scenario.yaml`; None if the run has none.
+        page: Whether to write `report.html`: one file with the replay, plots and figures of the run.
         overlay: Whether to draw `overlay.png`.
         video: Whether to make `video.mp4`.
         frames: Source of the video's pictures; None means a drawn view from above.
@@ -72,6 +75,7 @@ class RunFolder:
         name: str = "run",
         overwrite: bool = False,
         scenario: Scenario | None = None,
+        page: bool = True,
         overlay: bool = True,
         video: bool = True,
         frames: MakeFrames | None = None,
@@ -83,6 +87,7 @@ class RunFolder:
         self.path = self._claim.path
         self.record: dict[str, object] | None = None
         self._scenario = scenario
+        self._data = RunData() if page else None
         self._overlay = overlay
         self._video = video
         self._frames = frames
@@ -101,8 +106,8 @@ class RunFolder:
 
     @property
     def wants_rollouts(self) -> bool:
-        """Whether it needs the samples of the controller: for its video."""
-        return bool(self._video)
+        """Whether it needs the samples of the controller: for its video and its report."""
+        return bool(self._video) or self._data is not None
 
     def on_start(self, run: RunInfo) -> None:
         """Store the information of the run.
@@ -113,11 +118,13 @@ class RunFolder:
         if self.record is not None:
             raise OutputError(f"{self.path} already has a run; create another RunFolder for the next one")
         self._info = run
+        self._follow(lambda data: data.on_start(run))
 
     def on_step(self, step: Step) -> None:
         """Keep where the movers are, and what the video shows of samples; the episode has everything else."""
         self._movers.add(step.state.time, step.state.movers)
-        if self.wants_rollouts:
+        self._follow(lambda data: data.on_step(step))
+        if self._video:
             self._samples.add(step.index, step.rollouts)
 
     def on_end(self, episode: Episode) -> None:
@@ -134,6 +141,7 @@ class RunFolder:
             self._save("paths.npz", lambda path: save_paths(path, episode.paths))
             self._save_scenario(episode)
             self._save_record(episode, complete=False)
+            self._save_report(info, episode)
             self._save_pictures(info, episode)
             self._save_record(episode, complete=True)
         self._claim.close()
@@ -159,6 +167,30 @@ class RunFolder:
                 scenario = scenario.model_copy(update={"directives": str(self.path / DIRECTIVES_FILE)})
         if scenario is not None:
             self._save("scenario.yaml", scenario.save)
+
+    def _follow(self, follow: Callable[[RunData], object]) -> None:
+        """Let the report follow the run; where it fails, the run and its other files go on without it."""
+        if self._data is None:
+            return
+        try:
+            follow(self._data)
+        except Exception as error:  # noqa: BLE001 - a report never costs the record of a run
+            self._data = None
+            self._failures.append(f"{REPORT}: {error or type(error).__name__}")
+
+    def _save_report(self, info: RunInfo, episode: Episode) -> None:
+        self._follow(lambda data: data.on_end(episode))
+        self._follow(lambda data: self._save(REPORT, lambda path: self._write_report(path, data, info)))
+
+    def _write_report(self, path: Path, data: RunData, info: RunInfo) -> None:
+        write_report(
+            path,
+            run=data.run_dict(),
+            scene=report_scene(info.world, info.robot, info.grid),
+            record=self.record or {},
+            settings=None if self._scenario is None else self._scenario.plain(),
+            folder=self.path,
+        )
 
     def _save_pictures(self, info: RunInfo, episode: Episode) -> None:
         if self._overlay:

@@ -27,6 +27,7 @@ def drive(
     quiet: bool,
     with_place: bool = False,
     narrate: bool = False,
+    page: bool = True,
 ) -> int:
     """Run a scenario once, record it, and print the result.
 
@@ -40,6 +41,7 @@ def drive(
         quiet: No progress bar and no remarks.
         with_place: Whether to add the map and a picture of the scene to the folder.
         narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
+        page: Whether to write report.html.
 
     Returns:
         The exit code: 0 if the robot arrived, else 1.
@@ -77,6 +79,7 @@ def drive(
                     name=scenario.title,
                     overwrite=overwrite,
                     scenario=mission.scenario,
+                    page=page,
                     video=video,
                     frames=frames,
                     report=bar.report,
@@ -84,7 +87,7 @@ def drive(
                 )
             )
             if narrate:
-                recorded = "record, pictures and video" if video else "record and pictures"
+                recorded = "record, report, pictures and video" if video else "record, report and pictures"
                 output.remark(f"Planning and driving, then writing {recorded}", quiet=quiet)
             episode = mission.run(observers=[*observers, bar, folder])
         _report(episode, folder, json=json)
