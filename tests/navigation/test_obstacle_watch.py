@@ -65,3 +65,27 @@ def test_the_last_plan_before_it_gives_up_may_search_for_long():
     watch.follow(Pose2D(0.0, 0.0), 20.1)
     assert watch.gives_up
     assert watch.is_thorough(0.1, stands=True)
+
+
+def test_it_is_more_patient_while_what_was_seen_to_move_occupies_the_goal():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, goal_patience_s=60.0)
+    watch.follow(Pose2D(0.0, 0.0), 0.0)
+    watch.see(0.0)
+    watch.by_mover_at_goal = True
+    watch.follow(Pose2D(0.0, 0.0), 59.0)
+    assert not watch.gives_up
+    watch.follow(Pose2D(0.0, 0.0), 60.1)
+    assert watch.gives_up
+    watch.follow(Pose2D(1.0, 0.0), 70.0)
+    watch.follow(Pose2D(1.0, 0.0), 100.0)
+    assert not watch.gives_up
+    watch.clear()
+    assert watch.gives_up
+
+
+def test_patience_at_the_goal_is_never_less_than_elsewhere():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, goal_patience_s=5.0)
+    watch.by_mover_at_goal = True
+    watch.follow(Pose2D(0.0, 0.0), 0.0)
+    watch.follow(Pose2D(0.0, 0.0), 19.0)
+    assert not watch.gives_up

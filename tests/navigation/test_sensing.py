@@ -127,6 +127,23 @@ def test_a_goal_that_cannot_be_reached_within_its_tolerance_is_given_up_with_the
     assert any("is occupied by something" in message for message in run.messages)
 
 
+def visitor(seconds):
+    """A person who walks to the goal, and away from it after so many seconds."""
+    there = Waypoints([(0.0, 8.5, 5.2), (4.0, 8.5, 3.0), (4.0 + seconds, 8.5, 3.0), (8.0 + seconds, 8.5, 5.2)])
+    return Mover("visitor", person_body(), there)
+
+
+@pytest.mark.parametrize(("stays_s", "status"), [(12.0, NavigationStatus.ARRIVED), (60.0, NavigationStatus.NO_PATH)])
+def test_it_waits_for_what_was_seen_to_move_to_leave_the_goal(stays_s, status):
+    settings = NavigatorSettings(patience_s=3.0, goal_patience_s=20.0)
+    navigator = Navigator(grid_of(room()), ROBOT, settings=settings)
+    world = World("room", room().solids, movers=(visitor(stays_s + 4.0),))
+    run = Run(world, navigator, Pose2D(4.0, 3.0))
+    assert (navigator.status, run.contact) == (status, "")
+    assert navigator.standing_reasons["goal occupied"] > 20
+    assert run.time > stays_s if status is NavigationStatus.ARRIVED else run.time < 60.0
+
+
 class Ghost:
     """Adds what a lidar at the front would see of a wall across the room, for some seconds."""
 

@@ -11,6 +11,7 @@ from trundle.errors import PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
+from trundle.observation import Track
 from trundle.planning import Planner, Smoother
 
 
@@ -43,6 +44,7 @@ class Drive:
         self.progress_checker: ProgressChecker = settings.make_progress_checker()
         self.smoother: Smoother | None = None
         self.status = NavigationStatus.IDLE
+        self.tracks: tuple[Track, ...] = ()
         Drive._begin(self, None)
 
     def _begin(self, target: Goal | None) -> None:

@@ -493,6 +493,7 @@ class Navigator(Drive):
         pose, twist, replanner = now.pose, now.twist, self._replanner
         replanner.obstacle.follow(pose, now.time)
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
+            self._count_reason(replanner.standing_reason)
             return _STAND
         recovering = self._runner.is_recovering
         held, self._is_held = self._is_held, False
@@ -514,7 +515,8 @@ class Navigator(Drive):
         try:
             command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
         except NoValidControlError:
-            command, blocked = _STAND, "no valid control"
+            occupied = replanner.obstacle.is_blocked and replanner.standing_reason == "goal occupied"
+            command, blocked = _STAND, "goal occupied" if occupied else "no valid control"
         reason = getattr(self.controller, "reason", "") or blocked
         self._count_reason(reason)
         return self._recovery.watch(self._cut(command, now), now, reason)

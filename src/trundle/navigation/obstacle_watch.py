@@ -21,26 +21,32 @@ class ObstacleWatch:
     Args:
         wait_s: How long a long detour is put off [s]: what may move gets time to do so.
         patience_s: How long the robot stands without any path before it gives up [s].
+        goal_patience_s: The same while what was seen to move occupies the goal [s], if that is longer.
 
     Attributes:
         since: When the path was found blocked [s]; None where it is free.
-        gives_up: Whether the robot has stood at one place for too long.
+        by_mover_at_goal: Whether what was seen to move occupies the goal, or did since the path was found blocked.
     """
 
-    def __init__(self, wait_s: float, patience_s: float) -> None:
+    def __init__(self, wait_s: float, patience_s: float, goal_patience_s: float = 0.0) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
-        self._patience = ProgressChecker(required_movement_angle=7.0, movement_time_allowance=patience_s)
+        self._patience, self._goal_patience = (
+            ProgressChecker(required_movement_angle=7.0, movement_time_allowance=seconds)
+            for seconds in (patience_s, max(patience_s, goal_patience_s))
+        )
         self.reset()
 
     def reset(self) -> None:
         """Start over."""
         self._patience.reset()
-        self.gives_up = False
+        self._goal_patience.reset()
+        self._is_spent = self._is_goal_spent = False
         self.clear()
 
     def clear(self) -> None:
         """The path is free."""
         self.since: float | None = None
+        self.by_mover_at_goal = False
         self._planned_at: float | None = None
         self._every_s = PLAN_EVERY_S
         self._back_up_at = 0.0
@@ -50,6 +56,11 @@ class ObstacleWatch:
     def is_blocked(self) -> bool:
         """Whether something blocks the path."""
         return self.since is not None
+
+    @property
+    def gives_up(self) -> bool:
+        """Whether the robot has stood at one place for too long."""
+        return self._is_goal_spent if self.by_mover_at_goal else self._is_spent
 
     def see(self, time: float) -> None:
         """The path is blocked at this time [s]."""
@@ -93,4 +104,5 @@ class ObstacleWatch:
 
     def follow(self, pose: Pose2D, time: float) -> None:
         """Take where the robot is now [s]."""
-        self.gives_up = not self._patience.is_moving_on(pose, time)
+        self._is_spent = not self._patience.is_moving_on(pose, time)
+        self._is_goal_spent = not self._goal_patience.is_moving_on(pose, time)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable
 
@@ -57,7 +58,7 @@ class Replanner:
         self._quick, self._take_up = quick, take
         settings = drive.settings
         self.tries = PlanningTries(settings.planning_deadline_s)
-        self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s)
+        self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.goal_patience_s)
         self.followed: FollowedPath | None = None
         self._ends_short = False
         self._checked: Costmap | None = None
@@ -178,10 +179,33 @@ class Replanner:
         drive = self._drive
         drive.status = NavigationStatus.NO_PATH
         if self._sensed.is_active:
-            self.obstacle.see(now.time)
+            self._see(now)
             if not self.obstacle.gives_up:
                 drive.status, drive.message = NavigationStatus.BLOCKED, f"blocked: {drive.error}"
         return False
+
+    @property
+    def standing_reason(self) -> str:
+        """Why a robot that stands has no path to follow, by the last plan; empty where it has one."""
+        drive = self._drive
+        if drive.error is None:
+            return "waiting to plan" if self.tries.pending else ""
+        pose = drive.error.pose if isinstance(drive.error, BlockedPoseError) else None
+        if pose is not None and any((goal.pose.x, goal.pose.y) == pose[:2] for goal in drive.ahead):
+            return "goal occupied"
+        return "no path"
+
+    def _see(self, now: Now) -> None:
+        """The path is blocked now; remember whether by what was seen to move and occupies the goal."""
+        obstacle, drive = self.obstacle, self._drive
+        obstacle.see(now.time)
+        if obstacle.by_mover_at_goal or not drive.ahead:
+            return
+        goal, reach = drive.ahead[-1].pose, self._robot.circumscribed_radius + drive.goal_checker.xy_tolerance
+        obstacle.by_mover_at_goal = any(
+            track.confirmed and math.hypot(track.x - goal.x, track.y - goal.y) < reach + track.radius
+            for track in drive.tracks
+        )
 
     # Planning again -------------------------------------------------------------------------------------------------
 
@@ -213,7 +237,7 @@ class Replanner:
     def _go_round(self, hit: PathHit, followed: FollowedPath, now: Now) -> None:
         """Plan a path round what was sensed on this one, and take it unless waiting is better."""
         drive = self._drive
-        self.obstacle.see(now.time)
+        self._see(now)
         x, y = self._sensed.obstacle_near(hit.pose[0], hit.pose[1], self._robot.circumscribed_radius + 0.2)
         drive.message = f"blocked: obstacle ahead at ({x:.2f}, {y:.2f})"
         if not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
