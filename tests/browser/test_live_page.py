@@ -169,7 +169,7 @@ def test_a_page_that_reconnects_has_the_whole_trail(driving: Any, played: Any) -
     played.sockets[-1].close()
     driving.get_by_text("Connection lost").wait_for()
     assert driving.locator("#pause").is_disabled()
-    end = f"0:{rows[-1][0]:04.1f}"
+    end = f"0:{rows[-1][0]:05.2f}"
     driving.wait_for_function("end => document.querySelector('#status dd').textContent === end", arg=end)
     assert len(played.sockets) == 2
     assert driving.locator("#pause").is_enabled()

@@ -40,12 +40,12 @@ def test_the_slider_shows_the_run_at_any_time(open_page: Any, report: Path, reco
     tab.wait_for_selector(".report")
     before = tab.locator("#map").screenshot()
     seek(tab, 4.0)
-    assert figure(tab, "Time") == "0:04.0"
+    assert figure(tab, "Time") == "0:04.00"
     row = next(row for row in recorded.run["rows"] if abs(row[0] - 4.0) < 1e-6)
     assert figure(tab, "Speed") == f"{row[4]:.2f} m/s"
     assert tab.locator("#map").screenshot() != before
     seek(tab, 1e9)
-    assert figure(tab, "Time") == f"0:{recorded.duration:04.1f}"
+    assert figure(tab, "Time") == f"0:{recorded.duration:05.2f}"
 
 
 def test_it_plays_to_the_end_and_stops(open_page: Any, report: Path, recorded: Any) -> None:
@@ -63,7 +63,7 @@ def test_an_event_brings_the_replay_to_its_time(open_page: Any, report: Path, re
     tab, _ = open_page(report.as_uri())
     tab.wait_for_selector(".report")
     tab.locator(".events button").last.click()
-    assert figure(tab, "Time") == f"0:{recorded.duration:04.1f}"
+    assert figure(tab, "Time") == f"0:{recorded.duration:05.2f}"
 
 
 def test_it_fits_a_phone_and_speaks_korean(open_page: Any, report: Path) -> None:

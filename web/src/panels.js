@@ -6,7 +6,12 @@ import { t } from "./strings.js";
 const MOST_EVENTS = 300;
 
 const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
-export const clockText = (seconds) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
+
+/** Minutes and seconds, to so many decimals. */
+export function clockText(seconds, digits = 1) {
+  const rounded = Number(seconds.toFixed(digits));
+  return `${Math.floor(rounded / 60)}:${(rounded % 60).toFixed(digits).padStart(3 + digits, "0")}`;
+}
 
 export class Status {
   constructor(app) {
@@ -34,7 +39,7 @@ export class Status {
     if (!row) return;
     const goals = app.run.goals.length;
     const values = {
-      time: clockText(state.t),
+      time: clockText(state.t, 2),
       speedNow: number(row[C.v], 2, "m/s"),
       turning: number(row[C.w], 2, "rad/s"),
       clearance: number(row[C.clearance], 2, "m"),

@@ -35,7 +35,6 @@ export class Live {
 
   on_hello(message) {
     Object.assign(this, { client: message.client, driver: message.driver, clients: message.clients, choices: message.choices ?? {} });
-    this.source = message.source ?? {};
     this.state(message.state);
     this.app.emit("hello", message);
     this.app.emit("drivers", this);

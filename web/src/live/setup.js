@@ -11,7 +11,7 @@ export class Setup {
     this.app = app;
     this.live = live;
     this.selects = Object.fromEntries(FIELDS.map((name) => [name, h("select", { id: name, onchange: () => this.changed(name) })]));
-    this.seed = h("input", { id: "seed", type: "number", min: 0, step: 1, value: 0, inputMode: "numeric" });
+    this.seed = h("input", { id: "seed", type: "number", min: 0, step: 1, placeholder: t("auto0"), inputMode: "numeric" });
     this.values = { start: h("output"), goal: h("output") };
     this.buttons = Object.fromEntries(
       ["start", "goal"].map((name) => [
@@ -40,15 +40,14 @@ export class Setup {
     this.show();
   }
 
-  fill({ choices = {}, source }) {
+  fill({ choices = {} }) {
     for (const name of FIELDS) {
       const select = this.selects[name];
-      const chosen = select.value || source?.[name];
-      const options = [...new Set([...(source?.[name] ? [source[name]] : []), ...(choices[`${name}s`] ?? [])])];
+      const chosen = select.value;
+      const options = choices[`${name}s`] ?? [];
       select.replaceChildren(...options.map((value) => h("option", { value }, value)));
       if (options.includes(chosen)) select.value = chosen;
     }
-    if (source?.seed !== undefined && source.seed !== null) this.seed.value = source.seed;
   }
 
   changed(name) {
