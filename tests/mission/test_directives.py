@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from trundle.errors import InputError
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.mission import (
     DropBox,
     End,
@@ -26,12 +26,14 @@ from trundle.mission import (
     Steering,
     StepOnce,
     Trajectory,
+    load_directives,
+    save_directives,
 )
-from trundle.mission.steering.file import load_directives, save_directives
 from trundle.navigation import CommandScript, Navigator, Waypoint
 from trundle.navigation.behaviors import Wait
 from trundle.record.run_folder import RunFolder
 from trundle.sim import simulate
+from trundle.solids import Box, Solid
 from trundle.worlds import World
 
 GOAL, OTHER = (3.0, 4.5), (1.5, 4.5)
@@ -207,6 +209,23 @@ def test_a_dropped_box_is_in_the_scans_and_not_in_the_way_of_the_state(room, wor
             assert episode.metrics.contacts == ()
             sim.reset(start)
             assert sim.world is world
+
+
+@pytest.mark.parametrize("y", [0.9, 0.0])
+def test_a_box_counts_in_the_clearance_from_when_it_was_dropped(carter, steering, y):
+    posts = tuple(Solid(f"post {x}", Box((0.1, 0.1, 1.0)), Pose3D((x, 3.0, 0.5))) for x in (-1.0, 3.0))
+    script = CommandScript([(0.4, 0.0, 5.0)])
+    with simulate(World("posts", posts), carter, backend="kinematic") as sim:
+        session = Session(sim, script, (0.0, 0.0), steering=steering, stop_on_contact=False)
+        drive(session, 10)
+        steering.put(DropBox(1.0, y, 0.0, (0.4, 0.4, 0.5)))
+        steering.put(DropBox(-0.7, 0.0, 0.0, (0.4, 0.4, 0.5)))  # nearest to where the robot was
+        episode = session.run()
+    width = carter.planar.outline[:, 1].max()
+    behind = episode.trajectory.x[10] + carter.planar.outline[:, 0].min() + 0.5
+    expected = 0.0 if y == 0.0 else min(0.9 - 0.2 - width, behind)
+    assert episode.metrics.min_clearance_m == pytest.approx(expected, abs=1e-6)
+    assert episode.metrics.contacts == (("dropped_box_1",) if y == 0.0 else ())
 
 
 # Records --------------------------------------------------------------------------------------------------------------

@@ -22,6 +22,7 @@ from trundle.mission.steering.directives import (
     Speed,
     StepOnce,
 )
+from trundle.mission.steering.file import load_directives, save_directives
 from trundle.mission.steering.live import LiveRun, LiveStatus
 from trundle.mission.steering.queue import Steering
 from trundle.mission.steering.report import SteeringReport
@@ -58,7 +59,9 @@ __all__ = [
     "Step",
     "StepOnce",
     "Trajectory",
+    "load_directives",
     "run",
     "sample_mission",
     "sample_tight_ends",
+    "save_directives",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
@@ -16,6 +16,7 @@ from trundle.geometry import FloatArray, path_length
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance, map_extent, map_world
+from trundle.solids import Solid
 from trundle.worlds import World
 
 MeasuredOn: TypeAlias = Literal["world", "map", "nothing"]
@@ -45,6 +46,19 @@ class Truth:
     shortest_path_m: float | None
     measured_on: MeasuredOn
     closest: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedBox:
+    """A solid that was put into the world of a run.
+
+    Attributes:
+        index: Index of the first pose of the trajectory from which on it was there.
+        solid: The solid.
+    """
+
+    index: int
+    solid: Solid
 
 
 class TrueMaps:
@@ -129,6 +143,29 @@ def measure_truth(
         clearance = float(coarse.min())
     shortest = shortest_length(true_map, points, poses[:, :2]) if arrived else None
     return Truth(clearance, shortest, "map" if world is None else "world", int(coarse.argmin()))
+
+
+def near_boxes(truth: Truth, boxes: Sequence[DroppedBox], poses: FloatArray, robot: Robot) -> Truth:
+    """Count boxes that were dropped during a run: in the clearance from then on, and not in the shortest path.
+
+    Args:
+        truth: What was measured without them.
+        boxes: The boxes.
+        poses: Driven (x, y, yaw) [m, m, rad], map frame, shape (N, 3).
+        robot: What drove.
+    """
+    if truth.min_clearance_m is None:
+        return truth
+    least, closest = truth.min_clearance_m, truth.closest
+    for box in boxes:
+        after = poses[box.index :]
+        far = np.full(len(after), CLEARANCE_CAP)
+        world = World(box.solid.name, (box.solid,))
+        clearance = least_clearance(world, robot, after, far, resolution=_RESOLUTION_M, cap=CLEARANCE_CAP)
+        if clearance < least:
+            x, y, _ = box.solid.pose.position
+            least, closest = clearance, box.index + int(np.hypot(after[:, 0] - x, after[:, 1] - y).argmin())
+    return replace(truth, min_clearance_m=least, closest=closest)
 
 
 def shortest_length(true_map: Costmap, points: FloatArray, driven: FloatArray) -> float:

@@ -3,6 +3,7 @@
 from trundle.files.choice import Choice
 from trundle.latency import Latency
 from trundle.navigation.agent import Agent, CommandScript
+from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.status import NavigationStatus
@@ -10,6 +11,7 @@ from trundle.navigation.waypoint import Waypoint
 
 __all__ = [
     "Agent",
+    "AssistedCommand",
     "Choice",
     "CommandScript",
     "Latency",

@@ -25,8 +25,10 @@ class Agent(Protocol):
     `grid`, its map, for a localizer; `error` or `message`, why it gave up; `replans` and `planning_time_s`;
     `tracks`, what its scans show to move; `intent`, what it means to command next, for the collision monitor;
     `planner_name` and `controller_name`, for reports; `goal_checker`, which says whether a pose is at the goal;
-    `set_latency(latency)`, to which it reports the `Latency` of scans and commands; and `set_sent_command(twist)`, to
-    which it reports what was sent where the collision monitor changed the agent's command.
+    `set_latency(latency)`, to which it reports the `Latency` of scans and commands; `set_sent_command(twist)`, to
+    which it reports what was sent where the collision monitor changed the agent's command; and `assist_teleop(command,
+    observation, estimate)`, which it calls instead of `update` while the robot is driven by hand, and which says what
+    of that command may be sent (see `Navigator.assist_teleop`).
     """
 
     @property

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
+from collections.abc import Sequence
 
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import RunInfo
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.steering.directives import GivenDirective
-from trundle.mission.truth import Measure, Truth
+from trundle.mission.truth import DroppedBox, Measure, Truth, near_boxes
 from trundle.navigation import Agent
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.worlds import World
@@ -47,6 +49,7 @@ def make_episode(
     behaviors: tuple[BehaviorRun, ...],
     directives: tuple[GivenDirective, ...],
     world: World | None,
+    boxes: Sequence[DroppedBox],
     wall_s: float,
     measure: Measure | None,
 ) -> Episode:
@@ -61,7 +64,8 @@ def make_episode(
         goals_reached: The number of goals reached.
         behaviors: What the agent ran besides following its path.
         directives: What was asked of the run.
-        world: The true world, or none where it is not known.
+        world: The true world at the start, or none where it is not known.
+        boxes: What was put into it since.
         wall_s: Wall time of the loop [s].
         measure: Measures the surroundings for the metrics; None means that they are not measured.
     """
@@ -78,6 +82,9 @@ def make_episode(
             arrived=arrived,
             touched=bool(log.contacts),
         )
+        truth = near_boxes(truth, boxes, trajectory.poses, info.robot)
+    if world is not None and boxes:
+        world = dataclasses.replace(world, solids=(*world.solids, *(box.solid for box in boxes)))
     metrics = compute_metrics(
         trajectory,
         log.paths,

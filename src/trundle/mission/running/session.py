@@ -436,7 +436,8 @@ class Session:
             goals_reached=self._course.reached,
             behaviors=tuple(getattr(self._agent, "behavior_runs", ())),
             directives=self.directives,
-            world=world_of(self._sim),
+            world=self._info.world,
+            boxes=() if self._helm is None else self._helm.boxes,
             wall_s=self._wall_s,
             measure=self._measure,
         )

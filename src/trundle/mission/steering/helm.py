@@ -18,6 +18,7 @@ from trundle.mission.steering import directives as kinds
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering
 from trundle.mission.steering.report import SteeringReport
+from trundle.mission.truth import DroppedBox
 from trundle.navigation import Agent
 from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.observation import Estimate, Observation
@@ -48,6 +49,7 @@ class Helm:
         speed: How fast the run is to pass, relative to real time.
         log: All directives that were given so far.
         ending: How the run was ended by a directive, or None.
+        boxes: What was dropped into the world so far.
         restart: What asked for another run after this one, or None.
         held_back: What kept the last command by hand from being sent as it was; empty where nothing did.
     """
@@ -65,7 +67,7 @@ class Helm:
         self._steps_left = 0
         self._by = ""
         self._holds_until: float | None = None
-        self._boxes: list[str] = []
+        self.boxes: list[DroppedBox] = []
         self.paused = False
         self.manual: Twist2D | None = None
         self.speed = 1.0
@@ -83,7 +85,7 @@ class Helm:
     def report(self) -> SteeringReport:
         """How the run is steered now."""
         by, goals = "" if self.manual is None else self._by, self._course.goals
-        return SteeringReport(self.paused, self.manual, self.held_back, by, self.speed, goals, len(self._boxes))
+        return SteeringReport(self.paused, self.manual, self.held_back, by, self.speed, goals, len(self.boxes))
 
     def steer(self, index: int, state: RobotState, estimate: Estimate) -> None:
         """Apply what is due after so many control periods, in this state."""
@@ -133,7 +135,7 @@ class Helm:
             return
         refused = ""
         try:
-            self._apply(order, state, estimate)
+            self._apply(order, index, state, estimate)
         except TrundleError as error:
             refused = str(error)
         self.log.append(GivenDirective(index, state.time, order.directive, order.by, refused))
@@ -152,7 +154,7 @@ class Helm:
         moves = self.manual is not None and self.manual != _STAND
         self._holds_until = order.given_s + DEAD_MAN_S if moves and order.given_s is not None else None
 
-    def _apply(self, order: Order, state: RobotState, estimate: Estimate) -> None:
+    def _apply(self, order: Order, index: int, state: RobotState, estimate: Estimate) -> None:
         match order.directive:
             case kinds.Pause(paused):
                 self._pause(paused)
@@ -172,7 +174,7 @@ class Helm:
                     self._let_go()
                     self._course.set_again()
             case kinds.DropBox() as box:
-                self._drop(box, state)
+                self._drop(box, index, state)
             case kinds.Restart() as restart:
                 self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
             case kinds.End(why):
@@ -186,19 +188,19 @@ class Helm:
     def _let_go(self) -> None:
         self.manual, self._holds_until, self._by = None, None, ""
 
-    def _drop(self, box: kinds.DropBox, state: RobotState) -> None:
+    def _drop(self, box: kinds.DropBox, index: int, state: RobotState) -> None:
         solid = box.solid(self._free_name())
         checker = FootprintChecker(World("box", (solid,)), self._robot)
         if checker.find(np.array([state.pose.as_tuple()])):
             raise InputError(f"a box at ({box.x:.2f}, {box.y:.2f}) would overlap the robot; drop it beside the robot")
         add_solid(self._sim, solid)
-        self._boxes.append(solid.name)
+        self.boxes.append(DroppedBox(index, solid))
 
     def _free_name(self) -> str:
         """A name that no solid of the world has."""
         world = world_of(self._sim)
         taken = set() if world is None else {solid.name for solid in world.solids}
-        number = len(self._boxes) + 1
+        number = len(self.boxes) + 1
         while f"dropped_box_{number}" in taken:
             number += 1
         return f"dropped_box_{number}"
