@@ -38,6 +38,7 @@ class Drive:
         jerk: Mean of the second differences of the speed [m/s³].
         turning_jerk: The same of the turning speed [rad/s³].
         clearance: Smallest distance to a solid of the world, or of the map [m].
+        at_start: The same where it starts, before it moves: no controller can keep more.
         contact: Whether something was touched.
         tick_ms: Median time of a tick on one core [ms].
     """
@@ -47,6 +48,7 @@ class Drive:
     jerk: float
     turning_jerk: float
     clearance: float
+    at_start: float
     contact: bool
     tick_ms: float
 
@@ -54,7 +56,7 @@ class Drive:
 def drive(world: World, grid: OccupancyGrid, robot: Robot, seed: int, controller: Choice, backend: str) -> Drive:
     start, goal = sample_mission(Costmap.from_grid(grid, robot), seed)
     navigator = Navigator(grid, robot, controller=controller)
-    poses: list[tuple[float, float, float]] = []
+    poses = [start.as_tuple()]
     twists: list[tuple[float, float]] = []
     ticks: list[float] = []
     contact = False
@@ -80,6 +82,7 @@ def drive(world: World, grid: OccupancyGrid, robot: Robot, seed: int, controller
         float(jerks[0]),
         float(jerks[1]),
         _clearance(world, grid, robot, np.array(poses)),
+        _clearance(world, grid, robot, np.array(poses[:1])),
         contact,
         float(np.median(ticks)),
     )
@@ -123,7 +126,8 @@ def main() -> None:
         print(
             f"{seed}: {other.status} {other.seconds:.1f} s of {one.seconds:.1f}, jerk {other.jerk / one.jerk:.2f}, "
             f"turning jerk {other.turning_jerk / one.turning_jerk:.2f}, clearance {other.clearance:.3f} "
-            f"({one.clearance:.3f}), tick {other.tick_ms:.1f} ms{' CONTACT' if other.contact else ''}",
+            f"({one.clearance:.3f}; {one.at_start:.3f} at the start), "
+            f"tick {other.tick_ms:.1f} ms{' CONTACT' if other.contact else ''}",
             flush=True,
         )
     print(_summary(rows))
