@@ -36,7 +36,7 @@ def scan_scene(
     for x0, y0, x1, y1 in segments:
         ex, ey = x1 - x0, y1 - y0
         det = dx * ey - dy * ex
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             along = ((x0 - x) * ey - (y0 - y) * ex) / det
             share = ((x0 - x) * dy - (y0 - y) * dx) / det
         hit = (np.abs(det) > 1e-12) & (along > 0.0) & (share >= 0.0) & (share <= 1.0)

@@ -67,7 +67,7 @@ class Tracker:
         """Take the scans that arrived by now, and return what is followed, predicted to now, in the odom frame.
 
         Args:
-            scans: Scans since the last call, oldest first.
+            scans: Scans since the last call, of each lidar oldest first; the order of the lidars makes no difference.
             time: Now [s], on the clock of the scans.
             odometry: Pose of base_link in the odom frame now.
 
@@ -89,7 +89,7 @@ class Tracker:
         if (self._time is None or now > self._time) and self._gate.follow(Estimate(now, pose)):
             self._forget()
         self._time = now
-        for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: admitted[0].time):
+        for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: (admitted[0].time, admitted[0].lidar)):
             self._take(scan, poses)
         self.tracks = self._followed.tracks(now)
         return self.tracks
