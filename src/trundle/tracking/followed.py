@@ -112,19 +112,21 @@ class Followed:
         filters = self._filters
         if len(filters) == 0 or len(candidates) == 0:
             return owners
-        offset = sweep.points[candidates] - filters.states[:, None, :2]
-        beyond = np.hypot(offset[..., 0], offset[..., 1]) - filters.radii[:, None]
         deviations = np.sqrt(np.maximum(filters.covariances[:, 0, 0], filters.covariances[:, 1, 1]))
         gates = np.minimum(_GATE_M + _GATE_DEVIATIONS * deviations, _WIDEST_GATE_M)
-        beyond[beyond > gates[:, None]] = np.inf
-        speeds = np.hypot(filters.states[:, 2], filters.states[:, 3])
-        beyond[np.logical_and.outer(speeds > _FAST_MPS, still[candidates])] = np.inf
-        close = self._facts["confirmed"] & (sweep.time - self._facts["seen_at"] <= _JUST_S)
-        beyond[np.logical_and.outer(~close, ~small[candidates])] = np.inf
-        beyond[~self._facts["confirmed"]] += _GATE_M  # of two, the confirmed one
-        nearest = beyond.argmin(axis=0)
-        taken = np.isfinite(beyond[nearest, np.arange(len(candidates))])
-        owners[candidates[taken]] = nearest[taken]
+        squares = _squares(sweep.points[candidates], filters.states[:, :2])
+        # Few of all pairs are close; only these are looked at further.
+        tracks, near = np.nonzero(squares <= ((filters.radii + gates) ** 2)[:, None])
+        hits = candidates[near]
+        confirmed = self._facts["confirmed"]
+        fast = np.hypot(filters.states[:, 2], filters.states[:, 3]) > _FAST_MPS
+        close = confirmed & (sweep.time - self._facts["seen_at"] <= _JUST_S)
+        allowed = ~(fast[tracks] & still[hits]) & (close[tracks] | small[hits])
+        tracks, near, hits = tracks[allowed], near[allowed], hits[allowed]
+        beyond = np.sqrt(squares[tracks, near]) - filters.radii[tracks]
+        beyond[~confirmed[tracks]] += _GATE_M  # of two, the confirmed one
+        order = np.lexsort((-tracks, -beyond))  # the nearest last: it is the one that stays
+        owners[hits[order]] = tracks[order]
         return owners
 
     def _correct(self, sweep: Sweep, owners: IndexArray, appeared: BoolArray, still: BoolArray, seconds: float) -> None:
@@ -168,8 +170,8 @@ class Followed:
         """Whether some tracks have come to where something stands still; shape of `which`."""
         if len(which) == 0:
             return np.zeros(0, dtype=bool)
-        offset = sweep.points[still] - self._filters.states[which, None, :2]
-        inside = np.hypot(offset[..., 0], offset[..., 1]) < self._filters.radii[which, None] + _GATE_M
+        squares = _squares(sweep.points[still], self._filters.states[which, :2])
+        inside = squares < ((self._filters.radii[which] + _GATE_M) ** 2)[:, None]
         return inside.sum(axis=1) >= self._settings.min_points
 
     def _decide(self) -> None:
@@ -280,6 +282,16 @@ class Followed:
         if not kept.all():
             self._filters.keep(kept)
             self._facts = facts[kept]
+
+
+def _squares(points: FloatArray, centres: FloatArray) -> FloatArray:
+    """Squares of the distances of N points from K centres [m²], shape (K, N)."""
+    across = np.subtract.outer(centres[:, 0], points[:, 0])
+    along = np.subtract.outer(centres[:, 1], points[:, 1])
+    across *= across
+    along *= along
+    across += along
+    return across
 
 
 def _runs(starts: IndexArray, counts: IndexArray) -> IndexArray:
