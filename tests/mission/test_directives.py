@@ -191,6 +191,20 @@ def test_after_a_command_by_hand_the_robot_stands_until_it_is_released(sim, navi
     assert session.run().outcome is Outcome.ARRIVED
 
 
+def test_a_command_by_hand_stops_before_a_box_that_only_lidars_see(world, carter, room, start, steering, wall):
+    for backend in BACKENDS:
+        with simulate(world, carter, backend=backend, lidar=True) as sim:
+            session = Session(sim, Navigator(room, carter), start, GOAL, steering=steering)
+            drive(session, 4)
+            x, y, yaw = session.state.pose.as_tuple()
+            steering.put(DropBox(x + 1.2 * math.cos(yaw), y + 1.2 * math.sin(yaw), yaw, (0.3, 0.6, 0.6)))
+            steps = by_hand(session, steering, (0.6, 0.0), 80)
+            assert session.state.contacts == ()
+            assert session.state.twist.v == pytest.approx(0.0, abs=0.02)
+            assert steps[-1].steering.held_back != ""
+            assert session.finish().metrics.contacts == ()
+
+
 # Boxes ----------------------------------------------------------------------------------------------------------------
 
 

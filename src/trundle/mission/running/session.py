@@ -8,11 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Self
 
-from trundle.control import CollisionMonitor
 from trundle.errors import ScenarioError, SimulationError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
-from trundle.localization import Localizer, create_localizer
+from trundle.localization import Localizer
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import read_goals
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
@@ -20,10 +19,12 @@ from trundle.mission.rules import Rules
 from trundle.mission.running.course import Course, Moment
 from trundle.mission.running.endings import Ending
 from trundle.mission.running.episode_maker import make_episode
+from trundle.mission.running.gate import Gate
 from trundle.mission.running.monitoring import Monitor
 from trundle.mission.running.preparation import allowed_time, describe_run, prepare
 from trundle.mission.running.run_log import RunLog
-from trundle.mission.running.scan_mail import ScanMail, report_latency
+from trundle.mission.running.scan_mail import report_latency
+from trundle.mission.running.senses import Senses
 from trundle.mission.steering.directives import GivenDirective, Restart
 from trundle.mission.steering.helm import Helm
 from trundle.mission.steering.queue import Steering
@@ -39,8 +40,6 @@ from trundle.sim import RobotState, Simulator, world_of
 from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.simulator import watch_substeps
 from trundle.values import as_number, check_kind
-
-_AT_ODOM_ORIGIN = Pose2D(0.0, 0.0)
 
 
 class Session:
@@ -126,19 +125,11 @@ class Session:
         check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
         self._sim = DelayedSimulator(sim, latency.command_delay_s) if latency.command_delay_s > 0.0 else sim
         self._backend = sim
-        self._mail = ScanMail(latency.scan_age_s) if latency.scan_age_s > 0.0 else None
         robot: Robot = getattr(agent, "robot", sim.robot)
-        self._monitor = monitor if monitor is not None and not isinstance(monitor, bool) else None
-        self._waits_for_scans = monitor is None
-        if monitor is True:
-            self._monitor = CollisionMonitor(robot)
-        self._localizer = (
-            None if localizer is None else create_localizer(localizer, getattr(agent, "grid", None), robot)
-        )
+        self._gate = Gate(monitor, robot, latency)
+        self._senses = Senses(localizer, getattr(agent, "grid", None), robot, latency)
         agent.reset(seed=seed)
-        self._latency = latency
         report_latency(agent, latency)
-        report_latency(self._monitor, latency)
         hands_over = through or any(tasks_of(goal) for goal in goals)
         paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
         extends = time_limit_s is None
@@ -239,14 +230,12 @@ class Session:
     # Running --------------------------------------------------------------------------------------------------------
 
     def _start(self) -> None:
-        if self._monitor is not None:
-            self._monitor.reset()
+        self._gate.reset()
         self._watches = self._audience.wants_substeps and watch_substeps(self._backend, self._audience.on_substep)
-        if self._localizer is not None:
-            self._localizer.reset(self._info.start, seed=self._info.seed)
+        self._senses.reset(self._info.start, seed=self._info.seed)
         self._state = self._sim.reset(self._info.start, seed=self._info.seed)
         self._began = clock.perf_counter()
-        self._observe()
+        self._observation, self._estimate = self._senses.observe(self._state)
         try:
             self._audience.on_start(self._info)
             self._record(Twist2D(), Twist2D(), None)
@@ -341,20 +330,12 @@ class Session:
         if not isinstance(asked, Twist2D):
             self._end(*asked)
             return False
-        report, sent, seen = None, asked, self._observation
-        if self._waits_for_scans and seen.scans:
-            self._monitor, self._waits_for_scans = CollisionMonitor(self._info.robot), False
-            report_latency(self._monitor, self._latency)
-        if self._monitor is not None:
-            if callable(set_intent := getattr(self._monitor, "set_intent", None)):
-                set_intent(None if driver else getattr(self._agent, "intent", None))
-            report = self._monitor.check(asked, seen.twist, seen.scans, seen.time, seen.odometry)
+        report = self._gate.check(asked, self._observation, self._agent, by_hand=driver is not None)
+        if report is not None:
             self._log.add_report(report)
-            sent = report.command
-            if sent != asked and callable(report_sent := getattr(self._agent, "set_sent_command", None)):
-                report_sent(sent)
+        sent = asked if report is None else report.command
         self._state = self._sim.step(sent, self.dt)
-        self._observe()
+        self._observation, self._estimate = self._senses.observe(self._state)
         self._record(asked, sent, report)
         return True
 
@@ -365,21 +346,8 @@ class Session:
 
     @property
     def _moment(self) -> Moment:
-        believed = None if self._localizer is None else self._estimate.pose
+        believed = self._senses.believed(self._estimate)
         return Moment(self._state, self._observation, self._estimate, believed, self._log.hit)
-
-    def _observe(self) -> None:
-        """Take what the robot observes now, and estimate where it is."""
-        state = self._state
-        observation = state.observation
-        if self._mail is not None:
-            observation = replace(observation, scans=self._mail.deliver(state.time, observation.scans))
-        self._observation = observation
-        self._estimate = (
-            Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
-            if self._localizer is None
-            else self._localizer.update(observation)
-        )
 
     def _record(self, command: Twist2D, sent: Twist2D, report: MonitorReport | None) -> None:
         agent, log = self._agent, self._log

@@ -1,0 +1,51 @@
+"""`Senses`: what a robot observes and where it believes to be, of what a simulator says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from trundle.geometry import Pose2D
+from trundle.latency import Latency
+from trundle.localization import Localizer, create_localizer
+from trundle.maps import OccupancyGrid
+from trundle.mission.running.scan_mail import ScanMail
+from trundle.observation import Estimate, Observation
+from trundle.robots import Robot
+from trundle.sim import RobotState
+
+_AT_ODOM_ORIGIN = Pose2D(0.0, 0.0)
+
+
+class Senses:
+    """Delays scans, and estimates the pose.
+
+    Args:
+        localizer: Estimates the pose: a localizer, or the name of one. None means the true pose.
+        grid: The map that a localizer by name gets, or None.
+        robot: The robot.
+        latency: How late scans arrive.
+    """
+
+    def __init__(
+        self, localizer: str | Localizer | None, grid: OccupancyGrid | None, robot: Robot, latency: Latency
+    ) -> None:
+        self._localizer = None if localizer is None else create_localizer(localizer, grid, robot)
+        self._mail = ScanMail(latency.scan_age_s) if latency.scan_age_s > 0.0 else None
+
+    def reset(self, start: Pose2D, *, seed: int) -> None:
+        """Begin a run."""
+        if self._localizer is not None:
+            self._localizer.reset(start, seed=seed)
+
+    def observe(self, state: RobotState) -> tuple[Observation, Estimate]:
+        """Take what the robot observes now, and estimate where it is."""
+        observation = state.observation
+        if self._mail is not None:
+            observation = replace(observation, scans=self._mail.deliver(state.time, observation.scans))
+        if self._localizer is None:
+            return observation, Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
+        return observation, self._localizer.update(observation)
+
+    def believed(self, estimate: Estimate) -> Pose2D | None:
+        """Where the localizer believes the robot to be; none without one."""
+        return None if self._localizer is None else estimate.pose
