@@ -85,7 +85,7 @@ export class Steering {
   }
 
   showTool(tool) {
-    for (const [name, element] of [["goal", this.goal], ["box", this.box]]) element.setAttribute("aria-pressed", String(tool === name));
+    for (const [name, element] of [["goal", this.goal], ["box", this.box]]) element.setAttribute("aria-pressed", String(tool === name && !element.disabled));
     const hint = { goal: "hintGoal", start: "hintStart", box: "hintBox" }[tool];
     this.hint.textContent = hint ? `${t(hint)} ${t("mapKeys")}` : "";
   }
