@@ -1,0 +1,107 @@
+"""`Codec`: the message types of one ROS 2 distribution, and their bytes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from trundle.errors import InputError, MissingExtraError, UnknownNameError
+from trundle.messages.distros import DEFAULT, DISTROS, Distro
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+INSTALL = 'pip install "trundle[record]"'
+
+_MORE_TYPES = {
+    "map_msgs/msg/OccupancyGridUpdate": (
+        "std_msgs/Header header\nint32 x\nint32 y\nuint32 width\nuint32 height\nint8[] data\n"
+    ),
+}
+"""Types that rosbags does not bring along; they are the same in every distribution."""
+
+
+class Codec:
+    """Messages of one distribution: makes them, and writes and reads their CDR bytes.
+
+    Args:
+        distro: The distribution.
+
+    Raises:
+        UnknownNameError: If the distribution is not known.
+        MissingExtraError: If rosbags is not installed.
+    """
+
+    def __init__(self, distro: Distro = DEFAULT) -> None:
+        if distro not in DISTROS:
+            raise UnknownNameError("ROS 2 distribution", distro, DISTROS)
+        self.distro: Distro = distro
+        self._store = _load_types(distro)
+        self._hashes: dict[str, str] = {}
+
+    def __repr__(self) -> str:
+        return f"Codec({self.distro!r})"
+
+    def make(self, type_name: str, **fields: object) -> Any:
+        """Make a message, such as `make("std_msgs/msg/String", data="text")`.
+
+        Raises:
+            UnknownNameError: If the distribution has no such type.
+            InputError: If the fields are not those of the type.
+        """
+        kind = self.kind(type_name)
+        try:
+            return kind(**fields)
+        except TypeError as error:
+            raise InputError(f"a message of type {type_name} cannot be made: {error}") from error
+
+    def kind(self, type_name: str) -> Any:
+        """The class of a message type.
+
+        Raises:
+            UnknownNameError: If the distribution has no such type.
+        """
+        try:
+            return self._store.types[type_name]
+        except KeyError:
+            raise UnknownNameError("message type", type_name, self._store.types) from None
+
+    def encode(self, message: Any) -> bytes:
+        """The CDR bytes of a message, little-endian, with their header of four bytes."""
+        return bytes(self._store.serialize_cdr(message, message.__msgtype__))
+
+    def decode(self, type_name: str, data: bytes) -> Any:
+        """Read a message from its CDR bytes.
+
+        Raises:
+            UnknownNameError: If the distribution has no such type.
+            InputError: If they are not the bytes of such a message.
+        """
+        self.kind(type_name)
+        try:
+            return self._store.deserialize_cdr(data, type_name)
+        except Exception as error:  # rosbags' generated readers raise what the damage makes them stumble over
+            raise InputError(f"not the bytes of a {type_name}: {error}") from error
+
+    def definition(self, type_name: str) -> str:
+        """The text of a type and of all types in it, as a bag's schema has it."""
+        self.kind(type_name)
+        return self._store.generate_msgdef(type_name, ros_version=2)[0]
+
+    def type_hash(self, type_name: str) -> str:
+        """The hash of a type, `RIHS01_…` (REP-2016)."""
+        if type_name not in self._hashes:
+            self.kind(type_name)
+            self._hashes[type_name] = self._store.hash_rihs01(type_name)
+        return self._hashes[type_name]
+
+
+def _load_types(distro: Distro) -> Typestore:
+    try:
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    except ImportError as error:
+        raise MissingExtraError("ROS 2 messages", "rosbags", INSTALL) from error
+    store = get_typestore(Stores[f"ROS2_{distro.upper()}"])
+    for name, text in _MORE_TYPES.items():
+        if name not in store.fielddefs:
+            store.register(get_types_from_msg(text, name))
+    return store

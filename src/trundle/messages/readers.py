@@ -1,0 +1,79 @@
+"""Trundle's values from ROS messages, of any distribution."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
+from trundle.maps.cells import OCCUPIED, UNKNOWN
+
+
+def read_stamp(stamp: Any) -> float:
+    """A builtin_interfaces/Time in seconds."""
+    return stamp.sec + stamp.nanosec * 1e-9
+
+
+def read_frame(frame_id: str) -> str:
+    """Name of a frame, without the leading slash that ROS 1 had."""
+    return frame_id.lstrip("/")
+
+
+def read_yaw(quaternion: Any) -> float:
+    """Yaw [rad] of a geometry_msgs/Quaternion."""
+    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def read_pose(pose: Any) -> Pose2D:
+    """Pose on the floor of a geometry_msgs/Pose."""
+    return Pose2D(pose.position.x, pose.position.y, read_yaw(pose.orientation))
+
+
+def read_twist(twist: Any) -> Twist2D:
+    """Forward speed and rotation of a geometry_msgs/Twist."""
+    return Twist2D(twist.linear.x, twist.angular.z)
+
+
+def read_matrix(transform: Any) -> FloatArray:
+    """A geometry_msgs/Transform as a matrix, shape (4, 4)."""
+    turn = transform.rotation
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    if not (math.isfinite(norm) and norm > 0.0):
+        raise InputError("a transform whose rotation is no quaternion")
+    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    shift = transform.translation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), shift.x],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), shift.y],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), shift.z],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def read_grid(message: Any) -> OccupancyGrid:
+    """The map of a nav_msgs/OccupancyGrid.
+
+    Raises:
+        MapError: If it is not a map.
+        InputError: If its cells are not as many as its size says.
+    """
+    info = message.info
+    cells = np.asarray(message.data, dtype=np.int8)
+    if cells.size != info.width * info.height:
+        raise InputError(f"a map of {info.width} x {info.height} cells that has {cells.size}")
+    cells = np.clip(cells.reshape(info.height, info.width), UNKNOWN, OCCUPIED)
+    return OccupancyGrid(cells, float(info.resolution), read_pose(info.origin))
+
+
+def read_path(message: Any) -> FloatArray:
+    """Poses (x, y, yaw) of a nav_msgs/Path, shape (N, 3)."""
+    poses = [read_pose(stamped.pose).as_tuple() for stamped in message.poses]
+    return np.array(poses, dtype=np.float64).reshape(-1, 3)
