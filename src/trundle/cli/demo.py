@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import missions, options
+from trundle.cli.shared import missions, options, recordings
 
 app = App(
     name="demo",
@@ -24,6 +24,8 @@ def demo(
     report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
+    record: options.Record = False,
+    distro: options.Distro = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
@@ -43,6 +45,7 @@ def demo(
     from trundle.mission import Scenario
 
     scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
+    scenario = recordings.choose(scenario, record=record, distro=distro)
     return missions.drive(
         scenario,
         out=out,

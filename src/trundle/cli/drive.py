@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,12 +13,15 @@ from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
 from trundle.cli.shared.given import check_given
+from trundle.cli.shared.recordings import FILE as RECORDING
+from trundle.cli.shared.recordings import FolderRecording, choose_record
 from trundle.errors import InputError
 from trundle.files.kinds import ARRAYS, DRIVE, RUN, TABLE
 from trundle.values import first_names
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
+    from trundle.mission import Observer
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
@@ -59,6 +63,8 @@ def drive(
     exclude: options.Exclude = None,
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
+    record: options.Record = False,
+    distro: options.Distro = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
@@ -90,6 +96,7 @@ def drive(
     if sum((teleop, bool(command), like is not None)) != 1:
         raise InputError("give one of: --command V,W,SECONDS (repeatable), --like RUN, --teleop")
     check_free(out, overwrite=overwrite)
+    recording = FolderRecording(choose_record(None, record=record, distro=distro), out, overwrite=overwrite)
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
     isaac.check_window(view, backend)
@@ -116,17 +123,20 @@ def drive(
         simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
         claim = stack.enter_context(FolderClaim(out, "drive", overwrite=overwrite))
+        observers = stack.enter_context(recording).start(claim.path)
         try:
             if not teleop:
-                _drive_commands(simulator, pose, commands, log, window, seed=seed)
+                _drive_commands(simulator, pose, commands, log, window, seed=seed, observers=observers)
             elif window is None:
-                drive_by_keys(simulator, pose, log, TextMap(place, machine, pose), period_s=PERIOD_S, seed=seed)
+                chart = TextMap(place, machine, pose)
+                drive_by_keys(simulator, pose, log, chart, period_s=PERIOD_S, seed=seed, observers=observers)
             else:
-                drive_in_window(simulator, pose, log, window, period_s=PERIOD_S, seed=seed)
+                drive_in_window(simulator, pose, log, window, period_s=PERIOD_S, seed=seed, observers=observers)
         finally:
             if len(log):
                 with claim.replacing():
                     log.save(claim.path / "drive.csv")
+                    recording.save(claim.path / RECORDING)
         # Before the simulator is closed: closing Isaac Sim may end the process.
         report = _report_drive if teleop else _report_commands
         report(log, claim.path, json=json)
@@ -151,22 +161,28 @@ def _drive_commands(
     window: NativeWindow | None,
     *,
     seed: int,
+    observers: Sequence[Observer],
 ) -> None:
     from trundle.mission import Session
     from trundle.navigation import CommandScript
 
     script = CommandScript(commands, period_s=PERIOD_S)
-    session = Session(simulator, script, start, monitor=False, seed=seed, stop_on_contact=False, measure=None)
+    session = Session(
+        simulator, script, start, monitor=False, seed=seed, stop_on_contact=False, measure=None, observers=observers
+    )
     log.add(session.state)
     leg, began = -1, time.monotonic()
-    while (step := session.step()) is not None:
-        if script.index != leg:
-            leg = script.index
-            log.begin(*commands[leg])
-        log.add(step.state, step.sent)
-        if window is not None:
-            window.show(step.state)
-            time.sleep(max(0.0, began + step.state.time - time.monotonic()))
+    try:
+        while (step := session.step()) is not None:
+            if script.index != leg:
+                leg = script.index
+                log.begin(*commands[leg])
+            log.add(step.state, step.sent)
+            if window is not None:
+                window.show(step.state)
+                time.sleep(max(0.0, began + step.state.time - time.monotonic()))
+    finally:
+        session.finish()
     if session.error is not None:
         raise session.error
 

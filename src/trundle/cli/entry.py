@@ -42,6 +42,7 @@ VERBS = {
     "evaluate": ("trundle.cli.evaluate:app", "Run thousands of missions, compare and judge them."),
     "scenario": ("trundle.cli.scenario:app", "Write the options of a run as a commented file."),
     "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
+    "record": ("trundle.cli.record:app", "Look into recordings, complete them, and make runs of them."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. in two simulators."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import evaluations, missions, options, scenarios
+from trundle.cli.shared import evaluations, missions, options, recordings, scenarios
 from trundle.errors import InputError
 
 app = App(
@@ -22,6 +22,7 @@ app = App(
         "  trundle run warehouse --planner least_cost --inflation-radius 0.8 --goal-tolerance 0.1\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json\n"
+        "  trundle run warehouse --lidar --record --distro kilted\n"
         "  trundle run --from runs/nightly:7f3a21\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
     ),
@@ -38,6 +39,8 @@ def run(
     report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
+    record: options.Record = False,
+    distro: options.Distro = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overwrite: options.Overwrite = False,
     json: options.Json = False,
@@ -46,7 +49,7 @@ def run(
     """Drive a robot through a map, a generated world or a scenario to its goal.
 
     Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), report.html,
-    overlay.png and video.mp4.
+    overlay.png and video.mp4; with --record also run.mcap.
     Exit code 1: the robot did not reach the goal.
 
     Args:
@@ -70,6 +73,7 @@ def run(
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
         scenario = given.make(source)
+    scenario = recordings.choose(scenario, record=record, distro=distro)
     return missions.drive(
         scenario, out=out, overwrite=overwrite, page=report, video=video, view=view, json=json, quiet=quiet
     )

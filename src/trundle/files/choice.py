@@ -32,7 +32,7 @@ def _name_alone(value: object) -> object:
     return {"name": value} if isinstance(value, str) else value
 
 
-def takes_name(kind: type[Choice]) -> BeforeValidator:
+def takes_name(kind: type[Config]) -> BeforeValidator:
     """Return a validator that accepts a plain name as a choice without options."""
     return BeforeValidator(_name_alone, json_schema_input_type=str | kind | None)
 

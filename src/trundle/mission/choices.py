@@ -59,6 +59,18 @@ class MapOptions(Config):
     unknown: Literal["solid", "free"] | None = None
 
 
+class RecordChoice(Config):
+    """How a run is recorded besides its folder: `mcap`, or `{name: mcap, distro: kilted}`.
+
+    Attributes:
+        name: The format: "mcap" is rosbag2's.
+        distro: The distribution of ROS 2 whose message types, hashes and QoS the recording has; none means jazzy.
+    """
+
+    name: Literal["mcap"] = "mcap"
+    distro: Literal["humble", "jazzy", "kilted", "lyrical"] | None = None
+
+
 def refuse_removed_names(registry: Registry[Any]) -> AfterValidator:
     """Validate that a choice is not a name which an earlier version had: the error says what became of it."""
 

@@ -6,7 +6,7 @@ import math
 import os
 import pathlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import cast
 
@@ -173,13 +173,31 @@ class Episode:
         """
         place = pathlib.Path(as_path(folder, "the folder of a run"))
         values = read_record(place)
-        file = place / RECORD
-        facts = check_record(values, _Facts, file)
-        metrics = check_record(values, Metrics, file)
         trajectory = Trajectory.load(place / "trajectory.npz")
         paths = load_paths(place / "paths.npz")
         if int(trajectory.path.max()) >= len(paths):
             raise InputError(f"{place}: trajectory.npz follows more paths than paths.npz has; they are of two runs")
+        directives = load_directives(place / DIRECTIVES_FILE) if is_file(place / DIRECTIVES_FILE) else ()
+        episode = cls.from_record(values, trajectory, paths, place / RECORD)
+        return replace(episode, directives=directives, folder=place)
+
+    @classmethod
+    def from_record(
+        cls, values: Mapping[str, object], trajectory: Trajectory, paths: tuple[Path, ...], source: pathlib.Path
+    ) -> Episode:
+        """Make the episode whose `as_dict` gave these values.
+
+        Args:
+            values: Outcome, metrics and settings.
+            trajectory: Where it was and what was commanded.
+            paths: Every path that was followed.
+            source: Where the values are from, for messages.
+
+        Raises:
+            InputError: If a value is missing or of another type; all are named.
+        """
+        facts = check_record(values, _Facts, source)
+        metrics = check_record(values, Metrics, source)
         return cls(
             outcome=facts.outcome,
             message=facts.message,
@@ -196,8 +214,6 @@ class Episode:
             seed=facts.seed,
             time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
             behaviors=facts.behaviors,
-            directives=load_directives(place / DIRECTIVES_FILE) if is_file(place / DIRECTIVES_FILE) else (),
-            folder=place,
         )
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.latency import Latency
-from trundle.mission.choices import MapOptions, WorldChoice, refuse_removed_names
+from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice, refuse_removed_names
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.movers import MoverChoice
 from trundle.mission.rules import Rules
@@ -83,6 +83,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         rules: What ends the run besides the usual; none means nothing.
         directives: Path of the directives that steer the run, as a steered run has recorded them; in a file, relative
             to that file. None means that nothing steers it.
+        record: What `trundle run` writes besides the run's other files: "mcap" is run.mcap, a rosbag2; none means
+            nothing.
         seed: For everything random: the world, the picked poses and the simulator.
         resolution: Edge of a cell [m] of the map that is made of a world.
         time_limit_s: Simulated time [s] at which the run is stopped; none means `trundle.run`'s default.
@@ -119,6 +121,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     collision_monitor: bool | MonitorSettings | None = None
     rules: Rules | None = None
     directives: str | None = None
+    record: Annotated[RecordChoice | None, takes_name(RecordChoice)] = None
     seed: Annotated[int, Field(ge=0)] = 0
     resolution: Positive = 0.05
     time_limit_s: Positive | None = None

@@ -110,7 +110,7 @@ class Scenario(ScenarioFields):
         """Its settings as plain values, in the short forms of its YAML."""
         dumped = self.model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
-        for key in ("world", "planner", "controller", "smoother", "backend", "localizer"):
+        for key in ("world", "planner", "controller", "smoother", "backend", "localizer", "record"):
             if key in settings:
                 settings[key] = shorten(settings[key])
         if "goals" in settings:

@@ -26,6 +26,7 @@ RUN_FILES = (
     "overlay.png",
     "video.mp4",
     "video.gif",
+    "run.mcap",
 )
 """Files that mark a folder as a run's. The first two are written last and complete it."""
 

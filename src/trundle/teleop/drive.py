@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from trundle.geometry import Twist2D
@@ -11,7 +11,7 @@ from trundle.mission.steering.standing_agent import StandingAgent
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
-    from trundle.mission import Episode, RunInfo, Step
+    from trundle.mission import Episode, Observer, RunInfo, Step
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
 
@@ -61,6 +61,7 @@ def drive_by_hand(
     *,
     period_s: float,
     seed: int,
+    observers: Sequence[Observer] = (),
 ) -> None:
     """Drive in real time by keys until the driver leaves, or Ctrl-C, which is a normal end.
 
@@ -74,6 +75,7 @@ def drive_by_hand(
         show: Shows each step.
         period_s: Length of a control period [s].
         seed: Of the simulator.
+        observers: Notified of the drive, too.
 
     Raises:
         SimulationError: If the simulator fails.
@@ -83,7 +85,7 @@ def drive_by_hand(
         simulator,
         StandingAgent(simulator, period_s=period_s),
         start,
-        observers=[_Driver(keys, steering, log, show)],
+        observers=[_Driver(keys, steering, log, show), *observers],
         seed=seed,
         stop_on_contact=False,
         measure=None,

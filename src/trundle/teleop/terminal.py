@@ -8,7 +8,7 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from trundle.teleop.screen import Screen
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
+    from trundle.mission import Observer
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.teleop.text_map import TextMap
@@ -85,7 +86,14 @@ class TerminalKeys:
 
 
 def drive_by_keys(
-    simulator: Simulator, start: Pose2D, log: DriveLog, chart: TextMap, *, period_s: float, seed: int = 0
+    simulator: Simulator,
+    start: Pose2D,
+    log: DriveLog,
+    chart: TextMap,
+    *,
+    period_s: float,
+    seed: int = 0,
+    observers: Sequence[Observer] = (),
 ) -> None:
     """Drive in real time by the keys of the terminal on standard input, until q, Ctrl-C or its end.
 
@@ -96,7 +104,7 @@ def drive_by_keys(
     print(_HELP, *([_MAP_HELP] if sys.stderr.isatty() else []), sep="\n", file=sys.stderr)
     try:
         with raw_terminal(sys.stdin.fileno()):
-            drive_by_hand(simulator, start, log, keys, screen.show, period_s=period_s, seed=seed)
+            drive_by_hand(simulator, start, log, keys, screen.show, period_s=period_s, seed=seed, observers=observers)
     finally:
         screen.close()
 

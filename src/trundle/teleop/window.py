@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from trundle.geometry import Twist2D
@@ -11,6 +12,7 @@ from trundle.teleop.keys import StepDrive
 
 if TYPE_CHECKING:
     from trundle.geometry import Pose2D
+    from trundle.mission import Observer, Step
     from trundle.record.drive_log import DriveLog
     from trundle.sim import Simulator
     from trundle.viewer.native import NativeWindow
@@ -38,9 +40,20 @@ class WindowKeys:
 
 
 def drive_in_window(
-    simulator: Simulator, start: Pose2D, log: DriveLog, window: NativeWindow, *, period_s: float, seed: int = 0
+    simulator: Simulator,
+    start: Pose2D,
+    log: DriveLog,
+    window: NativeWindow,
+    *,
+    period_s: float,
+    seed: int = 0,
+    observers: Sequence[Observer] = (),
 ) -> None:
     """Drive in real time by the arrow keys of a window, until it is closed or Ctrl-C; see `drive_by_hand`."""
     print("arrows: faster, slower, left, right   space: stop   close the window to end", file=sys.stderr)
     keys = WindowKeys(StepDrive(simulator.robot.limits), window)
-    drive_by_hand(simulator, start, log, keys, lambda step: window.show(step.state), period_s=period_s, seed=seed)
+
+    def show(step: Step) -> None:
+        window.show(step.state)
+
+    drive_by_hand(simulator, start, log, keys, show, period_s=period_s, seed=seed, observers=observers)

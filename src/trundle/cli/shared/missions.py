@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trundle.cli.shared import isaac, output
+from trundle.cli.shared.recordings import FolderRecording
 from trundle.values import first_names
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def drive(
     isaac.check_window(view, scenario.backend.name)
     if scenario.backend.name == "mujoco":
         import_engine()
+    recording = FolderRecording(scenario.record, out, overwrite=overwrite)
     # The report comes before the simulator is closed: closing Isaac Sim may end the process.
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))
@@ -83,14 +85,15 @@ def drive(
                     video=video,
                     frames=frames,
                     report=bar.report,
-                    extras={name: _PLACE[name](mission) for name in place},
+                    extras={**{name: _PLACE[name](mission) for name in place}, **recording.files},
                 )
             )
+            observers += stack.enter_context(recording).start(folder.path, mission.scenario)
             if narrate:
                 recorded = "record, report, pictures and video" if video else "record, report and pictures"
                 output.remark(f"Planning and driving, then writing {recorded}", quiet=quiet)
             episode = mission.run(observers=[*observers, bar, folder])
-        _report(episode, folder, json=json)
+        report(episode, folder, json=json)
     for error in episode.observer_errors:
         raise error
     return 0 if episode.arrived else 1
@@ -178,7 +181,8 @@ def _behavior_facts(episode: Episode) -> dict[str, str]:
     return {name: text for name, text in (("recovery", recovery), ("behaviors", others)) if text}
 
 
-def _report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
+def report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
+    """Print how a run ended, its figures and its folder."""
     if json:
         output.print_json(folder.record or {**episode.as_dict(), "run_dir": folder.path})
         return

@@ -69,6 +69,16 @@ Overwrite = Annotated[
     ),
 ]
 OverwriteFile = Annotated[bool, Parameter(name="--overwrite", negative="", help="Replace the file.")]
+Record = Annotated[
+    bool,
+    Parameter(
+        name="--record", negative="", help="Also write run.mcap, a rosbag2 for Foxglove, RViz, PlotJuggler and ROS 2."
+    ),
+]
+Distro = Annotated[
+    Literal["humble", "jazzy", "kilted", "lyrical"] | None,
+    Parameter(name="--distro", help="The distribution of ROS 2 whose message types the bag has; default: jazzy."),
+]
 Seed = Annotated[Integer, Parameter(name="--seed", help="Random seed: the same seed gives the same result.")]
 RobotArgument = Annotated[str, Parameter(help=ROBOT_HELP)]
 WorldName = Annotated[
