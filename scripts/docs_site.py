@@ -19,7 +19,7 @@ PLACES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
-PICTURES = {".png", ".svg", ".gif"}
+PICTURES = {".png", ".svg", ".gif", ".webp"}
 LANGUAGES = {".py": "python", ".sh": "sh", ".yaml": "yaml", ".hpp": "cpp", ".cpp": "cpp", ".toml": "toml"}
 LINK = re.compile(r"\]\(([^)\s#]*)(#[^)\s]*)?\)")
 UNSEARCHED = "---\nsearch:\n  exclude: true\n---\n"
