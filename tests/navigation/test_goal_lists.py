@@ -10,7 +10,7 @@ from trundle.control import create_controller
 from trundle.errors import BlockedPoseError, InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings, Waypoint
+from trundle.navigation import Choice, NavigationStatus, Navigator, NavigatorSettings, Waypoint
 from trundle.navigation.behaviors import DriveOnHeading, Spin, Wait
 from trundle.planning import PathCheck
 from trundle.robots import Robot
@@ -267,3 +267,27 @@ def test_it_drives_through_poses_in_mujoco():
                     slowest[x, y] = min(slowest.get((x, y), math.inf), state.twist.v)
     assert len(slowest) == 3
     assert min(slowest.values()) > 0.4
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3, 5])
+def test_mppi_drives_through_random_poses_without_a_contact(seed):
+    """Whatever the poses: each is passed in order within the tolerance, and the footprint touches nothing."""
+    rng = np.random.default_rng(seed)
+    grid = room(*((x, y, x + 0.5, y + 0.5) for x, y in rng.uniform((3.0, 1.0), (10.0, 6.5), (4, 2))))
+    navigator = Navigator(grid, CARTER, controller=Choice(name="mppi", options={"samples": 512}))
+    free = navigator.costmap
+    goals: list[tuple[float, float]] = []
+    while len(goals) < 4:
+        x, y = rng.uniform((1.0, 1.0), (11.0, 7.0))
+        far = math.dist((x, y), goals[-1] if goals else (START.x, START.y)) > 2.0
+        if far and free.clearance(np.array([(x, y, yaw) for yaw in np.arange(16) * math.pi / 8.0])).min() > 0.15:
+            goals.append((float(x), float(y)))
+    assert not free.footprint_collides(START.as_tuple())[0]
+    navigator.set_goals(goals, through=True)
+    drive = Drive(navigator)
+    assert navigator.status is ARRIVED
+    assert not free.footprint_collides(np.array([pose.as_tuple() for pose in drive.poses])).any()
+    passed = [
+        math.dist(drive.poses[drive.reached.index(number)].as_tuple()[:2], goals[number - 1]) for number in (1, 2, 3)
+    ]
+    assert max(passed) <= navigator.settings.through_tolerance + 1e-9

@@ -46,6 +46,13 @@ class FollowedPath:
         dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
         self.index += int(np.argmin(dx * dx + dy * dy))
 
+    def pass_mark(self) -> None:
+        """The robot has passed the next goal that it leads through: it is as far along, even where it cut a corner."""
+        if self.marks:
+            self.index = max(self.index, int(self.check.along.searchsorted(self.marks[0] - 1e-9)))
+            self.index = min(self.index, len(self.check.along) - 1)
+        self.marks = self.marks[1:]
+
     def has_missed(self, within_m: float) -> bool:
         """Whether the robot is farther along than the next goal that it was to pass, by more than that [m]."""
         return bool(self.marks) and float(self.check.along[self.index]) > self.marks[0] + within_m

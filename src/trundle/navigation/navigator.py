@@ -512,6 +512,8 @@ class Navigator(Drive):
             return self._recovery.continue_step(now)
         self._limit_speed(now)
         blocked = ""
+        if callable(set_through := getattr(self.controller, "set_through", None)):
+            set_through(followed.marks, self.settings.through_tolerance)
         try:
             command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
         except NoValidControlError:

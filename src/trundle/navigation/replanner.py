@@ -76,7 +76,7 @@ class Replanner:
     def pass_goal(self) -> None:
         """The robot has passed the next goal that the path leads through."""
         if self.followed is not None:
-            self.followed.marks = self.followed.marks[1:]
+            self.followed.pass_mark()
 
     def drop_path(self) -> None:
         """Forget the path: the robot is somewhere else."""

@@ -47,7 +47,7 @@ _STILL_S = 1.0
 _AT_REST = 0.02
 _PATIENCE_M = 0.3
 _LEFT_OUT_MARGIN_M = 0.15
-_FREE_DETOUR_M = 3.0
+_LEAD_PAST = 0.5  # of the tolerance of a pose that it has to pass
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +107,8 @@ class MppiController(Controller):
         self._is_new = False
         self._speed_limit = math.inf
         self._tracks: tuple[Track, ...] = ()
+        self._through: tuple[float, ...] = ()
+        self._lead_past_m = 0.0
         self._last = _STAND
         self._forget_place()
 
@@ -118,6 +120,7 @@ class MppiController(Controller):
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
         self._route = Route(path)
+        self._through = ()
         self._done = False
         self._follows = False
         self._is_new = True
@@ -131,6 +134,13 @@ class MppiController(Controller):
     def set_tracks(self, tracks: Sequence[Track]) -> None:
         """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
         self._tracks = tuple(track for track in tracks if track.confirmed)
+
+    def set_through(self, marks: Sequence[float], tolerance: float) -> None:
+        """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
+        passed = len(self._through) - len(marks)
+        if passed > 0 and self._route is not None:
+            self._route.reach(self._through[passed - 1])
+        self._through, self._lead_past_m = tuple(marks), _LEAD_PAST * tolerance
 
     def rollouts(self, count: int = 30) -> Rollouts | None:
         """The best samples of the last tick; none where it needed no samples."""
@@ -233,7 +243,7 @@ class MppiController(Controller):
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
         """Whether samples can go on from here: the cost to go leads on, and not just to where the discs do not pass."""
         guide = self._guide
-        guide.lead(window, route, route.section_end, pose)
+        guide.lead(window, route, self._lead_end(route), pose)
         if not math.isfinite(guide.cost_at(window, pose)):
             self.reason = "the path is blocked"
             return False
@@ -259,6 +269,14 @@ class MppiController(Controller):
                 return command
         self.reason = self.reason or "the outline would touch something"
         return self._follow(route.rest(now.pose), now)
+
+    def _lead_end(self, route: Route) -> int:
+        """Index of the last pose to lead to: beyond it samples would cut off a pose at which the path doubles back."""
+        end = route.section_end
+        if not self._through:
+            return end
+        past = int(route.along.searchsorted(self._through[0] + self._lead_past_m))
+        return min(end, past) if past > route.index else end
 
     def _aim(self, route: Route, window: Window) -> Aim:
         end = route.section_end

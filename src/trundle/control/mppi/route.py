@@ -72,7 +72,11 @@ class Route:
 
     def jump(self, left_m: float) -> None:
         """Take it that so much of it is left [m]."""
-        self.index = max(self.index, int(self.along.searchsorted(float(self.along[-1]) - left_m - 1e-9)))
+        self.reach(float(self.along[-1]) - left_m)
+
+    def reach(self, along_m: float) -> None:
+        """Take it that the robot has come so far along it [m], at least."""
+        self.index = max(self.index, int(self.along.searchsorted(along_m - 1e-9)))
         self.index = min(self.index, len(self.along) - 1)
 
     def rest(self, pose: Pose2D) -> Path:
