@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import gzip
 import shutil
 import subprocess
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
+
+from trundle import page
 
 WEB = Path(__file__).parents[2] / "web"
 NAMES = ("page.js", "page.css", "LICENSES.txt")
@@ -48,3 +51,8 @@ def test_the_lock_names_no_host() -> None:
     lock = (WEB / "package-lock.json").read_text(encoding="utf-8")
     assert '"resolved"' not in lock
     assert lock.count('"integrity"') > 10
+
+
+def test_the_page_is_one_request_of_at_most_250_kb() -> None:
+    html = page.render({"mode": "live"}, title="trundle")
+    assert len(gzip.compress(html.encode(), 6)) <= 250_000
