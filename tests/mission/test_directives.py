@@ -205,6 +205,23 @@ def test_a_command_by_hand_stops_before_a_box_that_only_lidars_see(world, carter
             assert session.finish().metrics.contacts == ()
 
 
+# Time limits ----------------------------------------------------------------------------------------------------------
+
+
+def test_goals_and_driving_by_hand_extend_the_default_time_limit(make_sim, navigator, start, steering, wall):
+    session = Session(make_sim(), navigator, start, GOAL, steering=steering)
+    first = session.info.time_limit_s
+    by_hand(session, steering, (0.1, 0.0), 40)
+    steering.put(Release())
+    drive(session, 1)
+    steering.put(SetGoal(OTHER, append=True))
+    episode = session.run()
+    assert episode.time_limit_s > first + 2.0 + 60.0
+    again = Session(make_sim(), navigator, start, GOAL, steering=steering, time_limit_s=1.0)
+    by_hand(again, steering, (0.1, 0.0), 40)
+    assert (again.outcome, again.time) == (Outcome.TIMED_OUT, pytest.approx(1.0))
+
+
 # Boxes ----------------------------------------------------------------------------------------------------------------
 
 

@@ -29,10 +29,10 @@ class Wall:
 
     def _wait(self, steering, timeout_s):
         until = math.inf if timeout_s is None else self.now + timeout_s
-        while self.calls and self.calls[0][0] <= until and not len(steering):
+        while self.calls and self.calls[0][0] <= until and steering.waiting == 0:
             self.now, what = self.calls.pop(0)
             what()
-        if len(steering):
+        if steering.waiting:
             return True
         assert until < math.inf
         self.now = until
@@ -157,6 +157,16 @@ def test_a_live_run_in_another_thread_is_paused_and_ended(make_sim, navigator, s
     steering.put(End("seen enough"))
     thread.join(30.0)
     assert [episode.message for episode in episodes] == ["seen enough"]
+
+
+def test_directives_after_the_end_are_refused_and_not_kept_for_the_next_run(make_sim, navigator, start):
+    steering, said = Steering(), []
+    live = LiveRun(lambda _: Session(make_sim(), navigator, start, GOAL, steering=steering), steering)
+    steering.put(End())
+    steering.put(Pause(), refused=said.append)
+    assert live.run().outcome is Outcome.ABORTED
+    assert said == ["the run has ended"]
+    assert steering.waiting == 0
 
 
 def test_ctrl_c_ends_a_live_run(make_sim, navigator, start, monkeypatch):

@@ -94,7 +94,7 @@ class Helm:
             self._give(Order(given.directive, given.by), index, state, estimate)
         if self._steering is None:
             return
-        for _ in range(len(self._steering)):
+        for _ in range(self._steering.waiting):
             order = self._steering.take() if self.ending is None else None
             if order is None:
                 return

@@ -47,7 +47,8 @@ class LiveRun:
         threading.Thread(target=live.run).start()
         steering.put(Speed(2.0))
 
-    Directives are applied as soon as they come, also while it waits for the next control period or is paused.
+    Directives are applied as soon as they come, also while it waits for the next control period or is paused. Those
+    that wait when the last run has ended are refused; after a `Restart` they are for the next run.
 
     Args:
         make_session: Makes the session of each run, steered by `steering`, from its seed: None for the first run, and
@@ -80,6 +81,7 @@ class LiveRun:
             self.status = LiveStatus("running", self.status.run + 1, speed=self._speed.factor)
             episode = self._drive(session)
             if session.restart is None:
+                self._steering.refuse_all("the run has ended")
                 self._show(session, "ended")
                 return episode
             self._show(session, "idle")

@@ -48,7 +48,8 @@ class Steering:
         self._changed = threading.Condition()
         self._orders: deque[Order] = deque()
 
-    def __len__(self) -> int:
+    @property
+    def waiting(self) -> int:
         """How many directives wait to be applied."""
         return len(self._orders)
 
@@ -75,6 +76,12 @@ class Steering:
         """Take the oldest directive that waits, or None; for the thread that drives the run."""
         with self._changed:
             return self._orders.popleft() if self._orders else None
+
+    def refuse_all(self, why: str) -> None:
+        """Refuse all directives that wait, for this reason."""
+        while (order := self.take()) is not None:
+            if order.refused is not None:
+                order.refused(why)
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Wait until there is a directive, or for so long [s]; whether there is one."""
