@@ -1,0 +1,166 @@
+"""`Desk`: runs the missions that the driver of the page sets up, one after another."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Protocol, Self
+
+from trundle.errors import InputError, TrundleError
+from trundle.mission import Episode, LiveStatus, Mission, Observer, Scenario, Session
+from trundle.mission.place import make_place
+from trundle.serve import messages
+from trundle.serve.choosing import choose
+from trundle.serve.hub import Hub
+from trundle.serve.messages import Message
+from trundle.serve.show import Show, scene_message
+from trundle.serve.steerer import Refuse, Steerer
+from trundle.serve.watch import Watch
+from trundle.sim import world_of
+
+_LOOK_S = 0.2
+
+
+class Record(Protocol):
+    """Opens what records a run."""
+
+    def __call__(self, mission: Mission, opened: ExitStack) -> tuple[Sequence[Observer], Path | None]:
+        """Open it in the stack, which is closed after the run; return the observers and the folder they write."""
+        ...
+
+
+class Desk:
+    """Runs missions in the thread that calls it, as the driver of the page says; use it in a `with` block.
+
+    Args:
+        hub: Where the pages are; it gets this as its controls.
+        base: What the choices of a page change.
+        record: Opens what records each run.
+        speed: Of the first run relative to real time; infinity for as fast as it can.
+
+    Attributes:
+        episode: Of the last run; None before its end.
+    """
+
+    def __init__(self, hub: Hub, base: Scenario, record: Record, *, speed: float = 1.0) -> None:
+        self._hub, self._base, self._record = hub, base, record
+        self._steerer = Steerer(speed=speed)
+        self._last: Scenario | None = None
+        self._requests: queue.SimpleQueue[Message] = queue.SimpleQueue()
+        self._is_busy = False
+        self._number = 0
+        self._opened = ExitStack()
+        self.episode: Episode | None = None
+        hub.controls = self
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._opened.close()
+
+    # The thread of the runs -----------------------------------------------------------------------------------------
+
+    def drive(self, scenario: Scenario) -> Episode:
+        """Drive a scenario, and again where a page restarts it.
+
+        Its simulator stays open until the next run, or the end of the `with` block.
+
+        Returns:
+            The episode of the last run.
+
+        Raises:
+            TrundleError: If it cannot be driven.
+        """
+        self._is_busy, self._last = True, scenario
+        try:
+            self.episode = self._steerer.drive(lambda seed: self._open(scenario, seed))
+            return self.episode
+        finally:
+            self._is_busy = False
+
+    def serve(self, *, until: Callable[[], bool] | None = None) -> None:
+        """Carry out what pages ask for, until Ctrl-C; or, where nothing runs, until this is true."""
+        while until is None or not until():
+            try:
+                request = self._requests.get(timeout=_LOOK_S)
+            except queue.Empty:
+                continue
+            try:
+                self._carry_out(request)
+            except TrundleError as error:
+                self._hub.announce(str(error))
+            finally:
+                self._is_busy = False
+
+    def preview(self, scenario: Scenario) -> None:
+        """Show the world of a scenario, in which nothing runs.
+
+        Raises:
+            TrundleError: If it cannot be made.
+        """
+        place = make_place(scenario)
+        scene, remark = scene_message(place.world, place.robot, place.grid)
+        if remark:
+            self._hub.announce(remark)
+        self._hub.present(Show(0, scene))
+
+    def _carry_out(self, request: Message) -> None:
+        if isinstance(request, messages.Setup):
+            self._drive_once(choose(self._base, request))
+        elif isinstance(request, messages.RestartRun) and self._last is not None:
+            seed = self._last.seed + 1 if request.seed == "next" else request.seed
+            self._drive_once(self._last if seed is None else self._last.model_copy(update={"seed": seed}))
+        elif isinstance(request, messages.Preview):
+            self.preview(choose(self._base, request))
+
+    def _drive_once(self, scenario: Scenario) -> None:
+        self.drive(scenario)
+        session = self._steerer.session
+        if session is not None and isinstance(session.error, KeyboardInterrupt):
+            raise KeyboardInterrupt
+
+    def _open(self, scenario: Scenario, seed: int | None) -> Session:
+        """Make a session of the scenario; what the one before had opened is closed first."""
+        self._opened.close()
+        if seed is not None:
+            scenario = self._last = scenario.model_copy(update={"seed": seed})
+        mission = self._opened.enter_context(scenario.build())
+        observers, folder = self._record(mission, self._opened)
+        self._number += 1
+        watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim))
+        return mission.session(observers=[watch, *observers, watch.recorded], steering=self._steerer.steering)
+
+    # The server's thread --------------------------------------------------------------------------------------------
+
+    @property
+    def status(self) -> LiveStatus:
+        """What runs now."""
+        return self._steerer.status
+
+    def handle(self, message: Message, client: int, refuse: Refuse) -> None:
+        """Carry out a request of the driver; `refuse` gets the reason where that cannot be done."""
+        is_setup = isinstance(message, messages.Setup | messages.Preview)
+        if not is_setup and (self._steerer.runs or not isinstance(message, messages.RestartRun)):
+            self._steerer.handle(message, client, refuse)
+            return
+        try:
+            self._ask(message)
+        except InputError as error:
+            refuse(str(error))
+
+    def let_go(self, client: int) -> None:
+        """Stop what this client drives by hand."""
+        self._steerer.let_go(client)
+
+    def _ask(self, message: Message) -> None:
+        if self._is_busy:
+            raise InputError("something runs, or is being prepared: end it first")
+        if isinstance(message, messages.RestartRun) and self._last is None:
+            raise InputError("nothing has run yet: set up a run first")
+        if isinstance(message, messages.Setup | messages.Preview):
+            self._hub.choices.check(message)
+        self._is_busy = True
+        self._requests.put(message)

@@ -1,0 +1,197 @@
+"""`Hub`: who is connected and who drives; passes on what pages ask for."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from trundle.errors import InputError
+from trundle.mission import LiveStatus
+from trundle.serve.choosing import Choices
+from trundle.serve.clients import Client
+from trundle.serve.encoding import encode_message
+from trundle.serve.messages import Drive, Message, Ping, parse_message
+from trundle.serve.show import Show
+from trundle.serve.wheel import Wheel
+
+MAX_CLIENTS = 64
+_MOST_MISTAKES = 20
+"""A client that has sent so many messages that cannot be read is disconnected."""
+
+
+class Controls(Protocol):
+    """What carries out what the driver asks for. Called in the server's thread: it must not block."""
+
+    @property
+    def status(self) -> LiveStatus:
+        """What runs now."""
+        ...
+
+    def handle(self, message: Message, client: int, refuse: Callable[[str], None]) -> None:
+        """Carry out a request of the driver; `refuse` tells its page, from any thread, why it cannot be done."""
+        ...
+
+    def let_go(self, client: int) -> None:
+        """The driver has gone or handed over: what it drives by hand stops."""
+        ...
+
+
+class TooManyMessagesError(InputError):
+    """A client that sends too much, or what cannot be read, and is to be disconnected."""
+
+
+class Hub:
+    """Between one run and many pages.
+
+    `present` and `announce` may be called by any thread; the rest is the server's.
+
+    Args:
+        choices: What a page can choose from.
+        source: What the server was started with, for the page; None where it was started with nothing.
+
+    Attributes:
+        choices: What a page can choose from.
+        controls: What carries out what pages ask for; to be set before the server starts.
+        folders: Folders of runs by number, whose files are served.
+        show: What is shown now.
+        joined: How many clients there have been.
+    """
+
+    def __init__(self, *, choices: Choices, source: str | None = None) -> None:
+        self.controls: Controls | None = None
+        self.folders: dict[int, Path] = {}
+        self.show: Show | None = None
+        self.joined = 0
+        self.left_s = time.monotonic()
+        self.choices = choices
+        self._source = source
+        self._clients: dict[int, Client] = {}
+        self._mistakes: dict[int, int] = {}
+        self._wheel = Wheel()
+        self._announced: deque[tuple[int | None, str]] = deque(maxlen=256)
+
+    def __len__(self) -> int:
+        """How many clients are connected."""
+        return len(self._clients)
+
+    # Any thread -----------------------------------------------------------------------------------------------------
+
+    def present(self, show: Show) -> None:
+        """Show this from now on; a client gets all of it."""
+        self.show = show
+
+    def announce(self, text: str, *, to: int | None = None) -> None:
+        """Send an error in words to one client, or to all."""
+        self._announced.append((to, encode_message("error", text=text)))
+
+    # The server's thread --------------------------------------------------------------------------------------------
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no more clients are accepted."""
+        return len(self._clients) >= MAX_CLIENTS
+
+    def connect(self) -> Client:
+        """A page has connected."""
+        self.joined += 1
+        client = Client(self.joined)
+        self._clients[client.number] = client
+        self._mistakes[client.number] = 0
+        self._wheel.join(client.number)
+        client.reply(self._hello(client))
+        self._tell_drivers()
+        return client
+
+    def disconnect(self, client: Client) -> None:
+        """A page has gone."""
+        del self._clients[client.number], self._mistakes[client.number]
+        self.left_s = time.monotonic()
+        if self._wheel.leave(client.number):
+            self._controls.let_go(client.number)
+        self._tell_drivers()
+
+    def receive(self, client: Client, data: str | bytes) -> None:
+        """Take a message of a page.
+
+        Raises:
+            TooManyMessagesError: If there are too many, or too many that cannot be read.
+        """
+        if not client.may_send(time.monotonic()):
+            raise TooManyMessagesError("too many messages")
+        try:
+            if not isinstance(data, str):
+                raise InputError("message refused: send text")
+            message = parse_message(data)
+        except InputError as error:
+            self._mistakes[client.number] += 1
+            if self._mistakes[client.number] >= _MOST_MISTAKES:
+                raise TooManyMessagesError("too many messages that cannot be read") from error
+            client.reply(encode_message("error", text=str(error)))
+            return
+        self._take(client, message)
+
+    def tick(self) -> None:
+        """Encode what is new, once for all clients, and wake those that wait for it."""
+        while self._announced:
+            to, text = self._announced.popleft()
+            for client in self._clients.values():
+                if to is None or client.number == to:
+                    client.reply(text)
+        before = self._wheel.driver
+        if self._wheel.expire(time.monotonic()):
+            self._hand_over(before)
+        if self.show is not None:
+            self.show.encode(self._controls.status, watched=bool(self._clients))
+        for client in self._clients.values():
+            client.wake.set()
+
+    @property
+    def _controls(self) -> Controls:
+        if self.controls is None:
+            raise InputError("a hub needs its controls before a page connects")
+        return self.controls
+
+    def _take(self, client: Client, message: Message) -> None:
+        if isinstance(message, Ping):
+            client.reply(encode_message("pong", echo=message.echo))
+        elif isinstance(message, Drive):
+            self._steer(client, message)
+        elif client.number != self._wheel.driver:
+            client.reply(encode_message("error", text="another page drives: ask to take over first"))
+        else:
+            self._controls.handle(message, client.number, lambda why: self.announce(why, to=client.number))
+
+    def _steer(self, client: Client, message: Drive) -> None:
+        before = self._wheel.driver
+        if message.answer is None:
+            changed = self._wheel.ask(client.number, time.monotonic())
+        else:
+            changed = self._wheel.answer(client.number, message.answer)
+        if changed:
+            self._hand_over(before)
+
+    def _hand_over(self, before: int | None) -> None:
+        if before is not None and before != self._wheel.driver:
+            self._controls.let_go(before)
+        self._tell_drivers()
+
+    def _tell_drivers(self) -> None:
+        wheel = self._wheel
+        text = encode_message("drivers", driver=wheel.driver, request=wheel.request, clients=len(wheel))
+        for client in self._clients.values():
+            client.reply(text)
+
+    def _hello(self, client: Client) -> str:
+        return encode_message(
+            "hello",
+            client=client.number,
+            driver=self._wheel.driver,
+            clients=len(self._wheel),
+            you_drive=self._wheel.driver == client.number,
+            choices=self.choices.as_dict(),
+            state=self._controls.status.state,
+            source=self._source,
+        )

@@ -1,0 +1,344 @@
+"""`PageServer`: HTTP and WebSocket for the page, in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import gzip
+import logging
+import threading
+import time
+from dataclasses import dataclass
+from functools import partial
+from types import TracebackType
+from typing import Any, Self, cast
+from urllib.parse import parse_qs
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+
+from trundle.errors import InputError
+from trundle.serve.access import Access
+from trundle.serve.clients import Client, fragments, is_long
+from trundle.serve.hub import Hub, TooManyMessagesError
+from trundle.serve.messages import MAX_BYTES
+from trundle.serve.run_files import ServedFile, TooLargeError, find_run_file, list_run_files, read_run_file
+
+_LOGGER = logging.getLogger(__name__)
+
+PORT = 8765
+MAX_CONNECTIONS = 256
+"""Connections that are open at once, with those that have not said yet what they want."""
+
+MAX_BODIES_BYTES = 256 * 2**20
+"""Of all answers that wait to be read."""
+
+TICK_S = 0.05
+_IDLE_TICK_S = 0.5
+HANDSHAKE_S = 5.0
+_PING_S = 10.0
+_CLOSE_S = 2.0
+_START_S = 10.0
+
+_BASE_HEADERS = {
+    "Cache-Control": "no-store",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+_NOTHING = "default-src 'none'; frame-ancestors 'none'"
+_SANDBOX = "sandbox allow-scripts allow-downloads; frame-ancestors 'none'"
+"""Of a report: its scripts run, but not as pages of this server, whose cookie would let them drive."""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The page that is served.
+
+    Attributes:
+        html: The one file.
+        csp: Its Content-Security-Policy.
+    """
+
+    html: str
+    csp: str
+
+
+class PageServer:
+    """Serves one page and its data; use it in a `with` block.
+
+    Args:
+        hub: What the page shows and asks.
+        page: The page.
+        host: What to bind to.
+        port: The port; 0 means a free one.
+        access: Who may connect; None means a new token for this host.
+
+    Attributes:
+        host: What it is bound to.
+        port: The port it listens on.
+
+    Raises:
+        InputError: If it cannot listen there.
+    """
+
+    def __init__(
+        self, hub: Hub, page: Page, *, host: str = "127.0.0.1", port: int = PORT, access: Access | None = None
+    ) -> None:
+        self._hub, self._page = hub, page
+        self._access = Access(host) if access is None else access
+        self._packed = gzip.compress(page.html.encode(), 9)
+        self._connections = _Connections()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._ending: asyncio.Event | None = None
+        self._started = threading.Event()
+        self._error: OSError | None = None
+        self.host, self.port = host, port
+        self._thread = threading.Thread(target=self._run, name="trundle-page", daemon=True)
+        self._thread.start()
+        self._started.wait(_START_S)
+        if self._error is not None:
+            raise InputError(_explain_bind(self._error, host, port)) from self._error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def address(self) -> str:
+        """The address of the page, with its token."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]", "": "127.0.0.1"}.get(self.host, self.host)
+        host = f"[{host}]" if ":" in host and not host.startswith("[") else host
+        return f"http://{host}:{self.port}/?token={self._access.token}"
+
+    def close(self) -> None:
+        """Disconnect all pages and stop listening; closing twice does nothing."""
+        loop, ending = self._loop, self._ending
+        if loop is not None and ending is not None and self._thread.is_alive():
+            with contextlib.suppress(RuntimeError):  # the loop has just ended
+                loop.call_soon_threadsafe(ending.set)
+            self._thread.join(_CLOSE_S + _START_S)
+
+    # The server's thread --------------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except OSError as error:
+            self._error = error
+        finally:
+            self._started.set()
+
+    async def _serve(self) -> None:
+        self._loop, self._ending = asyncio.get_running_loop(), asyncio.Event()
+        async with serve(
+            self._talk,
+            self.host,
+            self.port,
+            process_request=self._answer,
+            create_connection=cast("type[ServerConnection]", partial(_Connection, self._connections)),
+            compression=None,
+            max_size=MAX_BYTES,
+            max_queue=32,
+            open_timeout=HANDSHAKE_S,
+            ping_interval=_PING_S,
+            ping_timeout=_PING_S,
+            close_timeout=_CLOSE_S,
+            server_header=None,
+            logger=_silent_logger(),
+        ) as server:
+            self.port = _port_of(server)
+            self._started.set()
+            ticking = asyncio.create_task(self._tick())
+            try:
+                await self._ending.wait()
+            finally:
+                ticking.cancel()
+
+    async def _tick(self) -> None:
+        while True:
+            began = time.monotonic()
+            try:
+                self._hub.tick()
+            except Exception as error:  # noqa: BLE001 - one step that cannot be shown does not end the page
+                _LOGGER.warning("the page leaves something out: %s: %s", type(error).__name__, error)
+            period = TICK_S if len(self._hub) else _IDLE_TICK_S
+            await asyncio.sleep(max(0.2 * period, period - (time.monotonic() - began)))
+
+    async def _talk(self, connection: ServerConnection) -> None:
+        """One page, from its connection to its end."""
+        if self._hub.is_full:
+            await connection.close(1013, "too many pages are connected")
+            return
+        client = self._hub.connect()
+        feeding = asyncio.create_task(self._feed(connection, client))
+        try:
+            async for data in connection:
+                self._hub.receive(client, data)
+        except TooManyMessagesError as error:
+            await connection.close(1008, str(error))
+        except ConnectionClosed:
+            pass
+        finally:
+            self._hub.disconnect(client)
+            feeding.cancel()
+
+    async def _feed(self, connection: ServerConnection, client: Client) -> None:
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await client.wake.wait()
+                client.wake.clear()
+                while (text := client.take(self._hub.show)) is not None:
+                    await connection.send(fragments(text) if is_long(text) else text)
+
+    # HTTP -----------------------------------------------------------------------------------------------------------
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to a request; None for a page that may open its WebSocket."""
+        response = self._route(request)
+        if response is not None and isinstance(connection, _Connection) and not connection.hold(len(response.body)):
+            return _respond(503, "busy: try again later")
+        return response
+
+    def _route(self, request: Request) -> Response | None:
+        headers, access = request.headers, self._access
+        hosts = headers.get_all("Host")
+        if not access.allows_host(hosts):
+            return _respond(403, "this name is not the server's: open the address that trundle printed")
+        path, _, query = request.path.partition("?")
+        is_socket = path == "/ws"
+        if not access.allows_origin(headers.get_all("Origin"), hosts[0], required=is_socket):
+            return _respond(403, "requests from other sites are refused")
+        tokens = parse_qs(query).get("token", [])
+        if path == "/" and tokens:
+            if len(tokens) == 1 and access.has_token(tokens[0]):
+                return self._welcome()
+            return _respond(403, "this token is not the server's: open the address that trundle printed")
+        if not access.has_cookie(headers.get_all("Cookie")):
+            return _respond(401, "open the address that trundle printed, with its token")
+        if is_socket:
+            return None
+        if path == "/":
+            return self._send_page(headers)
+        return self._send_file(path)
+
+    def _welcome(self) -> Response:
+        """Set the cookie and go on to the page, by a step of its own: a redirect from another site has no cookie."""
+        html = '<!doctype html><meta http-equiv="refresh" content="0;url=/"><title>trundle</title>'
+        return _respond(200, html, kind="text/html; charset=utf-8", extra={"Set-Cookie": self._access.set_cookie()})
+
+    def _send_page(self, headers: Headers) -> Response:
+        extra = {"Content-Security-Policy": self._page.csp, "Vary": "Accept-Encoding"}
+        if "gzip" in ",".join(headers.get_all("Accept-Encoding")):
+            return _respond(
+                200, self._packed, kind="text/html; charset=utf-8", extra={**extra, "Content-Encoding": "gzip"}
+            )
+        return _respond(200, self._page.html, kind="text/html; charset=utf-8", extra=extra)
+
+    def _send_file(self, path: str) -> Response:
+        found = find_run_file(self._hub.folders, path)
+        if found is None:
+            return _respond(404, "there is no such page")
+        number, folder, name = found
+        try:
+            if not name:
+                return _respond(200, list_run_files(number, folder), kind="text/html; charset=utf-8")
+            return _respond_file(read_run_file(folder, name), name)
+        except TooLargeError as error:
+            return _respond(413, str(error))
+        except OSError:
+            return _respond(404, "there is no such file in the folder of the run")
+
+
+class _Connections:
+    """What is open, and how much of answers waits to be read."""
+
+    def __init__(self) -> None:
+        self.open = 0
+        self.bytes = 0
+
+
+class _Connection(ServerConnection):
+    """A connection that is counted."""
+
+    def __init__(self, connections: _Connections, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._connections = connections
+        self._held = 0
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Count it; too many are closed at once."""
+        self._connections.open += 1
+        super().connection_made(transport)
+        if self._connections.open > MAX_CONNECTIONS:
+            self.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Count it no more."""
+        self._connections.open -= 1
+        self._connections.bytes -= self._held
+        super().connection_lost(exc)
+
+    def hold(self, size: int) -> bool:
+        """Count an answer of this size [bytes]; False where too much waits to be read."""
+        if self._connections.bytes + size > MAX_BODIES_BYTES:
+            return False
+        self._held += size
+        self._connections.bytes += size
+        return True
+
+
+def _respond(
+    status: int,
+    body: str | bytes,
+    *,
+    kind: str = "text/plain; charset=utf-8",
+    extra: dict[str, str] | None = None,
+) -> Response:
+    reasons = {200: "OK", 401: "Unauthorized", 403: "Forbidden", 404: "Not Found", 413: "Content Too Large"}
+    content = body.encode() if isinstance(body, str) else body
+    fields = {
+        **_BASE_HEADERS,
+        "Content-Security-Policy": _NOTHING,
+        "Content-Type": kind,
+        "Content-Length": str(len(content)),
+        "Connection": "close",
+        **(extra or {}),
+    }
+    return Response(status, reasons.get(status, "Service Unavailable"), Headers(fields), content)
+
+
+def _respond_file(file: ServedFile, name: str) -> Response:
+    extra = {"Content-Security-Policy": _SANDBOX}
+    if file.is_download:
+        extra["Content-Disposition"] = f'attachment; filename="{name}"'
+    return _respond(200, file.content, kind=file.kind, extra=extra)
+
+
+def _port_of(server: Server) -> int:
+    return next(iter(server.sockets)).getsockname()[1]
+
+
+def _explain_bind(error: OSError, host: str, port: int) -> str:
+    where = f"{host}:{port}"
+    if isinstance(error, PermissionError):
+        return f"the page cannot be served on {where}: ports below 1024 are reserved; give another --port"
+    if "in use" in str(error):
+        return f"the page cannot be served on {where}: the port is in use; give another --port, or 0 for a free one"
+    return f"the page cannot be served on {where}: {error}; give another --host or --port"
+
+
+def _silent_logger() -> logging.Logger:
+    """For websockets: what foreign clients do wrong is nothing for the terminal."""
+    logger = logging.getLogger("trundle.serve.sockets")
+    logger.propagate = False
+    logger.setLevel(logging.CRITICAL + 1)
+    return logger

@@ -1,0 +1,144 @@
+"""`Steerer`: hands what the driver of the page asks for to the thread that drives a run."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from typing import TypeAlias
+
+from trundle.errors import InputError
+from trundle.mission import (
+    DropBox,
+    End,
+    Episode,
+    LiveRun,
+    LiveStatus,
+    Manual,
+    Pause,
+    Release,
+    Restart,
+    Session,
+    SetGoal,
+    Speed,
+    Steering,
+    StepOnce,
+)
+from trundle.mission.steering.directives import Directive
+from trundle.serve import messages
+from trundle.serve.messages import Message
+from trundle.serve.show import page_name
+
+MAX_BOXES, MAX_GOALS = 100, 200
+"""How many a page may add to one run."""
+
+Refuse: TypeAlias = Callable[[str], None]
+
+
+class Steerer:
+    """Drives a run, and again after restarts, and steers it as the page says.
+
+    Args:
+        speed: Of the first run relative to real time; infinity for as fast as it can.
+        restarts: Whether a page may restart it.
+
+    Attributes:
+        steering: Where the session of each run takes its directives from.
+        session: The session of the last run, or None.
+    """
+
+    def __init__(self, *, speed: float = 1.0, restarts: bool = True) -> None:
+        self.steering = Steering()
+        self.session: Session | None = None
+        self._speed, self._restarts = speed, restarts
+        self._live: LiveRun | None = None
+        self._by_hand: int | None = None
+        self._added = 0, Counter[str]()
+
+    @property
+    def status(self) -> LiveStatus:
+        """What runs now."""
+        return LiveStatus("idle") if self._live is None else self._live.status
+
+    @property
+    def runs(self) -> bool:
+        """Whether something can be steered now."""
+        return self.status.state in ("running", "paused")
+
+    # The thread of the run ------------------------------------------------------------------------------------------
+
+    def drive(self, make_session: Callable[[int | None], Session]) -> Episode:
+        """Drive to the end, and again after each restart; see `LiveRun`.
+
+        Returns:
+            The episode of the last run.
+        """
+
+        def make(seed: int | None) -> Session:
+            self.session = make_session(seed)
+            return self.session
+
+        self._live = live = LiveRun(make, self.steering, speed=self._speed)
+        try:
+            return live.run()
+        except BaseException:
+            self._live = None
+            raise
+        finally:
+            self._speed = live.status.speed
+
+    # The server's thread --------------------------------------------------------------------------------------------
+
+    def handle(self, message: Message, client: int, refuse: Refuse) -> None:
+        """Give what the driver asks for to the run; `refuse` gets the reason where that cannot be done."""
+        try:
+            if not self.runs:
+                raise InputError("nothing runs now")
+            directive = self._directive(message, client)
+        except InputError as error:
+            refuse(str(error))
+            return
+        self.steering.put(directive, by=page_name(client), refused=refuse)
+
+    def let_go(self, client: int) -> None:
+        """Stop what this client drives by hand: the robot stands until somebody drives on."""
+        if self._by_hand == client:
+            self._by_hand = None
+            self.steering.put(Manual(), by=page_name(client))
+
+    def _directive(self, message: Message, client: int) -> Directive:
+        match message:
+            case messages.SetPause(paused=paused):
+                return Pause(paused)
+            case messages.OneStep():
+                return StepOnce()
+            case messages.SetSpeed(factor=factor):
+                return Speed(math.inf if factor == "max" else float(factor))
+            case messages.NewGoal(pose=(x, y, yaw), append=append):
+                self._count("goals", MAX_GOALS)
+                self._by_hand = None
+                return SetGoal((x, y) if yaw is None else (x, y, yaw), append)
+            case messages.ManualCommand(v=v, w=w):
+                self._by_hand = client
+                return Manual(v, w)
+            case messages.ReleaseCommand():
+                self._by_hand = None
+                return Release()
+            case messages.NewBox(x=x, y=y, yaw=yaw, size=size):
+                self._count("boxes", MAX_BOXES)
+                return DropBox(x, y, yaw, size)
+            case messages.RestartRun(seed=seed) if self._restarts:
+                return Restart(seed)
+            case messages.EndRun():
+                return End(f"ended by {page_name(client)}")
+            case _:
+                raise InputError("this cannot be done while something runs: end it first")
+
+    def _count(self, what: str, most: int) -> None:
+        run, counts = self._added
+        if run != id(self.session):
+            run, counts = id(self.session), Counter[str]()
+            self._added = run, counts
+        if counts[what] >= most:
+            raise InputError(f"no more than {most} {what} can be added to a run")
+        counts[what] += 1

@@ -1,0 +1,104 @@
+import json
+
+from trundle.serve.clients import BURST, RATE_PER_S, Client, fragments, is_long
+from trundle.serve.show import Show
+
+
+def _show(number: int = 1) -> Show:
+    show = Show(number, json.dumps({"type": "scene", "of": number}))
+    show.run = json.dumps({"type": "run", "n": number})
+    return show
+
+
+def _take_all(client: Client, show: Show | None) -> list[str]:
+    kinds = []
+    while (text := client.take(show)) is not None:
+        kinds.append(json.loads(text)["type"])
+    return kinds
+
+
+def test_a_new_client_gets_scene_run_and_the_whole_log() -> None:
+    show = _show()
+    show.log.add([[0]], [], [])
+    show.log.add([[1]], [], [])
+    show.frame = show.frame.next('{"type":"frame"}')
+    assert sorted(_take_all(Client(1), show)) == ["frame", "log", "run", "scene"]
+
+
+def test_a_client_gets_nothing_twice() -> None:
+    show, client = _show(), Client(1)
+    show.log.add([[0]], [], [])
+    show.frame = show.frame.next('{"type":"frame"}')
+    _take_all(client, show)
+    assert client.take(show) is None
+    show.log.add([[1]], [], [])
+    assert _take_all(client, show) == ["log"]
+
+
+def test_of_frames_a_slow_client_gets_the_newest_and_of_the_log_everything() -> None:
+    show, client = _show(), Client(1)
+    _take_all(client, show)
+    rows = []
+    for index in range(50):
+        show.log.add([[index]], [], [])
+        show.frame = show.frame.next(json.dumps({"type": "frame", "t": index}))
+    frames = []
+    while (text := client.take(show)) is not None:
+        message = json.loads(text)
+        rows += message.get("rows", [])
+        frames += [message["t"]] if message["type"] == "frame" else []
+    assert rows == [[index] for index in range(50)]
+    assert frames == [49]
+
+
+def test_neither_log_nor_frames_keep_the_other_from_a_slow_client() -> None:
+    show, client = _show(), Client(1)
+    _take_all(client, show)
+    kinds = []
+    for index in range(10):
+        show.log.add([[index]], [], [])
+        show.frame = show.frame.next('{"type":"frame"}')
+        kinds.append(json.loads(client.take(show) or "")["type"])
+    assert kinds.count("log") == kinds.count("frame") == 5
+
+
+def test_another_run_begins_with_its_scene() -> None:
+    client = Client(1)
+    _take_all(client, _show(1))
+    assert _take_all(client, _show(2)) == ["scene", "run"]
+    assert _take_all(client, None) == []
+
+
+def test_the_end_comes_last() -> None:
+    show, client = _show(), Client(1)
+    show.end = '{"type":"end"}'
+    show.solids.append('{"type":"solid"}')
+    show.log.add([[1]], [], [])
+    assert _take_all(client, show)[-1] == "end"
+
+
+def test_replies_come_first_and_are_bounded() -> None:
+    client = Client(1)
+    for index in range(1000):
+        client.reply(json.dumps({"type": "error", "text": str(index)}))
+    kinds = _take_all(client, _show())
+    assert kinds[:-2] == ["error"] * (len(kinds) - 2)
+    assert len(kinds) < 100
+
+
+def test_messages_are_counted_by_time() -> None:
+    client = Client(1)
+    assert all(client.may_send(1.0) for _ in range(int(BURST)))
+    assert not client.may_send(1.0)
+    assert all(client.may_send(10.0) for _ in range(int(BURST)))
+    assert not client.may_send(10.0)
+    steady = Client(2)
+    assert all(steady.may_send(index / (0.99 * RATE_PER_S)) for index in range(1000))
+
+
+def test_long_messages_are_sent_in_parts() -> None:
+    text = "x" * 200_000
+    assert is_long(text)
+    assert not is_long("x")
+    assert "".join(fragments(text)) == text
+    assert len(list(fragments(text))) > 2

@@ -1,0 +1,77 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trundle.errors import InputError
+from trundle.serve.messages import NewBox, NewGoal, SetSpeed, Setup, parse_message
+
+
+def test_messages_of_the_page_are_read() -> None:
+    goal = parse_message('{"type":"goal","pose":[1,2.5,null],"append":true}')
+    assert isinstance(goal, NewGoal)
+    assert (goal.pose, goal.append) == ((1.0, 2.5, None), True)
+    speed = parse_message('{"type":"speed","factor":"max"}')
+    assert isinstance(speed, SetSpeed)
+    box = parse_message('{"type":"box","x":1,"y":2,"yaw":0,"size":[0.5,0.5,1]}')
+    assert isinstance(box, NewBox)
+    setup = parse_message(
+        '{"type":"setup","world":"office","robot":"jackal","seed":3,"start":[0,0,0],"goal":[1,1,null]}'
+    )
+    assert isinstance(setup, Setup)
+    assert setup.goal == (1.0, 1.0, None)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "null",
+        "{}",
+        '{"type":"boom"}',
+        '{"type":"goal"}',
+        '{"type":"goal","pose":[1,2]}',
+        '{"type":"goal","pose":[1,2,NaN]}',
+        '{"type":"goal","pose":["1",2,0]}',
+        '{"type":"goal","pose":[1e300,2,0]}',
+        '{"type":"goal","pose":[1,2,0],"extra":1}',
+        '{"type":"goal","pose":[true,2,0]}',
+        '{"type":"speed","factor":0}',
+        '{"type":"speed","factor":51}',
+        '{"type":"speed","factor":"fast"}',
+        '{"type":"manual","v":Infinity,"w":0}',
+        '{"type":"pause","paused":1}',
+        '{"type":"restart","seed":-1}',
+        '{"type":"restart","seed":1.5}',
+        '{"type":"box","x":0,"y":0,"size":[0,1,1]}',
+        '{"type":"setup","world":""}',
+        '{"type":"drive","answer":"yes"}',
+        '{"type":"ping","echo":"' + 65 * "x" + '"}',
+        '{"type":"ping","echo":[[[[[[]]]]]]}',
+        "[" * 5000,
+    ],
+)
+def test_what_is_not_as_the_schema_says_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="message refused") as raised:
+        parse_message(text)
+    assert len(str(raised.value)) < 400
+
+
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=8,
+)
+_KINDS = ("setup", "preview", "goal", "pause", "step", "speed", "manual", "release", "restart", "box", "end", "drive")
+_FIELDS = ("pose", "append", "paused", "factor", "v", "w", "seed", "x", "y", "yaw", "size", "answer", "world", "start")
+
+
+@given(st.sampled_from(_KINDS) | st.text(), st.dictionaries(st.sampled_from(_FIELDS), _JSON))
+def test_whatever_comes_is_a_message_or_refused(kind: str, fields: dict[str, object]) -> None:
+    try:
+        message = parse_message(json.dumps({"type": kind, **fields}))
+    except InputError:
+        return
+    assert message.type == kind
