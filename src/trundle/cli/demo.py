@@ -7,12 +7,12 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import missions, options, recordings
+from trundle.cli.shared import missions, options, output, recordings
 
 app = App(
     name="demo",
     version_flags=[],
-    help_epilogue="Examples:\n  trundle demo\n  trundle demo --seed 3 --no-video --json",
+    help_epilogue="Examples:\n  trundle demo\n  trundle demo --browser\n  trundle demo --seed 3 --no-video --json",
 )
 
 
@@ -24,6 +24,8 @@ def demo(
     report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
+    browser: options.Browser = False,
+    speed: options.RunSpeed = None,
     record: options.Record = False,
     distro: options.Distro = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -46,15 +48,21 @@ def demo(
 
     scenario = Scenario.make(name="demo", world="warehouse", seed=seed, backend=backend)
     scenario = recordings.choose(scenario, record=record, distro=distro)
-    return missions.drive(
-        scenario,
+    factor = None if speed is None else options.parse_speed(speed)
+    shown = missions.Presentation(
         out=out,
         overwrite=overwrite,
         page=report,
         video=video,
         view=view,
+        browser=browser,
+        speed=factor,
         json=json,
         quiet=quiet,
         with_place=True,
         narrate=True,
     )
+    code = missions.drive(scenario, shown)
+    if not browser:
+        output.remark("To watch and steer it live in the browser: trundle demo --browser", quiet=quiet)
+    return code

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from trundle.cli.shared import isaac, options, output, sources
+from trundle.cli.shared.drive_page import drive_in_browser
 from trundle.cli.shared.given import check_given
 from trundle.cli.shared.recordings import FILE as RECORDING
 from trundle.cli.shared.recordings import FolderRecording, choose_record
@@ -38,6 +39,7 @@ app = App(
         "Examples:\n"
         "  trundle drive nova_carter --command 0.4,0,5 --command 0,0.8,5 --command 0.25,-0.5,5\n"
         "  trundle drive nova_carter --world warehouse --teleop\n"
+        "  trundle drive nova_carter --world warehouse --browser\n"
         "  python.sh -m trundle drive nova_carter --backend isaac --environment warehouse --command 0.4,0,5"
     ),
 )
@@ -55,6 +57,8 @@ def drive(
     like: Annotated[Path | None, Parameter(metavar="RUN")] = None,
     teleop: Annotated[bool, Parameter(negative="")] = False,
     view: Annotated[bool, Parameter(negative="")] = False,
+    browser: options.Browser = False,
+    speed: options.RunSpeed = None,
     world: options.WorldName = None,
     start: options.Pose = None,
     backend: options.Backend = "mujoco",
@@ -93,15 +97,21 @@ def drive(
     from trundle.teleop.window import drive_in_window
     from trundle.viewer.watcher import open_window
 
-    if sum((teleop, bool(command), like is not None)) != 1:
-        raise InputError("give one of: --command V,W,SECONDS (repeatable), --like RUN, --teleop")
+    by_hand = teleop or (browser and not command and like is None)
+    if sum((by_hand, bool(command), like is not None)) != 1:
+        raise InputError("give one of: --command V,W,SECONDS (repeatable), --like RUN, --teleop, --browser")
+    if speed is not None and by_hand and not browser:
+        raise InputError("--speed is for --command, --like and --browser: by keys a robot is driven in real time")
+    factor = None if speed is None else options.parse_speed(speed)
     check_free(out, overwrite=overwrite)
     recording = FolderRecording(choose_record(None, record=record, distro=distro), out, overwrite=overwrite)
     commands = [parse_command(text) for text in command or []]
     given = isaac.simulator_options(isaac_options, backend)
     isaac.check_window(view, backend)
+    if view and browser:
+        raise InputError("give --view or --browser, not both")
     machine = sources.load_robot(robot, paths)
-    if teleop and not view:
+    if teleop and not view and not browser:
         check_terminal()
     if backend == "mujoco":
         import_engine()
@@ -120,13 +130,26 @@ def drive(
             pose = begin if start is None else pose
         if backend != isaac.BACKEND or floor_z is not None:
             place = sources.stand_on_floor(place, world, machine, pose, floor_z)
-        simulator = stack.enter_context(simulate(place, machine, backend=backend, **given))
+        lidars = {"lidar": True} if browser and by_hand and backend != isaac.BACKEND and machine.lidars else {}
+        simulator = stack.enter_context(simulate(place, machine, backend=backend, **given, **lidars))
         window = stack.enter_context(open_window(place, machine, pose)) if view else None
         claim = stack.enter_context(FolderClaim(out, "drive", overwrite=overwrite))
         observers = stack.enter_context(recording).start(claim.path)
         try:
-            if not teleop:
-                _drive_commands(simulator, pose, commands, log, window, seed=seed, observers=observers)
+            if browser:
+                drive_in_browser(
+                    simulator,
+                    pose,
+                    None if by_hand else commands,
+                    log,
+                    observers=observers,
+                    period_s=PERIOD_S,
+                    speed=1.0 if factor is None else factor,
+                    seed=seed,
+                    quiet=quiet,
+                )
+            elif not teleop:
+                _drive_commands(simulator, pose, commands, log, window, seed=seed, observers=observers, speed=factor)
             elif window is None:
                 chart = TextMap(place, machine, pose)
                 drive_by_keys(simulator, pose, log, chart, period_s=PERIOD_S, seed=seed, observers=observers)
@@ -138,7 +161,7 @@ def drive(
                     log.save(claim.path / "drive.csv")
                     recording.save(claim.path / RECORDING)
         # Before the simulator is closed: closing Isaac Sim may end the process.
-        report = _report_drive if teleop else _report_commands
+        report = _report_drive if by_hand else _report_commands
         report(log, claim.path, json=json)
     return 0
 
@@ -162,6 +185,7 @@ def _drive_commands(
     *,
     seed: int,
     observers: Sequence[Observer],
+    speed: float | None,
 ) -> None:
     from trundle.mission import Session
     from trundle.navigation import CommandScript
@@ -171,6 +195,8 @@ def _drive_commands(
         simulator, script, start, monitor=False, seed=seed, stop_on_contact=False, measure=None, observers=observers
     )
     log.add(session.state)
+    if speed is None:
+        speed = math.inf if window is None else 1.0
     leg, began = -1, time.monotonic()
     try:
         while (step := session.step()) is not None:
@@ -180,7 +206,8 @@ def _drive_commands(
             log.add(step.state, step.sent)
             if window is not None:
                 window.show(step.state)
-                time.sleep(max(0.0, began + step.state.time - time.monotonic()))
+            if speed < math.inf:
+                time.sleep(max(0.0, began + step.state.time / speed - time.monotonic()))
     finally:
         session.finish()
     if session.error is not None:

@@ -22,6 +22,7 @@ app = App(
         "  trundle run warehouse --planner least_cost --inflation-radius 0.8 --goal-tolerance 0.1\n"
         "  trundle run scene.usd --exclude /World/Robot --exclude ceiling\n"
         "  trundle run scenario.yaml --backend kinematic --json\n"
+        "  trundle run office --robot jackal --browser\n"
         "  trundle run warehouse --lidar --record --distro kilted\n"
         "  trundle run --from runs/nightly:7f3a21\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
@@ -39,6 +40,8 @@ def run(
     report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
+    browser: options.Browser = False,
+    speed: options.RunSpeed = None,
     record: options.Record = False,
     distro: options.Distro = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
@@ -74,6 +77,16 @@ def run(
     else:
         scenario = given.make(source)
     scenario = recordings.choose(scenario, record=record, distro=distro)
-    return missions.drive(
-        scenario, out=out, overwrite=overwrite, page=report, video=video, view=view, json=json, quiet=quiet
+    factor = None if speed is None else options.parse_speed(speed)
+    shown = missions.Presentation(
+        out=out,
+        overwrite=overwrite,
+        page=report,
+        video=video,
+        view=view,
+        browser=browser,
+        speed=factor,
+        json=json,
+        quiet=quiet,
     )
+    return missions.drive(scenario, shown)

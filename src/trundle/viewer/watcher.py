@@ -30,13 +30,17 @@ def open_window(world: World, robot: Robot, pose: Pose2D) -> NativeWindow:
 
 
 class Watcher:
-    """Shows a run in a window, with its path and its goal, no faster than real time.
+    """Shows a run in a window, with its path and its goal.
 
     If the window is closed, the run continues without it.
+
+    Args:
+        window: The window.
+        paces: Whether it holds the run back to real time; otherwise something else sets its speed.
     """
 
-    def __init__(self, window: NativeWindow) -> None:
-        self._window = window
+    def __init__(self, window: NativeWindow, *, paces: bool = True) -> None:
+        self._window, self._paces = window, paces
         self._began = 0.0
         self._run: RunInfo | None = None
         self._shown: tuple[Path | None, int] = (None, -1)
@@ -48,9 +52,11 @@ class Watcher:
 
     def on_step(self, step: Step) -> None:
         """Show the robot, and wait until real time has caught up."""
-        if self._window.is_open:
-            self._mark(step)
-            self._window.show(step.state)
+        if not self._window.is_open:
+            return
+        self._mark(step)
+        self._window.show(step.state)
+        if self._paces:
             time.sleep(max(0.0, self._began + step.state.time - time.monotonic()))
 
     def on_end(self, episode: Episode) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trundle.cli.shared import isaac, output
+from trundle.cli.shared import browser, isaac, output
 from trundle.cli.shared.recordings import FolderRecording
 from trundle.values import first_names
 
@@ -17,86 +19,155 @@ if TYPE_CHECKING:
     from trundle.viewer.scene_frames import SceneFrames
 
 
-def drive(
-    scenario: Scenario,
-    *,
-    out: Path | None,
-    overwrite: bool,
-    video: bool,
-    view: bool,
-    json: bool,
-    quiet: bool,
-    with_place: bool = False,
-    narrate: bool = False,
-    page: bool = True,
-) -> int:
-    """Run a scenario once, record it, and print the result.
+@dataclass(frozen=True, slots=True)
+class Presentation:
+    """How a run is shown while it drives, and what is recorded of it.
 
-    Args:
-        scenario: The scenario.
+    Attributes:
         out: Output folder; None means a new one under runs.
         overwrite: Replace an existing run in it.
         video: Whether to make a video.
         view: Whether to show it in a window while it drives.
+        browser: Whether to show it in the browser, where it can be steered.
+        speed: Simulated seconds per second, infinity for as fast as it can; None means 1 where it is shown.
         json: Print one JSON value.
         quiet: No progress bar and no remarks.
         with_place: Whether to add the map and a picture of the scene to the folder.
         narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
         page: Whether to write report.html.
+    """
+
+    out: Path | None
+    overwrite: bool
+    video: bool
+    view: bool
+    browser: bool
+    speed: float | None
+    json: bool
+    quiet: bool
+    with_place: bool = False
+    narrate: bool = False
+    page: bool = True
+
+
+def drive(scenario: Scenario, shown: Presentation) -> int:
+    """Run a scenario once, record it, and print the result.
+
+    In the browser it can be restarted; the last run counts, and the command ends when the page is closed.
 
     Returns:
         The exit code: 0 if the robot arrived, else 1.
     """
     from trundle.record.folder_claim import check_free
-    from trundle.record.progress import ProgressBar
-    from trundle.record.run_folder import RunFolder, with_images
+    from trundle.record.run_folder import with_images
     from trundle.sim.mujoco.engine import import_engine
 
-    place = (_MAP, _SCENE) if with_place else ()
-    check_free(out, overwrite=overwrite, extra=with_images(place))
-    isaac.check_window(view, scenario.backend.name)
+    check_free(shown.out, overwrite=shown.overwrite, extra=with_images(_place_of(shown)))
+    isaac.check_window(shown.view, scenario.backend.name)
     if scenario.backend.name == "mujoco":
         import_engine()
-    recording = FolderRecording(scenario.record, out, overwrite=overwrite)
+    recorder = _Recorder(scenario, shown)
     # The report comes before the simulator is closed: closing Isaac Sim may end the process.
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(scenario))
-        if narrate:
-            output.remark("Building the world, its map and the simulation", quiet=quiet)
-        mission = opened.enter_context(scenario.build())
-        with ExitStack() as stack:
-            observers: list[Observer] = []
-            if view:
-                from trundle.viewer.watcher import Watcher, open_window
-
-                observers.append(Watcher(stack.enter_context(open_window(mission.world, mission.robot, mission.start))))
-            bar = stack.enter_context(ProgressBar(quiet=quiet, plain=narrate))
-            frames = None
-            if video:
-                _remark_on_encoder(scenario, quiet=quiet)
-                frames = _scene_frames(mission, quiet=quiet)
-            folder = stack.enter_context(
-                RunFolder(
-                    out,
-                    name=scenario.title,
-                    overwrite=overwrite,
-                    scenario=mission.scenario,
-                    page=page,
-                    video=video,
-                    frames=frames,
-                    report=bar.report,
-                    extras={**{name: _PLACE[name](mission) for name in place}, **recording.files},
-                )
-            )
-            observers += stack.enter_context(recording).start(folder.path, mission.scenario)
-            if narrate:
-                recorded = "record, report, pictures and video" if video else "record, report and pictures"
-                output.remark(f"Planning and driving, then writing {recorded}", quiet=quiet)
-            episode = mission.run(observers=[*observers, bar, folder])
-        report(episode, folder, json=json)
+        if shown.browser:
+            episode = _drive_in_browser(scenario, shown, recorder, opened)
+        else:
+            recorder.narrate("Building the world, its map and the simulation")
+            mission = opened.enter_context(scenario.build())
+            with ExitStack() as stack:
+                observers, _ = recorder(mission, stack)
+                episode = _run(mission, observers, shown)
+        recorder.report(episode)
     for error in episode.observer_errors:
         raise error
     return 0 if episode.arrived else 1
+
+
+def _run(mission: Mission, observers: Sequence[Observer], shown: Presentation) -> Episode:
+    """Run it as fast as it can, or at the wanted speed."""
+    speed = shown.speed
+    if speed is None:
+        return mission.run(observers=observers)
+    from trundle.mission import LiveRun, Steering
+
+    steering = Steering()
+    return LiveRun(lambda _: mission.session(observers=observers, steering=steering), steering, speed=speed).run()
+
+
+def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Recorder, opened: ExitStack) -> Episode:
+    """Show it in the browser, until it has ended and the page is closed."""
+    from trundle.serve.desk import Desk
+
+    page = opened.enter_context(browser.serving(scenario, source=scenario.title))
+    browser.announce(page, quiet=shown.quiet)
+    recorder.narrate("Building the world, its map and the simulation")
+    speed = 1.0 if shown.speed is None else shown.speed
+    desk = opened.enter_context(Desk(page.hub, scenario, recorder, speed=speed))
+    episode = desk.drive(scenario)
+    browser.linger(page, lambda is_over: desk.serve(until=is_over), quiet=shown.quiet)
+    return desk.episode or episode
+
+
+class _Recorder:
+    """Opens what records and shows a run, and prints its result."""
+
+    def __init__(self, scenario: Scenario, shown: Presentation) -> None:
+        self._scenario, self._shown = scenario, shown
+        self._out = shown.out
+        self._folder: RunFolder | None = None
+        self._recording: FolderRecording | None = self._new_recording()
+
+    def __call__(self, mission: Mission, opened: ExitStack) -> tuple[list[Observer], Path | None]:
+        """Open it; the folder of --out is for the first run, those after a restart get new ones."""
+        from trundle.record.progress import ProgressBar
+        from trundle.record.run_folder import RunFolder
+
+        shown = self._shown
+        observers: list[Observer] = []
+        if shown.view:
+            from trundle.viewer.watcher import Watcher, open_window
+
+            window = opened.enter_context(open_window(mission.world, mission.robot, mission.start))
+            observers.append(Watcher(window, paces=shown.speed is None and not shown.browser))
+        bar = opened.enter_context(ProgressBar(quiet=shown.quiet, plain=shown.narrate))
+        recording = self._recording or self._new_recording()
+        self._recording = None
+        frames = None
+        if shown.video:
+            _remark_on_encoder(self._scenario, quiet=shown.quiet)
+            frames = _scene_frames(mission, quiet=shown.quiet)
+        folder = opened.enter_context(
+            RunFolder(
+                self._out,
+                name=self._scenario.title,
+                overwrite=shown.overwrite,
+                scenario=mission.scenario,
+                page=shown.page,
+                video=shown.video,
+                frames=frames,
+                report=bar.report,
+                extras={**{name: _PLACE[name](mission) for name in _place_of(shown)}, **recording.files},
+            )
+        )
+        observers += opened.enter_context(recording).start(folder.path, mission.scenario)
+        self._out, self._folder = None, folder
+        recorded = "record, report, pictures and video" if shown.video else "record, report and pictures"
+        self.narrate(f"Planning and driving, then writing {recorded}")
+        return [*observers, bar, folder], folder.path
+
+    def _new_recording(self) -> FolderRecording:
+        return FolderRecording(self._scenario.record, self._out, overwrite=self._shown.overwrite)
+
+    def narrate(self, stage: str) -> None:
+        """Print a stage, if that is wanted."""
+        if self._shown.narrate:
+            output.remark(stage, quiet=self._shown.quiet)
+
+    def report(self, episode: Episode) -> None:
+        """Print the result of the last run."""
+        if self._folder is not None:
+            report(episode, self._folder, json=self._shown.json)
 
 
 def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
@@ -153,6 +224,11 @@ def _write_scene(mission: Mission) -> WriteExtra:
 _MAP, _SCENE = "map.yaml", "scene.png"
 _PLACE = {_MAP: _write_map, _SCENE: _write_scene}
 """Writers of the map and the picture of the scene."""
+
+
+def _place_of(shown: Presentation) -> tuple[str, ...]:
+    """Files of the place that are added to the folder."""
+    return tuple(_PLACE) if shown.with_place else ()
 
 
 def _sensing_facts(metrics: Metrics) -> dict[str, str]:

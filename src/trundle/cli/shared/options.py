@@ -49,6 +49,34 @@ Integer = Annotated[int, Parameter(converter=_read_integer)]
 """An option's integer; numbers with a fraction are refused."""
 
 
+def _speed(help: str) -> Parameter:
+    return Parameter(name="--speed", allow_leading_hyphen=True, metavar="FACTOR|max", help=help)
+
+
+FirstSpeed = Annotated[
+    str, _speed("Simulated seconds per second of the first run, 0.1 to 50, or max; the page can change it.")
+]
+"""Of what is set up in the page."""
+
+RunSpeed = Annotated[
+    str | None,
+    _speed(
+        "Simulated seconds per second, 0.1 to 50, or max; default: 1 where it is shown in a window or in the browser, "
+        "else max."
+    ),
+]
+"""Of a run."""
+
+Browser = Annotated[
+    bool,
+    Parameter(
+        name="--browser",
+        negative="",
+        help="Show it live in the browser, where it can be steered; ends when the page is closed.",
+    ),
+]
+
+
 def _pairs(name: str, help: str) -> Parameter:
     return Parameter(name=name, allow_leading_hyphen=True, negative="", metavar="KEY=VALUE", help=help)
 
@@ -245,6 +273,17 @@ def parse_numbers(option: str, text: str, form: str, *, at_least: int, at_most: 
     if not (at_least <= len(numbers) <= at_most and all(math.isfinite(number) for number in numbers)):
         raise InputError(f"{option} {text!r}: give {form} as finite numbers with commas, without spaces")
     return numbers
+
+
+def parse_speed(text: str) -> float:
+    """Read `--speed`: simulated seconds per second; infinity for max."""
+    try:
+        speed = math.inf if text == "max" else float(text)
+    except ValueError:
+        speed = math.nan
+    if not (0.1 <= speed <= 50.0 or text == "max"):
+        raise InputError(f"--speed {text!r}: give simulated seconds per second, from 0.1 to 50, or max")
+    return speed
 
 
 def parse_pose(option: str, text: str) -> Pose2D:

@@ -1,0 +1,156 @@
+"""The page in the browser, shared by `trundle serve` and the verbs with --browser."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import time
+import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from trundle.cli.shared import output
+
+if TYPE_CHECKING:
+    from trundle.mission import Scenario
+    from trundle.serve.hub import Hub
+    from trundle.serve.server import PageServer
+
+CLOSED_S = 5.0
+"""A page that is away for longer than this after the run has been closed, not reloaded."""
+
+_LOOK_S = 0.2
+NEVER_OPENED_S = 10.0
+"""How long a run that nobody has watched is shown after its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServedPage:
+    """A page that is being served.
+
+    Attributes:
+        hub: What it shows.
+        server: What serves it.
+    """
+
+    hub: Hub
+    server: PageServer
+
+
+@contextmanager
+def serving(
+    base: Scenario | None, *, source: str | None = None, host: str = "127.0.0.1", port: int | None = None
+) -> Iterator[ServedPage]:
+    """Serve the page while the block runs.
+
+    Args:
+        base: What the choices of the page change; None where it has none.
+        source: What the page begins with.
+        host: What to listen on.
+        port: The port; None means the usual one, or a free one where that is taken.
+
+    Raises:
+        InputError: If it cannot listen there.
+    """
+    from trundle import page
+    from trundle.errors import InputError
+    from trundle.serve.choosing import Choices
+    from trundle.serve.hub import Hub
+    from trundle.serve.server import PORT, Page, PageServer
+
+    if port is not None and not 0 <= port <= 65535:
+        raise InputError(f"--port {port}: give a port from 1 to 65535, or 0 for a free one")
+    hub = Hub(choices=Choices(base), source=source)
+    html = Page(page.render({"mode": "live"}, title="trundle"), page.csp())
+    if port is None:
+        try:
+            server = PageServer(hub, html, host=host, port=PORT)
+        except InputError:
+            server = PageServer(hub, html, host=host, port=0)
+    else:
+        server = PageServer(hub, html, host=host, port=port)
+    with server:
+        yield ServedPage(hub, server)
+
+
+def announce(page: ServedPage, *, opens: bool = True, quiet: bool = False) -> None:
+    """Print the address on standard error, and open it where there is a browser."""
+    print(f"The page: {page.server.address}", file=sys.stderr, flush=True)
+    advise(page, opens=opens, quiet=quiet)
+
+
+def advise(page: ServedPage, *, opens: bool, quiet: bool) -> None:
+    """Open the page where there is a browser; say how to reach it where there is none.
+
+    Args:
+        page: The page.
+        opens: Whether to open it.
+        quiet: Without remarks.
+    """
+    from trundle.serve.access import is_loopback
+
+    host, port = page.server.host, page.server.port
+    if not is_loopback(host):
+        output.remark(
+            f"Whoever can reach {host} and has this address can drive; the connection is not encrypted", quiet=quiet
+        )
+    elif is_remote():
+        output.remark(
+            f"On your own machine: ssh -L {port}:localhost:{port} {socket.gethostname()}, then open that address there",
+            quiet=quiet,
+        )
+    if opens and not is_remote() and not open_browser(page.server.address):
+        output.remark("No browser was found here: open that address in one", quiet=quiet)
+
+
+def linger(page: ServedPage, serve: Callable[[Callable[[], bool]], None], *, quiet: bool) -> None:
+    """After a run, keep the page until it is closed, or Ctrl-C; a page that never came is not waited for long.
+
+    Args:
+        page: The page.
+        serve: Carries out what the page asks for meanwhile, until the function that it gets is true.
+        quiet: Without remarks.
+    """
+    ended = time.monotonic()
+
+    def is_over() -> bool:
+        hub = page.hub
+        if len(hub):
+            return False
+        if hub.joined:
+            return time.monotonic() - hub.left_s > CLOSED_S
+        return time.monotonic() - ended > NEVER_OPENED_S
+
+    output.remark("The run is over; close the page, or press Ctrl-C, to end", quiet=quiet)
+    with suppress(KeyboardInterrupt):
+        serve(is_over)
+
+
+def wait_until(is_over: Callable[[], bool]) -> None:
+    """Wait, where a page can ask for nothing more."""
+    while not is_over():
+        time.sleep(_LOOK_S)
+
+
+def is_remote() -> bool:
+    """Whether this is a shell by SSH, whose browser is on another machine."""
+    return bool(os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"))
+
+
+def open_browser(address: str) -> bool:
+    """Open an address in the browser of this screen; False if there is none.
+
+    A browser in the terminal (lynx, w3m) is none: it cannot show the page, and would take the terminal.
+    """
+    has_screen = sys.platform in ("darwin", "win32") or any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    )
+    if not has_screen:
+        return False
+    try:
+        return webbrowser.open(address)
+    except webbrowser.Error:
+        return False
