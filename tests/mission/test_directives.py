@@ -294,8 +294,9 @@ def test_a_steered_run_is_repeated_bit_for_bit_from_its_folder(backend, room, st
     kinds = ["SetGoal", "Pause", "StepOnce", "Speed", "Pause", "Manual", "SetGoal", "Release", "SetGoal", "DropBox"]
     assert [type(given.directive).__name__ for given in first.directives] == kinds
     assert [given.refused != "" for given in first.directives] == [False] * 6 + [True] + [False] * 3
-    again = Scenario.load(tmp_path / "one")
-    assert again.directives == str(tmp_path / "one" / "directives.json")
+    (tmp_path / "one").rename(tmp_path / "moved")
+    again = Scenario.load(tmp_path / "moved")
+    assert again.directives == str(tmp_path / "moved" / "directives.json")
     with again.build() as mission, RunFolder(tmp_path / "two", scenario=again, video=False) as folder:
         second = mission.run(observers=[folder])
     assert same(first.trajectory, second.trajectory) > 100

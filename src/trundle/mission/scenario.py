@@ -104,6 +104,8 @@ class Scenario(ScenarioFields):
     def _plain_for(self, path: str | os.PathLike[str]) -> dict[str, Any]:
         """Plain values for a YAML at this path, which its files are named relative to; its own fields first."""
         paths = {key: path_beside(value, path) for key, value in self._paths().items()}
+        if self.directives is not None and Path(self.directives).absolute().parent == Path(path).absolute().parent:
+            paths["directives"] = Path(self.directives).name  # of a run's folder, which may be moved
         return self._with_paths(paths).plain()
 
     def plain(self) -> dict[str, Any]:
