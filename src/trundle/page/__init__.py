@@ -11,6 +11,7 @@ from trundle.lazy import lazy_names
 
 if TYPE_CHECKING:
     from trundle.page.events import Events
+    from trundle.page.folder_report import report_folder
     from trundle.page.frames import frame_of
     from trundle.page.html import csp, render
     from trundle.page.maps import costmap_png, grid_png
@@ -32,6 +33,7 @@ __getattr__ = lazy_names(
         "grid_png": "trundle.page.maps",
         "info_of": "trundle.page.rows",
         "render": "trundle.page.html",
+        "report_folder": "trundle.page.folder_report",
         "row_of": "trundle.page.rows",
         "scene_of": "trundle.page.scene",
     },
@@ -48,6 +50,7 @@ __all__ = [
     "grid_png",
     "info_of",
     "render",
+    "report_folder",
     "row_of",
     "scene_of",
 ]
