@@ -1,0 +1,162 @@
+"""A run in progress and its pages, by real sockets."""
+
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from support.command_line import room
+from support.page_attack import attack
+from support.page_visitor import OpenPage, Visitor
+from trundle.mission import Session
+from trundle.navigation import Navigator
+from trundle.robots import Robot
+from trundle.serve.choosing import Choices
+from trundle.serve.hub import Hub
+from trundle.serve.server import Page, PageServer
+from trundle.serve.steerer import Steerer
+from trundle.serve.watch import Watch
+from trundle.sim import world_of
+from trundle.sim.kinematic import KinematicSimulator
+from trundle.worlds import World
+
+
+class LiveRoom:
+    """A robot that drives in a room, in a thread, and the server of its page."""
+
+    def __init__(self, server: PageServer, steerer: Steerer, hub: Hub) -> None:
+        self.server, self.steerer, self.hub = server, steerer, hub
+
+    def visit(self) -> Visitor:
+        return Visitor(self.server)
+
+
+@contextmanager
+def _driving(goal: tuple[float, float] = (6.5, 3.5)) -> Iterator[LiveRoom]:
+    grid, robot = room(), Robot.load("nova_carter")
+    simulator = KinematicSimulator(World.from_map(grid), robot)
+    hub, steerer = Hub(choices=Choices(None)), Steerer()
+    hub.controls = steerer
+
+    def make(_: int | None) -> Session:
+        watch = Watch(hub, 1, None, world=lambda: world_of(simulator))
+        return Session(
+            simulator,
+            Navigator(grid, robot),
+            (1.0, 1.0),
+            goal,
+            observers=[watch, watch.recorded],
+            steering=steerer.steering,
+        )
+
+    with PageServer(hub, Page("<!doctype html>", "default-src 'none'"), port=0) as server:
+        thread = threading.Thread(target=steerer.drive, args=(make,))
+        with Visitor(server).open() as driver:
+            driver.wait("hello")
+            thread.start()
+            driver.wait("run")
+            live = LiveRoom(server, steerer, hub)
+            live.driver = driver  # type: ignore[attr-defined]
+            yield live
+            if thread.is_alive():
+                driver.send("end")
+            thread.join(60.0)
+            assert not thread.is_alive()
+
+
+@pytest.fixture
+def live() -> Iterator[LiveRoom]:
+    with _driving() as one:
+        yield one
+
+
+def _rows(page: OpenPage) -> list[list]:
+    rows: list[list] = []
+    for message in page.got:
+        if message["type"] == "log":
+            assert message["from"] == len(rows)
+            rows += message["rows"]
+    return rows
+
+
+def test_a_paused_run_holds_the_time_and_one_step_is_one_period(live: LiveRoom) -> None:
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    page.send("pause", paused=True)
+    before = page.wait("frame", lambda message: message["paused"])["t"]
+    page.send("step")
+    after = page.wait("frame", lambda message: message["t"] != before)
+    assert (round(after["t"] - before, 4), after["paused"]) == (0.05, True)
+
+
+def test_a_page_that_comes_late_or_again_has_the_whole_log(live: LiveRoom) -> None:
+    first: OpenPage = live.driver  # type: ignore[attr-defined]
+    first.send("speed", factor="max")
+    first.wait("end")
+    for _ in range(2):
+        with live.visit().open() as late:
+            late.wait("end")
+            rows = _rows(late)
+            assert rows == _rows(first)
+            assert [row[0] for row in rows] == pytest.approx([0.05 * index for index in range(len(rows))], abs=1e-3)
+            events = [event["kind"] for message in late.got if message["type"] == "log" for event in message["events"]]
+            assert (events[0], events[-1]) == ("start", "end")
+
+
+def test_a_robot_driven_by_hand_stops_when_the_connection_is_cut(live: LiveRoom) -> None:
+    visitor = live.visit()
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    with visitor.open() as other:
+        mine = other.wait("hello")["client"]
+        for _ in range(40):
+            page.send("manual", v=0.0, w=0.5)
+            if page.wait("frame")["manual"] is not None and abs(page.got[-1]["row"][5]) > 0.2:
+                break
+        page.socket.socket.shutdown(socket.SHUT_RDWR)
+        other.wait("drivers", lambda message: message["driver"] is None)
+        other.wait("frame", lambda message: abs(message["row"][5]) < 1e-3 and abs(message["row"][4]) < 1e-3)
+        other.send("drive")
+        other.wait("drivers", lambda message: message["driver"] == mine)
+        other.send("end")
+        other.wait("end")
+
+
+def test_a_box_is_shown_and_a_goal_outside_the_map_is_refused_in_words(live: LiveRoom) -> None:
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    page.send("box", x=4.0, y=4.0, yaw=0.0, size=[0.3, 0.3, 0.3])
+    assert page.wait("solid")["instances"][0]["shape"] == "box"
+    page.send("goal", pose=[100.0, 100.0, None])
+    assert "100" in page.wait("error")["text"]
+
+
+def test_a_page_that_does_not_read_delays_nobody(live: LiveRoom) -> None:
+    visitor = live.visit()
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    with socket.create_connection(("127.0.0.1", visitor.port)) as slow:
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        slow.sendall(
+            f"GET /ws HTTP/1.1\r\nHost: {visitor.host}\r\nOrigin: http://{visitor.host}\r\nCookie: {visitor.cookie}\r\n"
+            "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
+        )
+        page.wait("drivers", lambda message: message["clients"] == 2)
+        page.send("speed", factor="max")
+        assert page.wait("end")["outcome"] == "arrived"
+        assert len(_rows(page)) > 20
+
+
+def test_an_attack_leaves_the_run_and_its_page_as_they_are(live: LiveRoom) -> None:
+    page: OpenPage = live.driver  # type: ignore[attr-defined]
+    attacker = threading.Thread(target=attack, args=(live.visit(), 1500), kwargs={"seed": 1})
+    attacker.start()
+    while attacker.is_alive():
+        message = page.wait("drivers") if page.got[-1]["type"] == "drivers" else page.wait("frame")
+        if message["type"] == "drivers" and message["request"] is not None:
+            page.send("drive", answer="refuse")
+    attacker.join()
+    page.send("speed", factor="max")
+    assert page.wait("end")["outcome"] == "arrived"
+    rows = _rows(page)
+    assert [row[0] for row in rows] == pytest.approx([0.05 * index for index in range(len(rows))], abs=1e-3)
+    assert live.visit().get("/")[0] == 401
