@@ -8,8 +8,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from trundle.geometry import Pose2D, Twist2D
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.metrics import cross_track_errors
+from trundle.mission.steering.report import SteeringReport
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.observation import Scan
@@ -208,6 +209,26 @@ def test_the_monitor_is_reported_once_a_second(drive):
         "the collision monitor stops the robot",
         "the collision monitor slows the robot",
     ]
+
+
+def test_steering_is_in_the_events(drive):
+    steps = Steps()
+    drive(steps)
+    events = Events()
+    goals = (Goal(3.0, 0.0, 0.0),)
+    free = SteeringReport(False, None, "", "", 1.0, goals)
+    by_hand = replace(free, manual=Twist2D(0.3, 0.0), by="page 1")
+    held = replace(by_hand, held_back="an obstacle on the map")
+    more = replace(free, goals=(*goals, Goal(1.0, 2.0)))
+    for step, steering in zip(steps.steps, (free, by_hand, held, held, free, more), strict=False):
+        events.add(replace(step, path=None, steering=steering))
+    assert [(event["kind"], event["text"]) for event in events.found] == [
+        ("steer", "driven by hand"),
+        ("steer", "held back: an obstacle on the map"),
+        ("steer", "driven by the navigator again"),
+        ("goal", "goal set: (3.00, 0.00), (1.00, 2.00)"),
+    ]
+    assert events.found[-1]["goals"] == [[3.0, 0.0, 0.0], [1.0, 2.0, None]]
 
 
 # HTML -----------------------------------------------------------------------------------------------------------------

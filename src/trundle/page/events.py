@@ -6,7 +6,9 @@ from typing import Any
 
 from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
+from trundle.mission.steering.report import SteeringReport
 from trundle.navigation.behaviors import BehaviorRun
+from trundle.page.rows import goal_of
 from trundle.path import Path
 
 KINDS = ("start", "plan", "replan", "blocked", "recovery", "monitor", "contact", "goal", "steer", "end")
@@ -35,6 +37,7 @@ class Events:
         self._behaviors = 0
         self._running = False
         self._planned = False
+        self._steered: SteeringReport | None = None
 
     def note(self, time: float, kind: str, text: str) -> None:
         """Add an event of `KINDS`."""
@@ -64,11 +67,29 @@ class Events:
         self._add_contacts(step, time)
         if step.monitor is not None:
             self._add_action(step.monitor.action, time)
+        if step.steering is not None:
+            self._add_steering(step.steering, time)
 
     def end(self, episode: Episode) -> None:
         """Add the end of a run."""
         outcome = episode.outcome.value.replace("_", " ")
         self.note(float(episode.trajectory.time[-1]), "end", f"{outcome}: {episode.message}")
+
+    def _add_steering(self, steering: SteeringReport, time: float) -> None:
+        """Add new goals, with all that there are now, and when driving by hand begins, ends or is held back."""
+        if self._steered is not None and steering.goals != self._steered.goals:
+            goals = ", ".join(_place(goal.x, goal.y) for goal in steering.goals[self._goal :])
+            self.note(time, "goal", f"goal set: {goals}" if goals else "no goal")
+            self.found[-1]["goals"] = [goal_of(goal) for goal in steering.goals]
+            self._goals = len(steering.goals)
+        before = self._steered
+        if (steering.manual is None) != (before is None or before.manual is None):
+            self.note(
+                time, "steer", "driven by hand" if steering.manual is not None else "driven by the navigator again"
+            )
+        if steering.held_back and (before is None or steering.held_back != before.held_back):
+            self.note(time, "steer", f"held back: {steering.held_back}")
+        self._steered = steering
 
     def _add_behaviors(self, behaviors: tuple[BehaviorRun, ...], time: float) -> None:
         if (
