@@ -187,11 +187,10 @@ def test_refusals_are_shown_and_layers_switch(driving: Any, played: Any) -> None
     played.send("error", text="the goal (9.00, 9.00) is outside the map")
     driving.get_by_text("the goal (9.00, 9.00) is outside the map").wait_for()
     driving.click(".layers summary")
-    before = driving.locator("#map").screenshot()
+    before = driving.evaluate("document.querySelector('#map').toDataURL()")
     driving.uncheck("#layer-map")
     driving.uncheck("#layer-trail")
-    driving.wait_for_timeout(100)
-    assert driving.locator("#map").screenshot() != before
+    driving.wait_for_function("before => document.querySelector('#map').toDataURL() !== before", arg=before)
 
 
 def test_without_webgl_the_map_alone_is_left(driving: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,9 @@ def seek(tab: Any, time: float) -> None:
     tab.wait_for_timeout(100)
 
 
-def figure(tab: Any, name: str) -> str:
-    return tab.locator("#status dl div", has_text=name).locator("dd").inner_text()
+def wait_for_figure(tab: Any, name: str, text: str) -> None:
+    """The page draws with the next picture, which may take a while."""
+    tab.locator("#status dl div", has_text=name).locator("dd", has_text=re.compile(f"^{re.escape(text)}$")).wait_for()
 
 
 def test_a_report_opens_from_a_file_without_a_request_or_an_error(open_page: Any, report: Path) -> None:
@@ -40,12 +42,12 @@ def test_the_slider_shows_the_run_at_any_time(open_page: Any, report: Path, reco
     tab.wait_for_selector(".report")
     before = tab.locator("#map").screenshot()
     seek(tab, 4.0)
-    assert figure(tab, "Time") == "0:04.00"
+    wait_for_figure(tab, "Time", "0:04.00")
     row = next(row for row in recorded.run["rows"] if abs(row[0] - 4.0) < 1e-6)
-    assert figure(tab, "Speed") == f"{row[4]:.2f} m/s"
+    wait_for_figure(tab, "Speed", f"{row[4]:.2f} m/s")
     assert tab.locator("#map").screenshot() != before
     seek(tab, 1e9)
-    assert figure(tab, "Time") == f"0:{recorded.duration:05.2f}"
+    wait_for_figure(tab, "Time", f"0:{recorded.duration:05.2f}")
 
 
 def test_it_plays_to_the_end_and_stops(open_page: Any, report: Path, recorded: Any) -> None:
@@ -63,7 +65,7 @@ def test_an_event_brings_the_replay_to_its_time(open_page: Any, report: Path, re
     tab, _ = open_page(report.as_uri())
     tab.wait_for_selector(".report")
     tab.locator(".events button").last.click()
-    assert figure(tab, "Time") == f"0:{recorded.duration:05.2f}"
+    wait_for_figure(tab, "Time", f"0:{recorded.duration:05.2f}")
 
 
 def test_it_fits_a_phone_and_speaks_korean(open_page: Any, report: Path) -> None:
