@@ -166,9 +166,11 @@ def _differentiate(stamps: FloatArray, poses: FloatArray) -> FloatArray:
 
 
 def _thin(stamps: FloatArray, period: float) -> FloatArray:
-    """Times that are at least about a period apart."""
+    """Times that are at least about a period apart, of which the last one is among them."""
     kept: list[float] = []
     for stamp in stamps.tolist():
         if not kept or stamp - kept[-1] >= period * 0.95:
             kept.append(stamp)
+    if kept:
+        kept[-1] = float(stamps[-1])
     return np.array(kept)
