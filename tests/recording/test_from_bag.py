@@ -63,6 +63,12 @@ def test_a_topic_that_is_not_there_is_named_with_those_that_are(tmp_path):
         read_run(bag, names=TopicNames(plan="/other"))
 
 
+def test_a_message_that_cannot_be_used_is_named(tmp_path):
+    bag = write_bag(tmp_path / "bag", resolution=0.0)
+    with pytest.raises(InputError, match=r"/robot1/map, received at .*resolution must be"):
+        read_run(bag)
+
+
 def test_a_bag_without_transforms_is_refused(tmp_path):
     with pytest.raises(InputError, match="no transforms"):
         read_run(write_bag(tmp_path / "bag", leave_out=("/tf", "/tf_static")))

@@ -28,6 +28,7 @@ def write_bag(
     base: str = "base_footprint",
     leave_out: tuple[str, ...] = (),
     localized: bool = True,
+    resolution: float = 0.05,
     storage: StoragePlugin = StoragePlugin.MCAP,
 ) -> Path:
     """A robot that drives 4 m along x in 10 s, with AMCL's correction of 1 m, in topics with a prefix."""
@@ -45,7 +46,9 @@ def write_bag(
                 channels[name] = bag.add_connection(name, message.__msgtype__, typestore=store)
             bag.write(channels[name], round(time * 1e9), codec.encode(message))
 
-        write("/map", BEGAN, make.grid(BEGAN, room()))
+        message = make.grid(BEGAN, room())
+        message.info.resolution = resolution
+        write("/map", BEGAN, message)
         write("/local_costmap/costmap", BEGAN, make.grid(BEGAN, room(), "odom"))
         mount = make.transform(BEGAN, base, "laser", Pose2D(0.1, 0.0, 0.0), 0.2)
         mount.transform.rotation.x, mount.transform.rotation.w = 1.0, 0.0  # upside down

@@ -137,7 +137,10 @@ def read_content(bag: BagReader, names: TopicNames) -> BagContent:
     wanted |= {topic: "movers" for topic in kinds.of_types(topics, kinds.MARKERS) if topic.name == kinds.MOVERS}
     content.topics = tuple(sorted(topic.name for topic in wanted))
     for topic, received, message in bag.messages(list(wanted)):
-        _ADD[wanted[topic]](content, topic, received, message)
+        try:
+            _ADD[wanted[topic]](content, topic, received, message)
+        except InputError as error:
+            raise InputError(f"{bag.path}: a message of {topic.name}, received at {received:.3f} s: {error}") from error
     return content
 
 
