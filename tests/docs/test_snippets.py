@@ -14,6 +14,7 @@ DOCS = Path(__file__).parents[2] / "docs"
         ("planning.md", "lies outside the map"),
         ("planning_reference.md", "found 511.58"),
         ("python.md", ", 1 path, "),
+        ("recordings.md", ", arrived, "),
     ],
 )
 def test_the_python_of_a_page_runs(page, printed, capsys, tmp_path, monkeypatch):
