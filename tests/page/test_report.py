@@ -1,5 +1,6 @@
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,9 +8,10 @@ import pytest
 from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Scenario, Session
+from trundle.mission.steering.directives import DropBox, GivenDirective, Pause
 from trundle.navigation import Navigator
 from trundle.page import COLUMNS, RunData, report_folder
-from trundle.page.encoding import unpack_json
+from trundle.page.encoding import unpack_array, unpack_json
 from trundle.page.run_data import encode_costmaps
 from trundle.record import RunFolder
 from trundle.sim.kinematic import KinematicSimulator
@@ -114,6 +116,20 @@ def test_a_long_run_stays_within_bounds(monkeypatch, drive):
     assert (times[0], times[-1]) == (0.0, pytest.approx(episode.trajectory.time[-1]))
     assert 2 <= len(run["frames"]) < 25
     assert run["frames"][-1]["t"] > 0.7 * times[-1]
+
+
+def test_boxes_that_were_dropped_are_in_the_replay(drive):
+    data = RunData()
+    episode = drive(data)
+    asked = (
+        GivenDirective(20, 1.0, DropBox(1.0, 2.0, 0.0, (0.4, 0.4, 0.6)), "page"),
+        GivenDirective(21, 1.05, DropBox(-3.0, 0.0), "page", refused="the robot is there"),
+        GivenDirective(22, 1.1, Pause(True), "page"),
+    )
+    data.on_end(replace(episode, directives=asked))
+    (box,) = data.run_dict()["solids"]
+    assert box["t"] == 1.0
+    np.testing.assert_allclose(unpack_array(box["instances"][0]["size"]), [(0.4, 0.4, 0.6)], rtol=1e-6)
 
 
 def test_the_same_data_give_the_same_report(copied):

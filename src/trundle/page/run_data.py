@@ -10,11 +10,13 @@ import numpy as np
 from trundle.costmap import Costmap
 from trundle.mission.episode import Episode
 from trundle.mission.observers import RunInfo, Step
+from trundle.mission.steering.directives import DropBox
 from trundle.observation import Scan
 from trundle.page.encoding import unpack_array
 from trundle.page.frames import frame_of
 from trundle.page.maps import costmap_png
 from trundle.page.run_lines import RunLines
+from trundle.page.scene import solid_instances
 
 MOST_ROWS = 36_000
 """Half an hour of control periods; of a longer run, every second row, every fourth, and so on."""
@@ -28,7 +30,7 @@ _MOST_CONTACTS = 200
 _APART_CM = 8
 """Points of a kept scan nearer to the one before are left out."""
 
-_LISTS = ("rows", "paths", "events", "frames", "costmaps", "contacts")
+_LISTS = ("rows", "paths", "events", "frames", "costmaps", "contacts", "solids")
 
 
 _Item = TypeVar("_Item")
@@ -51,6 +53,7 @@ class RunData:
         self._shown: Costmap | None = None
         self._scans: dict[str, Scan] = {}
         self._contacts: list[dict[str, Any]] = []
+        self._dropped: list[dict[str, Any]] = []
         self._touching: frozenset[str] = frozenset()
 
     def on_start(self, run: RunInfo) -> None:
@@ -79,9 +82,13 @@ class RunData:
         """Add how it ended."""
         if self.lines is not None:
             self.lines.end(episode)
+            self._dropped = dropped_boxes(episode)
 
     def run_dict(self) -> dict[str, Any]:
-        """{"info", "rows", "paths", "events", "frames", "costmaps", "contacts"}; see `RunLines` and `frame_of`."""
+        """{"info", "rows", "paths", "events", "frames", "costmaps", "contacts", "solids"}.
+
+        See `RunLines` and `frame_of`.
+        """
         lines = self.lines
         if lines is None:
             return {"info": None, **{name: [] for name in _LISTS}}
@@ -95,6 +102,7 @@ class RunData:
             "frames": [frame for _, frame in self._frames.kept],
             "costmaps": encode_costmaps(self._costmaps.kept, _MOST_COSTMAP_BYTES),
             "contacts": self._contacts,
+            "solids": self._dropped,
         }
 
     def _add_contacts(self, step: Step) -> None:
@@ -134,6 +142,15 @@ def _encode_in_turn(costmaps: Sequence[tuple[float, Costmap]]) -> Iterator[tuple
             yield time, costmap_png(costmap)
         else:
             yield time, {**costmap_png(costmap, base=base), "base": at}
+
+
+def dropped_boxes(episode: Episode) -> list[dict[str, Any]]:
+    """{"t", "instances"} of each box that was dropped into a run."""
+    return [
+        {"t": round(given.time, 4), "instances": solid_instances([given.directive.solid("box")])}
+        for given in episode.directives
+        if isinstance(given.directive, DropBox) and not given.refused
+    ]
 
 
 def _compact(scan: Mapping[str, Any]) -> dict[str, Any]:

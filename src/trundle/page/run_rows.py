@@ -14,6 +14,7 @@ from trundle.mission.metrics import distances_to_polyline
 from trundle.mission.truth import CLEARANCE_CAP
 from trundle.page.encoding import finite, rounded
 from trundle.page.rows import goal_of
+from trundle.page.run_data import dropped_boxes
 from trundle.page.run_lines import path_of
 from trundle.robots import Robot
 from trundle.sim.clearance import map_world
@@ -47,6 +48,7 @@ def run_of(episode: Episode, robot: Robot, world: World | None, grid: OccupancyG
         "frames": [],
         "costmaps": [],
         "contacts": [],
+        "solids": dropped_boxes(episode),
     }
 
 
