@@ -113,8 +113,8 @@ def speed(rounds: int) -> None:
     factors: dict[str, list[float]] = {"unwatched": [], "1 page": []}
     for _ in range(rounds):
         for name, pages in (("unwatched", None), ("1 page", 1)):
-            until = Until(2.0, 42.0)
-            drive(math.inf, until, 42.0, pages=pages)
+            until = Until(2.0, 32.0)
+            drive(math.inf, until, 32.0, pages=pages)
             factors[name].append(until.factor)
     ratios = [one / two for one, two in zip(factors["1 page"], factors["unwatched"], strict=True)]
     print(f"unwatched {statistics.median(factors['unwatched']):.1f} x real time")
@@ -147,6 +147,7 @@ def latency(rounds: int) -> None:
                     if message["type"] == "frame":
                         return tuple(message["row"][1:4])
 
+            pose()  # it runs
             for _ in range(rounds):
                 stand(socket, pose)
                 before = pose()
@@ -185,6 +186,6 @@ if __name__ == "__main__":
     if "cost" in given.what:
         cost(given.seconds, given.rounds)
     if "speed" in given.what:
-        speed(max(5, given.rounds))
+        speed(given.rounds)
     if "latency" in given.what:
         latency(10 * given.rounds)
