@@ -213,3 +213,21 @@ def test_a_forklift_that_sees_a_robot_beside_it_does_not_turn_into_it():
         least[sees] = min(gaps)
     assert least[True] > 0.4
     assert least[False] < 0.4
+
+
+def test_those_who_block_each_other_back_out_of_a_jam():
+    stays = []
+    for seed in (0, 2, 3):
+        world = World.generate("warehouse", seed=seed, low_objects=False, forklifts=6, people=8)
+        places = drive(walk_of(world.movers, world.solids), seed, 120.0, ROBOT._replace(x=-100.0))[::20, :6, :2]
+        stays += [longest_stay(places[:, index]) for index in range(6)]
+    assert np.median(stays) < 45.0  # 60 s where each tries another random place
+
+
+def longest_stay(places):
+    """Longest time [s] within 0.5 m of one place; places are 1 s apart."""
+    longest = 0
+    for first in range(len(places)):
+        left = np.flatnonzero(np.hypot(*(places[first:] - places[first]).T) > 0.5)
+        longest = max(longest, int(left[0]) if len(left) else len(places) - first)
+    return longest

@@ -15,7 +15,7 @@ from trundle.solids import Solid, solids_bounds
 from trundle.worlds.movers.crowd import Crowd
 from trundle.worlds.movers.mover import Mover, outline_of, radius_of, top_of
 from trundle.worlds.movers.social_force import border_force, driving, repulsion
-from trundle.worlds.movers.walkable import WalkableFloor
+from trundle.worlds.movers.walkable import IndexArray, WalkableFloor
 from trundle.worlds.movers.yielding import enters_way, give_way, keep_apart, swings_into
 
 PERIOD_S = 0.05
@@ -24,6 +24,9 @@ PERIOD_S = 0.05
 _CLEAR_OF_ROBOT = 2.0  # at the start [m], beside both radii
 _TRIES = 400
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
+_LEAST_RETREAT_M = 1.5  # the same for one who is stuck
+_RETREATS = 12  # places that one who is stuck chooses from
+_BLOCKING_M = 0.5  # those who are nearer than this block it
 _THERE_M = 0.4
 _STUCK_S = 4.0  # one that gets nowhere for so long goes elsewhere
 _SLOW = 0.1  # [m/s]
@@ -145,17 +148,46 @@ class CrowdWalk:
             for state, other in zip(states, self._mover_radii.tolist(), strict=True)
         )
 
-    def _draw_goal(self, index: int, number: int) -> None:
+    def _draw_goal(self, index: int, number: int, blockers: FloatArray | None = None) -> None:
+        """Draw where one goes.
+
+        Args:
+            index: Of the crowd.
+            number: Of the member.
+            blockers: Directions of those who block it, unit vectors, shape (K, 2): of some places it takes the one
+                whose path leads most away from all of them.
+        """
         floor, rng = self._floors[index], self._rngs[index]
         here = self._from[number, :2]
+        stuck = blockers is not None and len(blockers) > 0
+        walk, tries = (_LEAST_RETREAT_M, _RETREATS) if stuck else (_LEAST_WALK_M, 1)
+        least = math.inf
+        for _ in range(tries):
+            cell = self._far_cell(floor, rng, here, walk)
+            field = floor.field_to(cell)
+            towards = float((blockers @ (floor.ahead(here[None], field[None])[0] - here)).max()) if stuck else 0.0
+            if towards < least:
+                least = towards
+                self._goals[number] = floor.middles_of(cell)
+                self._fields[index][number - self._slices[index].start] = field
+        self._waits[number] = 0.0
+
+    @staticmethod
+    def _far_cell(floor: WalkableFloor, rng: np.random.Generator, here: FloatArray, walk: float) -> IndexArray:
+        """A free cell at least as far away as `walk` [m], if one is found soon."""
         cell = floor.free[int(rng.integers(len(floor.free)))]
         for _ in range(8):
-            if math.hypot(*(floor.middles_of(cell) - here)) >= _LEAST_WALK_M:
+            if math.hypot(*(floor.middles_of(cell) - here)) >= walk:
                 break
             cell = floor.free[int(rng.integers(len(floor.free)))]
-        self._goals[number] = floor.middles_of(cell)
-        self._fields[index][number - self._slices[index].start] = floor.field_to(cell)
-        self._waits[number] = 0.0
+        return cell
+
+    def _blockers_of(self, number: int) -> FloatArray:
+        """Directions of those next to one, unit vectors, shape (K, 2)."""
+        offset = self._from[:, :2] - self._from[number, :2]
+        apart = np.hypot(offset[:, 0], offset[:, 1])
+        near = (apart < self._radii + self._radii[number] + _BLOCKING_M) & (apart > 0.0)
+        return offset[near] / apart[near, None]
 
     def _next(self, robot: RobotMotion | None) -> FloatArray:
         """The state a period later; its velocities are those of the period between."""
@@ -199,9 +231,10 @@ class CrowdWalk:
         there = np.hypot(*(self._goals - points).T) < np.maximum(_THERE_M, self._radii)
         for index, part in enumerate(self._slices):
             for number in np.flatnonzero(there[part] | (self._waits[part] > _STUCK_S)) + part.start:
-                self._draw_goal(index, int(number))
-                # Two who block each other do not both try again at the same time.
-                self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S))
+                self._draw_goal(index, int(number), None if there[number] else self._blockers_of(int(number)))
+                # Two who block each other do not both try again at the same time, and those who steer turn first.
+                turning = math.pi / _STEER if self._steers[number] else 0.0
+                self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning
 
     def _wishes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Where everyone wants to go, and the forces from solids."""
