@@ -20,7 +20,12 @@ app = App(
 
 @app.default
 def report(
-    run: Path, /, *, out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None, json: options.Json = False
+    run: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> int:
     """Write report.html of a run: its replay, plots, verdict, settings, versions, and the command that repeats it.
 
