@@ -14,6 +14,7 @@ from trundle.solids import Box, OccupancyCells, Solid
 from trundle.worlds.movers import AlongPath, Crowd, Mover, Waypoints, forklift_body, person_body
 from trundle.worlds.movers.mover import radius_of
 from trundle.worlds.movers.walk import PERIOD_S, CrowdWalk, RobotMotion
+from trundle.worlds.movers.yielding import swings_into
 
 ROBOT = RobotMotion(0.0, 0.0, 0.0, 0.0, 0.6)
 HALL = World.generate("warehouse", seed=3, size=(20.0, 14.0))
@@ -213,6 +214,20 @@ def test_a_forklift_that_sees_a_robot_beside_it_does_not_turn_into_it():
         least[sees] = min(gaps)
     assert least[True] > 0.4
     assert least[False] < 0.4
+
+
+def test_a_body_within_the_circle_of_the_robot_does_not_turn_even_away_from_its_middle():
+    corners = np.array([(-1.0, -0.4), (1.0, -0.4), (1.0, 0.4), (-1.0, 0.4)])
+    here, yaw = np.zeros((1, 2)), np.zeros(1)
+
+    def turns(y):
+        robot = RobotMotion(-0.8, y, 0.0, 0.0, 0.5)
+        return not swings_into(here, yaw, np.array([-0.06]), [corners], robot)[0]
+
+    toward, away = 1.0, -1.0
+    assert not turns(toward * 0.95)
+    assert turns(away * 0.95)
+    assert not turns(away * 0.8)
 
 
 def test_those_who_block_each_other_back_out_of_a_jam():

@@ -78,6 +78,8 @@ def swings_into(
 ) -> npt.NDArray[np.bool_]:
     """Whose body would come too near to the robot by turning; shape (N,).
 
+    Beside a robot that is within its turning circle, a turn away from the middle may still meet a corner: none is made.
+
     Args:
         points: Where they are [m], shape (N, 2).
         yaws: How they face, shape (N,).
@@ -87,7 +89,7 @@ def swings_into(
     """
     return np.array(
         [
-            after < robot.radius + _SWING_MARGIN and after < before
+            after < robot.radius + _SWING_MARGIN and (after < before or before < robot.radius)
             for point, outline, angles in zip(points, outlines, np.column_stack([yaws, turned]).tolist(), strict=True)
             for before, after in [[_from_outline(outline, point, angle, robot) for angle in angles]]
         ],
