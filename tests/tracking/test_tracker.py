@@ -106,7 +106,7 @@ def test_a_walker_that_turns_and_is_hidden_is_forgotten_soon():
 
     _, seen = follow(scene, seconds=1.6)
     assert any(track.y > 2.0 for track in moving(seen[22]))
-    assert not any(track.y > 2.0 for tracks in seen[26:] for track in moving(tracks))
+    assert not any(track.y > 2.0 for tracks in seen[29:] for track in moving(tracks))
 
 
 def test_two_that_pass_each_other_keep_their_tracks():
