@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from contextlib import contextmanager
+from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import urlopen
 
@@ -17,17 +18,22 @@ def welcome(address: str) -> tuple[str, str]:
         return urlsplit(address).netloc, response.headers["Set-Cookie"].partition(";")[0]
 
 
+def socket_options(host: str, cookie: str) -> dict[str, Any]:
+    """What a client of `websockets` needs to connect as a page does."""
+    return {
+        "uri": f"ws://{host}/ws",
+        "additional_headers": {"Cookie": cookie},
+        "origin": f"http://{host}",
+        "compression": None,
+        "max_size": None,
+        "proxy": None,
+    }
+
+
 async def watch(host: str, cookie: str, totals: list[int]) -> None:
     from websockets.asyncio.client import connect
 
-    async with connect(
-        f"ws://{host}/ws",
-        additional_headers={"Cookie": cookie},
-        origin=f"http://{host}",
-        compression=None,
-        max_size=None,
-        proxy=None,
-    ) as socket:
+    async with connect(**socket_options(host, cookie)) as socket:
         async for data in socket:
             totals[0] += len(data)
             if json.loads(data)["type"] == "frame":

@@ -17,7 +17,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from pages import open_pages, welcome
+from pages import open_pages, socket_options, welcome
 
 from trundle.mission import LiveRun, Scenario, Session, Steering
 from trundle.serve.choosing import Choices
@@ -131,15 +131,7 @@ def latency(rounds: int) -> None:
     waits: list[float] = []
 
     def page(address: str) -> None:
-        host, cookie = welcome(address)
-        with connect(
-            f"ws://{host}/ws",
-            additional_headers={"Cookie": cookie},
-            origin=f"http://{host}",
-            compression=None,
-            max_size=None,
-            proxy=None,
-        ) as socket:
+        with connect(**socket_options(*welcome(address))) as socket:
 
             def pose() -> tuple[float, ...]:
                 while True:

@@ -66,7 +66,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
         unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
-        movers: What moves in the world besides the robot and what it has of its own: on a path, or crowds of people and
+        movers: What moves in the world besides the robot and the world's movers: on a path, or crowds of people and
             forklifts.
         backend: Simulator, likewise.
         actuation: How the robot's motion differs from what its software believes; none means not at all.

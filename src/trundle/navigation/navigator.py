@@ -77,7 +77,7 @@ class Navigator(Drive):
         keepout: Where the robot must not go: a mask, or the path of its YAML.
         speed_mask: How fast it may drive where: a mask, or the path of its YAML.
         layers: How scans are put into the costmap; None means the defaults, False that scans are left out.
-        tracking: What in the scans is taken for something that moves; None means the defaults, False that nothing is
+        tracking: When something in the scans counts as moving; None means the defaults, False that nothing is
             tracked.
         settings: When the goal is reached, when the robot is stuck, and when it plans again.
         recovery: The steps of recovery, by name or as objects, instead of those of the settings.

@@ -15,7 +15,7 @@ class SensedTracks:
 
     Args:
         robot: The robot.
-        tracking: What is taken for something that moves; None for the defaults, False to follow nothing.
+        tracking: When something counts as moving; None for the defaults, False to follow nothing.
         warn: Whether to warn of scans that are left out.
     """
 

@@ -1,4 +1,4 @@
-"""`PageServer`: HTTP and WebSocket for the page, in a thread of its own."""
+"""`PageServer`: HTTP and WebSocket for the page, in a separate thread."""
 
 from __future__ import annotations
 
@@ -231,7 +231,7 @@ class PageServer:
         return self._send_file(path)
 
     def _welcome(self) -> Response:
-        """Set the cookie and go on to the page, by a step of its own: a redirect from another site has no cookie."""
+        """Set the cookie, and let the browser load the page: a redirect from another site would carry no cookie."""
         html = '<!doctype html><meta http-equiv="refresh" content="0;url=/"><title>trundle</title>'
         return _respond(200, html, kind="text/html; charset=utf-8", extra={"Set-Cookie": self._access.set_cookie()})
 
