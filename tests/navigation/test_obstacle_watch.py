@@ -1,7 +1,7 @@
 import itertools
 
 from trundle.geometry import Pose2D
-from trundle.navigation.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, ObstacleWatch
+from trundle.navigation.sensing.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, ObstacleWatch
 
 
 def test_a_short_detour_is_taken_at_once_and_a_long_one_after_the_wait():

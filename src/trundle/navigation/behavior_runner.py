@@ -11,7 +11,7 @@ from trundle.geometry import FloatArray, Twist2D
 from trundle.navigation.behaviors import Behavior, BehaviorContext, BehaviorResult, BehaviorRun
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
-from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.planning import Planner
 from trundle.robots import Robot
 from trundle.values import check_kind

@@ -32,12 +32,12 @@ from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, r
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
-from trundle.navigation.sensed_map import SensedMap
-from trundle.navigation.sensed_tracks import SensedTracks
+from trundle.navigation.sensing.sensed_map import SensedMap
+from trundle.navigation.sensing.sensed_tracks import SensedTracks
+from trundle.navigation.sensing.unseen_space import slow_down_in_unseen
 from trundle.navigation.settings import NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
 from trundle.navigation.status import FINAL, NavigationStatus
-from trundle.navigation.unseen_space import slow_down_in_unseen
 from trundle.navigation.waypoint import Route
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path

@@ -10,7 +10,7 @@ from trundle.navigation.behaviors import Behavior, Replan, ReplanWith
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
-from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.navigation.status import NavigationStatus
 
 _STAND = Twist2D(0.0, 0.0)

@@ -13,11 +13,11 @@ from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.free_pose import free_ends
 from trundle.navigation.joined_path import join_legs
-from trundle.navigation.obstacle_watch import ObstacleWatch
 from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
-from trundle.navigation.sensed_map import SensedMap
+from trundle.navigation.sensing.obstacle_watch import ObstacleWatch
+from trundle.navigation.sensing.sensed_map import SensedMap
+from trundle.navigation.sensing.window_goal import goal_in_window
 from trundle.navigation.status import NavigationStatus
-from trundle.navigation.window_goal import goal_in_window
 from trundle.path import Path
 from trundle.planning import PathHit, Planner
 from trundle.robots import Robot
