@@ -12,6 +12,7 @@ from trundle.costmap import CostmapSettings, LayersSettings
 from trundle.files.choice import Choice, takes_name
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.latency import Latency
+from trundle.mission.assumed import Assumed
 from trundle.mission.choices import MapOptions, RecordChoice, WorldChoice, refuse_removed_names
 from trundle.mission.goal_fields import GoalFields
 from trundle.mission.movers import MoverChoice
@@ -58,6 +59,8 @@ class ScenarioFields(CostmapSettings, RunSettings):
         keepout: Path of a keep-out mask's YAML, a ROS map; in a file, relative to that file.
         speed_mask: Path of a speed mask's YAML; in a file, relative to that file.
         robot: Catalogue name or path of a robot's YAML; a path in a file is relative to that file.
+        assumed: What its software takes the robot for, where that differs: outline, speeds and accelerations. None
+            means the robot as it is.
         start: (x, y) or (x, y, yaw) [m, m, rad], map frame; none means picked from the free space by seed.
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
         goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
@@ -99,6 +102,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     keepout: str | None = None
     speed_mask: str | None = None
     robot: str = "nova_carter"
+    assumed: Assumed | None = None
     start: PoseNumbers | None = None
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None

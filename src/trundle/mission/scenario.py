@@ -146,14 +146,15 @@ class Scenario(ScenarioFields):
             ScenarioError: If no start or goal can be picked.
         """
         place = make_place(self) if place is None else place
+        robot = self.assumed_robot(place.robot)
         seen = self.part(CostmapSettings)
         if costmap is None:
-            costmap = seen.make_costmap(place.grid, place.robot, keepout=place.keepout)
+            costmap = seen.make_costmap(place.grid, robot, keepout=place.keepout)
         if not self.known_map and seen.unknown == "blocked":
             seen = seen.model_copy(update={"unknown": "costly"})
         navigator = Navigator(
             costmap if self.known_map else None,
-            place.robot,
+            robot,
             costmap=None if self.known_map else seen,
             layers=self.layers,
             planner=self.planner if planner is None else planner,
@@ -182,6 +183,10 @@ class Scenario(ScenarioFields):
         setting = self.prepare()
         sim = wrap_backend(self, start_backend(self, setting.world, setting.robot))
         return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)
+
+    def assumed_robot(self, robot: Robot) -> Robot:
+        """What its software takes a robot for: the robot itself, unless `assumed` says otherwise."""
+        return robot if self.assumed is None else self.assumed.of(robot)
 
     @property
     def title(self) -> str:
@@ -280,7 +285,7 @@ class Mission(Setting):
             name=self.scenario.title,
             steering=steering,
             directives=() if self.scenario.directives is None else load_directives(self.scenario.directives),
-            **session_options(self.scenario, self.grid, self.robot),
+            **session_options(self.scenario, self.grid, self.navigator.robot),
         )
 
     def close(self) -> None:

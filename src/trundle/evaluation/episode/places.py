@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.mission import Scenario
+from trundle.mission.assumed import Assumed
 from trundle.mission.place import Place, make_place, place_key
 from trundle.mission.simulation import backend_of, backend_options, start_backend, wrap_backend
 from trundle.mission.truth import TrueMaps
@@ -43,12 +44,14 @@ class KeptPlace:
         """The map as any robot like this sees it by default: missions are sampled on it, whatever a suite crosses."""
         return self.costmap(CostmapSettings())
 
-    def costmap(self, settings: CostmapSettings) -> Costmap:
-        """The map as the robot sees it with these settings."""
-        key = settings.model_dump_json()
+    def costmap(self, settings: CostmapSettings, assumed: Assumed | None = None) -> Costmap:
+        """The map as the robot sees it with these settings, and with what its software takes it for."""
+        outline = None if assumed is None else assumed.footprint
+        key = json.dumps([settings.model_dump(mode="json"), outline])
         if key not in self._costmaps:
             place = self.place
-            self._costmaps[key] = settings.make_costmap(place.grid, place.robot, keepout=place.keepout)
+            robot = place.robot if assumed is None else assumed.of(place.robot)
+            self._costmaps[key] = settings.make_costmap(place.grid, robot, keepout=place.keepout)
         return self._costmaps[key]
 
     def simulator(self, scenario: Scenario, world: World) -> Simulator:

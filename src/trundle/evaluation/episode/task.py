@@ -190,7 +190,7 @@ class EpisodeTask:
         scenario, kept = mission.scenario, mission.kept
         _, navigation, simulation = parts_of(spec)
         note({"stage": "setup", "part": navigation, "row": known})
-        costmap = kept.costmap(scenario.part(CostmapSettings))
+        costmap = kept.costmap(scenario.part(CostmapSettings), scenario.assumed)
         setting = scenario.prepare(kept.place, costmap=costmap, planner=spec.plugin.planner())
         note({"stage": "setup", "part": simulation, "row": known})
         sim = kept.simulator(scenario, setting.world)
@@ -206,7 +206,7 @@ class EpisodeTask:
                 seed=scenario.seed,
                 name=scenario.title,
                 measure=measure,
-                **session_options(scenario, setting.grid, setting.robot),
+                **session_options(scenario, setting.grid, setting.navigator.robot),
             )
         except PlanningError as error:  # the robot cannot stand at an end of the mission
             return error, None

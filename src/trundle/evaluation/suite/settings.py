@@ -13,7 +13,8 @@ from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 from trundle.navigation import NavigatorSettings
 
-_SENSING = (
+_ROBOT_AND_SENSORS = (
+    "assumed",
     "lidar",
     "odometry",
     "unmapped",
@@ -28,7 +29,7 @@ _SENSING = (
 
 CROSSED = tuple(
     name
-    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution", *_SENSING)
+    for name in (*CostmapSettings.model_fields, *NavigatorSettings.model_fields, "resolution", *_ROBOT_AND_SENSORS)
     if name != "planning_deadline_s"
 )
 """Settings of a scenario that a suite may cross."""

@@ -194,7 +194,8 @@ class Course:
         self._count.replace((*self.goals[:done], goal))
         self._legs[done:] = [0.0 if leg is None else leg.length]
         if self._extends:
-            allowed = allowed_time(self._agent, self._info.robot, here, (goal,), () if leg is None else (leg,))
+            robot = getattr(self._agent, "robot", self._info.robot)
+            allowed = allowed_time(self._agent, robot, here, (goal,), () if leg is None else (leg,))
             self.time_limit_s = (self.time_limit_s if append else state.time) + allowed
         if append and self._hands_over:
             self.set_again()

@@ -136,7 +136,7 @@ class Session:
         if time_limit_s is None:
             time_limit_s = allowed_time(agent, robot, begin, goals, paths)
         self._info = describe_run(
-            agent, robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+            agent, sim.robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
         )
         rules = Rules() if rules is None else rules
         self._course = Course(
