@@ -1,0 +1,1 @@
+"""The network: the seam `Transport` with its implementations, and which domain and range they join."""
