@@ -18,20 +18,32 @@ from trundle.mission.steering.directives import (
     Pause,
     Release,
     Restart,
-    SetGoal,
     Speed,
     StepOnce,
 )
 from trundle.mission.steering.file import load_directives, save_directives
+from trundle.mission.steering.goal_directives import (
+    Cancel,
+    ClearObstacles,
+    FollowPath,
+    RunBehavior,
+    SetGoal,
+    SetGoals,
+    SetPose,
+)
 from trundle.mission.steering.live import LiveRun, LiveStatus
 from trundle.mission.steering.queue import Steering
 from trundle.mission.steering.report import SteeringReport
+from trundle.mission.steering.tasks import TaskEnd, TaskWatcher
 from trundle.mission.trajectory import Trajectory
 
 __all__ = [
+    "Cancel",
+    "ClearObstacles",
     "DropBox",
     "End",
     "Episode",
+    "FollowPath",
     "GivenDirective",
     "Goal",
     "LiveRun",
@@ -47,17 +59,22 @@ __all__ = [
     "Release",
     "Restart",
     "Rules",
+    "RunBehavior",
     "RunInfo",
     "RunSettings",
     "Scenario",
     "Session",
     "SetGoal",
+    "SetGoals",
+    "SetPose",
     "Setting",
     "Speed",
     "Steering",
     "SteeringReport",
     "Step",
     "StepOnce",
+    "TaskEnd",
+    "TaskWatcher",
     "Trajectory",
     "load_directives",
     "run",

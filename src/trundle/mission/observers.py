@@ -103,6 +103,7 @@ class Step:
         tick_s: Wall time [s] that the agent took for its command.
         planning_s: Wall time [s] that it planned during the period; at the start, for the plans before the run.
         steering: How the run was steered during the period that ends now, or none where it takes no directives.
+        distance_remaining: Length of what is left of the path that it follows [m], or none without one.
     """
 
     index: int
@@ -123,6 +124,7 @@ class Step:
     tick_s: float = 0.0
     planning_s: float = 0.0
     steering: SteeringReport | None = None
+    distance_remaining: float | None = None
 
     @property
     def scans(self) -> tuple[Scan, ...]:

@@ -64,6 +64,20 @@ class Agenda:
         self._tasks.ask(behavior)
         drive.status = NavigationStatus.BEHAVING
 
+    def drop(self) -> None:
+        """End what was asked for, and drive on to the goal."""
+        drive = self._drive
+        if drive.status is not NavigationStatus.BEHAVING:
+            return
+        self._runner.interrupt("cancelled")
+        self._tasks.drop_asked()
+        if self._tasks.is_active:
+            return
+        if self._resumes and not self._is_at_stop:
+            self._drive_on()
+        else:
+            drive.status = NavigationStatus.IDLE if drive.target is None else NavigationStatus.FINISHED
+
     def run_tasks(self, now: Now) -> Twist2D | None:
         """The command of the task that is running; None where there is none, or the last one has ended."""
         if not self._tasks.is_active:
@@ -88,7 +102,8 @@ class Agenda:
         """Plan again, as the robot is somewhere else or has another goal."""
         self._drive.status = NavigationStatus.DRIVING
         self._drive.progress_checker.reset()
-        self._replanner.drop_path()
+        if not self._replanner.is_given:
+            self._replanner.drop_path()
         self._recovery.reset()
 
     # Goals ----------------------------------------------------------------------------------------------------------

@@ -39,6 +39,19 @@ class FollowedPath:
         """How much of it is left [m]."""
         return float(self.check.along[-1] - self.check.along[self.index])
 
+    @property
+    def rest(self) -> Path:
+        """What is left of the path, from where the robot is on it."""
+        poses, along = self.path.poses, arc_lengths(self.path.poses)
+        begin = int(along.searchsorted(float(self.check.along[self.index]), side="right"))
+        if begin == 0:
+            return self.path
+        begin = min(begin, len(poses) - 1)
+        here = self.check.poses[self.index][None, :]
+        return Path(
+            np.concatenate([here, poses[begin:]]), planner=self.path.planner, backward=self.path.backward[begin - 1 :]
+        )
+
     def advance(self, pose: Pose2D) -> None:
         """Find the robot's place on it, from the last one on."""
         along, poses = self.check.along, self.check.poses

@@ -253,6 +253,27 @@ class Navigator(Drive):
         self._agenda.begin(route)
         self.status = NavigationStatus.DRIVING
 
+    def follow(self, path: Path) -> None:
+        """Follow this path to its end from the next `update` on, instead of planning one.
+
+        No other path is planned. In front of what was sensed on it the robot waits, and gives up after
+        `settings.patience_s`; where it makes no progress otherwise, it gives up at once.
+
+        Raises:
+            InputError: If it is no path, or is too long to be checked.
+        """
+        check_kind(path, Path, "a path to follow", "a planner returns one, and Path([(x, y, yaw), …]) makes one")
+        route = Route([Goal.of(path.goal)])
+        self._begin(route.ahead[0])
+        self._agenda.begin(route)
+        self._replanner.take_given(path)
+        self.status = NavigationStatus.DRIVING
+
+    @property
+    def follows_given(self) -> bool:
+        """Whether it follows a path that `follow` gave it."""
+        return self._replanner.is_given
+
     @property
     def goals(self) -> tuple[Goal, ...]:
         """All goals that were set, in order; empty without a goal."""
@@ -272,6 +293,16 @@ class Navigator(Drive):
     def path(self) -> Path | None:
         """The path that it follows, or None."""
         return None if self._replanner.followed is None else self._replanner.followed.path
+
+    @property
+    def path_left(self) -> Path | None:
+        """What is left of the path that it follows, or None."""
+        return None if self._replanner.followed is None else self._replanner.followed.rest
+
+    @property
+    def distance_remaining(self) -> float | None:
+        """Length of what is left of that path [m]; None without one."""
+        return None if self._replanner.followed is None else self._replanner.followed.left_m
 
     @property
     def planned(self) -> Path | None:
@@ -323,6 +354,24 @@ class Navigator(Drive):
         """Stop: interrupt what is running, and forget the goal. The robot stands, and the status is IDLE."""
         self._begin(None)
         self.status = NavigationStatus.IDLE
+
+    def cancel_behavior(self) -> None:
+        """Stop only the behavior that was asked for, if one runs: then the robot plans again, and drives on."""
+        self._agenda.drop()
+
+    def clear_obstacles(self, region: Literal["all", "around", "except"] = "all", size: float = 0.0) -> None:
+        """Forget what the scans saw; the map stays.
+
+        Args:
+            region: All of it, a square around the robot ("around"), or all but that square ("except").
+            size: Edge of the square [m], which is aligned with the odom frame.
+
+        Raises:
+            InputError: If the region is none of these, or its size is not positive.
+        """
+        if region not in ("all", "around", "except"):
+            raise InputError(f"the region to clear is 'all', 'around' or 'except', got {region!r}")
+        self.costmap = self._sensed.clear() if region == "all" else self._sensed.clear_region(region, size)
 
     @property
     def behavior_runs(self) -> tuple[BehaviorRun, ...]:
@@ -464,7 +513,8 @@ class Navigator(Drive):
                 self._runner.interrupt("the pose jumped")
             self._recovery.reset()
             self.progress_checker.reset()
-            self.message = f"the pose jumped by {jump_m:.1f} m: planning a new path"
+            then = "it left the path that it was given" if self._replanner.is_given else "planning a new path"
+            self.message = f"the pose jumped by {jump_m:.1f} m: {then}"
 
     def _decide(self, now: Now) -> Twist2D:
         soon = self._when_taking_effect(now)
@@ -492,6 +542,9 @@ class Navigator(Drive):
     def _drive(self, now: Now) -> Twist2D:
         pose, twist, replanner = now.pose, now.twist, self._replanner
         replanner.obstacle.follow(pose, now.time)
+        if replanner.is_given and replanner.followed is None:  # the pose has jumped away from it
+            self.status = NavigationStatus.STUCK
+            return _STAND
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
             self._count_reason(replanner.standing_reason)
             return _STAND

@@ -70,6 +70,8 @@ class Recovery:
             if command != _STAND:
                 drive.status = NavigationStatus.DRIVING
             return command
+        if self._replanner.is_given:
+            return self._wait_on_given()
         if self._replanner.obstacle.is_blocked:
             return self._wait_for_obstacle(now)
         if not self.steps or (not self._retries.try_again(left_m) and not self._is_patient()):
@@ -106,6 +108,16 @@ class Recovery:
             self._next_other += 1
             self._reason = drive.message
             return self._run_next(now)
+        return _STAND
+
+    def _wait_on_given(self) -> Twist2D:
+        """Stand on a path that is followed as it is, while what was sensed there may move away; or give up."""
+        obstacle, drive = self._replanner.obstacle, self._drive
+        if not obstacle.is_blocked or obstacle.gives_up:
+            self._give_up()
+            return _STAND
+        drive.status = NavigationStatus.BLOCKED
+        drive.progress_checker.reset()
         return _STAND
 
     def _give_up(self) -> None:

@@ -44,6 +44,7 @@ class Replanner:
         followed: The path that is followed, or None.
         tries: The deadline of plans.
         obstacle: Since when the path is blocked by something that was sensed.
+        is_given: Whether the path was given, and is followed as it is: no other one is planned.
     """
 
     def __init__(
@@ -60,6 +61,7 @@ class Replanner:
         self.tries = PlanningTries(settings.planning_deadline_s)
         self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.goal_patience_s)
         self.followed: FollowedPath | None = None
+        self.is_given = False
         self._ends_short = False
         self._checked: Costmap | None = None
         self._planned_at = 0.0
@@ -67,11 +69,17 @@ class Replanner:
     def begin(self, costmap: Costmap) -> None:
         """Forget the path: there is another goal."""
         self.followed = None
-        self._ends_short = False
+        self.is_given = self._ends_short = False
         self._checked = costmap
         self._planned_at = 0.0
         self.obstacle.reset()
         self.tries.reset()
+
+    def take_given(self, path: Path) -> None:
+        """Follow a path that was not planned here."""
+        self.is_given = True
+        self._checked = None
+        self.take(FollowedPath(path, path))
 
     def pass_goal(self) -> None:
         """The robot has passed the next goal that the path leads through."""
@@ -211,6 +219,9 @@ class Replanner:
 
     def reconsider(self, followed: FollowedPath, now: Now) -> None:
         """Plan again where a changed map blocks the path, or it is time to look for a better one."""
+        if self.is_given:
+            self._watch_given(followed, now)
+            return
         if followed.has_missed(self._drive.settings.through_tolerance):
             self.replan(now)
             return
@@ -234,12 +245,27 @@ class Replanner:
         elif due and not self.tries.stops_first(now.twist):
             self._look_for_better(now)
 
+    def _watch_given(self, followed: FollowedPath, now: Now) -> None:
+        """Note whether something that was sensed blocks a path that is followed as it is."""
+        if now.costmap is self._checked and not self.obstacle.is_blocked:
+            return
+        self._checked = now.costmap
+        hit = followed.first_hit(now.costmap)
+        if hit is None or not self._sensed.is_active:
+            self.obstacle.clear()
+            return
+        self._see(now)
+        self._say_blocked(hit)
+
+    def _say_blocked(self, hit: PathHit) -> None:
+        x, y = self._sensed.obstacle_near(hit.pose[0], hit.pose[1], self._robot.circumscribed_radius + 0.2)
+        self._drive.message = f"blocked: obstacle ahead at ({x:.2f}, {y:.2f})"
+
     def _go_round(self, hit: PathHit, followed: FollowedPath, now: Now) -> None:
         """Plan a path round what was sensed on this one, and take it unless waiting is better."""
         drive = self._drive
         self._see(now)
-        x, y = self._sensed.obstacle_near(hit.pose[0], hit.pose[1], self._robot.circumscribed_radius + 0.2)
-        drive.message = f"blocked: obstacle ahead at ({x:.2f}, {y:.2f})"
+        self._say_blocked(hit)
         if not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
             return
         drive.replans += 1

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior
+from trundle.navigation.behaviors.behavior import ASKED_FOR
 from trundle.navigation.drive import Now
 
 
@@ -37,6 +38,11 @@ class Tasks:
         self.failure = ""
         self._asked, self._is_running = behavior, False
 
+    def drop_asked(self) -> None:
+        """Do without what was asked for; a task that it interrupted begins again."""
+        self.failure = ""
+        self._asked, self._is_running = None, False
+
     def add(self, tasks: Sequence[Behavior], reason: str) -> None:
         """Run these, for this reason."""
         self.failure = ""
@@ -55,7 +61,7 @@ class Tasks:
                 return None
             if not self.is_active:
                 return None
-            behavior, reason = (self._asked, "asked for") if self._asked is not None else (self._tasks[0], self._reason)
+            behavior, reason = (self._asked, ASKED_FOR) if self._asked is not None else (self._tasks[0], self._reason)
             self._is_running = True
             command = self._runner.start(behavior, reason, now, recovery=False)
         return command

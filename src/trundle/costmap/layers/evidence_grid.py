@@ -39,6 +39,18 @@ class EvidenceGrid:
         """Forget everything."""
         self._allocate(0, 0, (0, 0))
 
+    def forget(self, x: float, y: float, half: float, *, outside: bool) -> None:
+        """Forget a square of ±`half` [m] around a point in odom, or all outside of it."""
+        low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)
+        rows = slice(max(0, low[0] - self.row), max(0, high[0] + 1 - self.row))
+        cols = slice(max(0, low[1] - self.col), max(0, high[1] + 1 - self.col))
+        chosen = np.full(self.cells.shape, outside)
+        chosen[rows, cols] = not outside
+        self.cells[chosen] = 0
+        self.points[chosen] = 0
+        if self._timed:
+            self.times[chosen] = 0.0
+
     def hold(self, x: float, y: float, half: float) -> bool:
         """Make room for a square of ±`half` [m] around a point in odom; return whether something was forgotten."""
         low, high = self._cells_of(x - half, y - half), self._cells_of(x + half, y + half)

@@ -8,6 +8,7 @@ import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -147,6 +148,32 @@ class LayeredCostmap:
                 layer.reset()
             self._forget()
 
+    def clear(self, region: Literal["around", "except"], size: float) -> Costmap:
+        """Forget the obstacles that were sensed in a square around the robot, or outside of it.
+
+        Layers that were given as `extra_layers` keep what they have.
+
+        Args:
+            region: "around" for the square, "except" for all but the square.
+            size: Its edge [m]; it is aligned with the odom frame.
+
+        Returns:
+            The costmap then.
+
+        Raises:
+            InputError: If the region is neither, the size is not positive, or there was no update yet.
+        """
+        if region not in ("around", "except"):
+            raise InputError(f"the region to clear is 'around' or 'except', got {region!r}")
+        size = check_number("size", size, 1e-3, 1e4, "m")
+        with self._lock:
+            if self._odom_pose is None:
+                raise InputError("there is nothing to clear before the first update")
+            if self._obstacle is not None:
+                self._obstacle.forget(self._odom_pose, size, outside=region == "except")
+            self._repaint([EVERYWHERE])
+            return self.costmap
+
     def require(self, points: npt.ArrayLike) -> Costmap | None:
         """Contain these points where there is no map, for example a goal.
 
@@ -195,7 +222,7 @@ class LayeredCostmap:
                     f"times must increase: an estimate of {estimate.time:g} s came after one of {self._time:g} s"
                 )
             windows = [window for layer in self._layers if (window := layer.update(taken, estimate)) is not None]
-            self._time = estimate.time
+            self._time, self._odom_pose = estimate.time, estimate.odom_pose
             if self._correct(estimate):
                 windows = [EVERYWHERE]
             if self._extent.follow(estimate.pose) or self._costmap is None:
@@ -213,6 +240,7 @@ class LayeredCostmap:
     def _forget(self) -> None:
         self._counts: Counter[str] = Counter()
         self._time: float | None = None
+        self._odom_pose: Pose2D | None = None
         self._T_map_odom: Pose2D | None = None
         self._costmap = self._fixed
         self._changed: _Slices | None = None

@@ -12,7 +12,7 @@ from trundle.costmap.layers.evidence_grid import EvidenceGrid
 from trundle.costmap.layers.layer import EVERYWHERE, MapPart, OdomWindow
 from trundle.costmap.layers.scan_gate import ScanGate
 from trundle.costmap.layers.settings import ObstacleLayerSettings
-from trundle.geometry import FloatArray
+from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan
 from trundle.robots import Robot
 from trundle.values import check_kind, check_number
@@ -69,6 +69,10 @@ class ObstacleLayer:
         """Forget everything, for a new run."""
         self._gate.reset()
         self._grid.clear()
+
+    def forget(self, pose: Pose2D, size: float, *, outside: bool) -> None:
+        """Forget what was seen in a square of edge `size` [m] around a pose, or outside of it; odom frame."""
+        self._grid.forget(pose.x, pose.y, 0.5 * size, outside=outside)
 
     def update(self, scans: Sequence[Scan], estimate: Estimate) -> OdomWindow | None:
         """Mark and clear by new scans; see `Layer`.

@@ -6,6 +6,8 @@ import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.episode import Outcome
@@ -20,6 +22,9 @@ from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSett
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.sim import Contact, RobotState
+
+FARTHEST_PATH_M = 1.5
+"""A path that is given begins or passes within this of the robot [m]: half of Nav2's local costmap."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +86,8 @@ class Course:
         self._legs = [path.length for path in legs]
         self._unreachable = unreachable
         self._through, self._hands_over = through, hands_over
+        self._at_first = through, hands_over
+        self._is_idle = False
         self._stop_on_contact, self._extends, self._waits = stop_on_contact, extends, waits
         checker = getattr(agent, "goal_checker", None) or NavigatorSettings().make_goal_checker()
         self._count = GoalCount(info.goals, checker, through=through)
@@ -103,6 +110,31 @@ class Course:
     def current(self) -> int:
         """Index of the goal that the robot drives to."""
         return self._count.current
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all goals are reached."""
+        return self._count.are_reached
+
+    @property
+    def status(self) -> NavigationStatus:
+        """What the agent is doing."""
+        return self._agent.status
+
+    @property
+    def navigator(self) -> Navigator | None:
+        """The agent, where it is a navigator."""
+        return self._agent if isinstance(self._agent, Navigator) else None
+
+    def need_navigator(self, lack: str) -> Navigator:
+        """The navigator that drives.
+
+        Raises:
+            InputError: If something else does, which `lack` says of it.
+        """
+        if self.navigator is None:
+            raise InputError(f"the agent of this run, {type(self._agent).__name__}, {lack}")
+        return self.navigator
 
     @property
     def info(self) -> RunInfo:
@@ -135,7 +167,7 @@ class Course:
                     continue
                 if not self._waits:
                     return self._at_goal(now)
-            gives_up = status is not NavigationStatus.DRIVING and not self._waits
+            gives_up = status is not NavigationStatus.DRIVING and not (self._waits or self._is_idle)
             if gives_up and (ending := endings.given_up(agent, state)) is not None:
                 return ending
             return self._timed_out(state) or command
@@ -187,24 +219,98 @@ class Course:
         """
         if not isinstance(self._agent, Navigator) and not self._info.goals:
             raise InputError("the agent of this run drives without goals")
-        append = append and not self._count.are_reached
-        here = self.goals[-1].pose if append else estimate.pose
-        leg = self._plan_on(here, goal) if append else self._begin_at(here, goal)
-        done = len(self.goals) if append else self.reached
-        self._count.replace((*self.goals[:done], goal))
-        self._legs[done:] = [0.0 if leg is None else leg.length]
+        if not append or self._count.are_reached:
+            self._replace((goal,), state, estimate, self._at_first)
+            return
+        here = self.goals[-1].pose
+        leg = self._plan_on(here, goal)
+        self._put(len(self.goals), (goal,), leg)
         if self._extends:
-            robot = getattr(self._agent, "robot", self._info.robot)
-            allowed = allowed_time(self._agent, robot, here, (goal,), () if leg is None else (leg,))
-            self.time_limit_s = (self.time_limit_s if append else state.time) + allowed
-        if append and self._hands_over:
+            self.time_limit_s += self._allowed(here, (goal,), leg)
+        if self._hands_over:
             self.set_again()
+
+    def set_goals(self, goals: Sequence[Goal], state: RobotState, estimate: Estimate, *, through: bool) -> None:
+        """Drive to these goals in order instead of those that are left, through them or with a stop at each.
+
+        Raises:
+            InputError: If the agent takes one goal at a time, or none.
+            PlanningError: If there is no path; the goals stay as they were.
+        """
+        self.need_navigator("takes one goal at a time")
+        self._replace(tuple(goals), state, estimate, (through, True))
+
+    def follow(self, path: Path, state: RobotState, estimate: Estimate) -> None:
+        """Follow this path to its end, instead of driving to the goals that are left.
+
+        Raises:
+            InputError: If the agent follows no given paths, or the path lies elsewhere.
+        """
+        navigator = self.need_navigator("follows no given path")
+        here = estimate.pose
+        off_m = float(np.hypot(path.poses[:, 0] - here.x, path.poses[:, 1] - here.y).min())
+        if off_m > FARTHEST_PATH_M:
+            raise InputError(
+                f"no pose of the path is within {FARTHEST_PATH_M:g} m of the robot at ({here.x:.2f}, {here.y:.2f}): "
+                f"the nearest is {off_m:.2f} m away"
+            )
+        self.totals.add(navigator)
+        navigator.follow(path)
+        self._through, self._hands_over = self._at_first
+        self._put(self.reached, (Goal.of(path.goal),), path)
+        self._count.begin_again()
+        if self._extends:
+            self.time_limit_s = state.time + self._allowed(here, self.goals[self.reached :], path)
+
+    def cancel(self, *, behavior_alone: bool) -> None:
+        """Give up the goals that are left and what the agent runs, or only the behavior that it was asked for.
+
+        Raises:
+            InputError: If the agent cannot.
+        """
+        navigator = self.need_navigator("cannot give up its goal")
+        if behavior_alone:
+            navigator.cancel_behavior()
+            return
+        self.totals.add(navigator)
+        navigator.cancel()
+        self._put(self.reached, (), None)
+        self._is_idle = True
 
     def set_again(self) -> None:
         """Give the agent the goals that are left once more: it plans again, and measures its progress from here."""
         left = self.goals[self.reached :]
-        if left:
+        navigator = self.navigator
+        path = None if navigator is None or not navigator.follows_given else navigator.path_left
+        if left and path is not None:
+            self._follow_again(path)
+        elif left:
             self._begin(left)
+
+    def _follow_again(self, path: Path) -> None:
+        navigator = self.need_navigator("follows no given path")
+        self.totals.add(navigator)
+        self._count.begin_again()
+        navigator.follow(path)
+
+    def _replace(self, goals: tuple[Goal, ...], state: RobotState, estimate: Estimate, how: tuple[bool, bool]) -> None:
+        """Drive to these goals instead of those that are left; through them, and handed over at once, or not."""
+        before, (self._through, self._hands_over) = (self._through, self._hands_over), how
+        here = estimate.pose
+        leg = self._begin_at(here, goals, before)
+        self._put(self.reached, goals, leg)
+        if self._extends:
+            self.time_limit_s = state.time + self._allowed(here, goals, leg)
+
+    def _put(self, done: int, goals: tuple[Goal, ...], leg: Path | None) -> None:
+        """Keep so many goals, and put these after them, of which the plan is known up to the first stop."""
+        self._is_idle = False
+        self._count.replace((*self.goals[:done], *goals), through=self._through)
+        self._legs[done:] = [0.0 if leg is None or k else leg.length for k in range(len(goals))]
+
+    def _allowed(self, here: Pose2D, goals: Sequence[Goal], leg: Path | None) -> float:
+        robot = getattr(self._agent, "robot", self._info.robot)
+        return allowed_time(self._agent, robot, here, goals, () if leg is None else (leg,))
 
     def _begin(self, goals: Sequence[Goal]) -> None:
         """Give the agent these goals; only the first one, where it takes one at a time."""
@@ -216,10 +322,16 @@ class Course:
         set_goals = getattr(self._agent, "set_goals")  # noqa: B009 - `prepare` has checked that it has that
         set_goals(goals, through=self._through)
 
-    def _begin_at(self, here: Pose2D, goal: Goal) -> Path | None:
-        """Give the agent this goal alone, and plan to it from here; None without a plan."""
+    def _begin_at(self, here: Pose2D, goals: Sequence[Goal], before: tuple[bool, bool]) -> Path | None:
+        """Give the agent these goals alone, and plan to them from here; None without a plan.
+
+        Raises:
+            PlanningError: If there is no path; the agent has its goals back, or the path that it was given, and takes
+                them as it did before.
+        """
         agent = self._agent
-        self._begin((goal,))
+        given = agent.path_left if isinstance(agent, Navigator) and agent.follows_given else None
+        self._begin(goals)
         if not isinstance(agent, Navigator):
             return None
         try:
@@ -228,7 +340,11 @@ class Course:
             if agent.waits_to_plan:  # the plan took too long, and is tried again
                 return None
             agent.cancel()
-            self.set_again()
+            self._through, self._hands_over = before
+            if given is not None:
+                self._follow_again(given)
+            else:
+                self.set_again()
             raise
         self._planned_s = agent.planning_time_s
         return path

@@ -46,9 +46,9 @@ class GoalCount:
         """Whether all goals are reached."""
         return self.reached >= len(self.goals)
 
-    def replace(self, goals: Sequence[Goal]) -> None:
-        """Change the goals that are not reached; those that are stay the first ones."""
-        self.goals = tuple(goals)
+    def replace(self, goals: Sequence[Goal], *, through: bool) -> None:
+        """Change the goals that are not reached, and how they are driven; the first ones stay those that are."""
+        self.goals, self._through = tuple(goals), through
 
     def begin_again(self) -> None:
         """Expect that the agent gets the goals that are left, and counts them from none."""

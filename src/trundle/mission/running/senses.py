@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
@@ -36,6 +37,17 @@ class Senses:
         """Begin a run."""
         if self._localizer is not None:
             self._localizer.reset(start, seed=seed)
+
+    def relocate(self, pose: Pose2D, observation: Observation, *, seed: int) -> Estimate:
+        """Tell the localizer where the robot is; what it believes then, by what was observed last.
+
+        Raises:
+            InputError: If there is no localizer.
+        """
+        if self._localizer is None:
+            raise InputError("the robot knows its true pose: there is no localizer whose pose could be set")
+        self._localizer.reset(pose, seed=seed)
+        return self._localizer.update(observation)
 
     def observe(self, state: RobotState) -> tuple[Observation, Estimate]:
         """Take what the robot observes now, and estimate where it is."""

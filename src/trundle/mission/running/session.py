@@ -132,7 +132,7 @@ class Session:
         report_latency(agent, latency)
         hands_over = through or any(tasks_of(goal) for goal in goals)
         paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
-        extends = time_limit_s is None
+        extends = time_limit_s is None and not waits
         if time_limit_s is None:
             time_limit_s = allowed_time(agent, robot, begin, goals, paths)
         self._info = describe_run(
@@ -151,7 +151,7 @@ class Session:
             extends=extends,
             waits=waits,
         )
-        self._helm = Helm(self._course, sim, robot, steering, directives) if is_steered else None
+        self._helm = Helm(self._course, sim, robot, steering, directives, self._relocate) if is_steered else None
         self._log = RunLog(every_contact=rules.every_contact)
         self._wall_s = 0.0
         self._outcome: Outcome | None = None
@@ -344,6 +344,11 @@ class Session:
         ending = self._course.pass_by_hand(self._moment, self.dt)
         return helm.assist(self._agent, self._observation, self._estimate) if ending is None else ending
 
+    def _relocate(self, pose: Pose2D) -> Estimate:
+        """Tell the localizer where the robot is now."""
+        self._estimate = self._senses.relocate(pose, self._observation, seed=self._info.seed)
+        return self._estimate
+
     @property
     def _moment(self) -> Moment:
         believed = self._senses.believed(self._estimate)
@@ -354,7 +359,7 @@ class Session:
         path: Path | None = getattr(agent, "path", None)
         goal = self._course.current
         log.add(self._state, sent, self._estimate, goal, path)
-        steering = None if self._helm is None else self._helm.finish_period(command, report)
+        steering = None if self._helm is None else self._helm.finish_period(command, report, self.time)
         if not (self._returns_steps or self._audience):
             return
         self._last = step = Step(
@@ -376,6 +381,7 @@ class Session:
             self._course.tick_s,
             self._course.planning_s,
             steering,
+            getattr(agent, "distance_remaining", None),
         )
         self._audience.on_step(step)
 
@@ -389,6 +395,8 @@ class Session:
         if contacts and outcome is not Outcome.COLLIDED:
             outcome, message = Outcome.COLLIDED, f"touched {', '.join(contacts)} while driving; {message}"
         self._outcome, self._message, self._error = outcome, message, error
+        if self._helm is not None:
+            self._helm.stop(f"the run has ended: {message}", self.time)
 
     def _make_episode(self) -> Episode:
         if not len(self._log):  # Ctrl-C came before the first row

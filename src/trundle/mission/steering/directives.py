@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from trundle.errors import InputError
-from trundle.geometry import Goal, Pose2D, Pose3D
-from trundle.navigation.waypoint import tasks_of
+from trundle.geometry import Pose3D
+from trundle.mission.steering.goal_directives import (
+    Cancel,
+    ClearObstacles,
+    FollowPath,
+    RunBehavior,
+    SetGoal,
+    SetGoals,
+    SetPose,
+)
 from trundle.solids import Box, Solid
 from trundle.values import as_number, as_sequence, check_flag, check_number, check_seed
 
@@ -61,35 +68,6 @@ class Speed:
                 f"the speed of a run is a factor from {SLOWEST:g} to {FASTEST:g}, or infinity, got {self.factor!r}"
             )
         object.__setattr__(self, "factor", factor)
-
-
-@dataclass(frozen=True, slots=True)
-class SetGoal:
-    """Drive to this goal instead of those that are left, or after them.
-
-    Attributes:
-        goal: (x, y) for any yaw, (x, y, yaw), or a pose; map frame.
-        append: Whether it comes after the goals that are left, instead of replacing them.
-
-    Raises:
-        InputError: If it is no goal, or a waypoint with tasks.
-    """
-
-    goal: Goal | Pose2D | Sequence[float]
-    append: bool = False
-
-    def __post_init__(self) -> None:
-        goal = self.goal if isinstance(self.goal, Pose2D) else as_sequence(self.goal, "a goal")
-        goal = Goal.of(self.goal if isinstance(self.goal, Goal) else goal)
-        if tasks_of(goal):
-            raise InputError("a goal that is set while driving has no tasks: give (x, y) or (x, y, yaw)")
-        object.__setattr__(self, "goal", goal)
-        object.__setattr__(self, "append", check_flag("append", self.append))
-
-    @property
-    def target(self) -> Goal:
-        """The goal."""
-        return Goal.of(self.goal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +176,23 @@ class End:
             raise InputError(f"why a run ends is a text of 1 to {_LONGEST_TEXT} characters, got {self.why!r:.80}")
 
 
-Directive: TypeAlias = Pause | StepOnce | Speed | SetGoal | Manual | Release | DropBox | Restart | End
+Directive: TypeAlias = (
+    Pause
+    | StepOnce
+    | Speed
+    | SetGoal
+    | SetGoals
+    | FollowPath
+    | RunBehavior
+    | Cancel
+    | ClearObstacles
+    | SetPose
+    | Manual
+    | Release
+    | DropBox
+    | Restart
+    | End
+)
 """What can be asked of a run in progress."""
 
 DIRECTIVES: dict[str, type[Directive]] = {
@@ -206,6 +200,12 @@ DIRECTIVES: dict[str, type[Directive]] = {
     "step": StepOnce,
     "speed": Speed,
     "goal": SetGoal,
+    "goals": SetGoals,
+    "path": FollowPath,
+    "behavior": RunBehavior,
+    "cancel": Cancel,
+    "clear": ClearObstacles,
+    "pose": SetPose,
     "manual": Manual,
     "release": Release,
     "box": DropBox,

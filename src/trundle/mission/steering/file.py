@@ -65,8 +65,8 @@ def _plain(given: GivenDirective) -> dict[str, object]:
     directive = given.directive
     plain: dict[str, object] = {"index": given.index, "time": given.time, "directive": _NAMES[type(directive)]}
     for field in fields(directive):
-        value = getattr(directive, field.name)
-        plain[field.name] = _MAX if value == math.inf else list(value) if isinstance(value, tuple) else value
+        value: Any = getattr(directive, field.name)
+        plain[field.name] = _MAX if value == math.inf else dict(value) if isinstance(value, Mapping) else value
     return plain | {name: value for name in _OFTEN if (value := getattr(given, name))}
 
 

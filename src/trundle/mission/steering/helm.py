@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time as clock
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from trundle.errors import InputError, TrundleError
-from trundle.geometry import Twist2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.episode import Outcome
 from trundle.mission.running.course import Course
 from trundle.mission.running.endings import Ending
@@ -18,6 +18,7 @@ from trundle.mission.steering import directives as kinds
 from trundle.mission.steering.directives import GivenDirective
 from trundle.mission.steering.queue import DEAD_MAN_S, Order, Steering
 from trundle.mission.steering.report import SteeringReport
+from trundle.mission.steering.tasks import RunningTasks
 from trundle.mission.truth import DroppedBox
 from trundle.navigation import Agent
 from trundle.navigation.assisted_teleop import AssistedCommand
@@ -42,6 +43,7 @@ class Helm:
         robot: Its robot.
         steering: Where directives come from while it drives; None without any.
         recorded: The directives of an earlier run, which are given again at the same moments.
+        relocate: Tells the localizer where the robot is, and returns what it believes then.
 
     Attributes:
         paused: Whether the run is paused.
@@ -61,7 +63,10 @@ class Helm:
         robot: Robot,
         steering: Steering | None,
         recorded: Sequence[GivenDirective],
+        relocate: Callable[[Pose2D], Estimate],
     ) -> None:
+        self._tasks = RunningTasks(course)
+        self._relocate = relocate
         self._course, self._sim, self._robot, self._steering = course, sim, robot, steering
         self._recorded = deque(recorded)
         self._steps_left = 0
@@ -89,18 +94,19 @@ class Helm:
 
     def steer(self, index: int, state: RobotState, estimate: Estimate) -> None:
         """Apply what is due after so many control periods, in this state."""
+        self._estimate = estimate
         while self.ending is None and self._recorded and self._recorded[0].index <= index:
             given = self._recorded.popleft()
-            self._give(Order(given.directive, given.by), index, state, estimate)
+            self._give(Order(given.directive, given.by), index, state)
         if self._steering is None:
             return
         for _ in range(self._steering.waiting):
             order = self._steering.take() if self.ending is None else None
             if order is None:
                 return
-            self._give(order, index, state, estimate)
+            self._give(order, index, state)
         if self._holds_until is not None and clock.monotonic() > self._holds_until:
-            self._give(Order(kinds.Manual(), "dead-man"), index, state, estimate)
+            self._give(Order(kinds.Manual(), "dead-man"), index, state)
 
     def wait(self) -> None:
         """Wait for the next directive of a run that is paused; without any to come, the run ends."""
@@ -119,8 +125,13 @@ class Helm:
         self.held_back = passed.reason
         return passed.command
 
-    def finish_period(self, command: Twist2D, report: MonitorReport | None) -> SteeringReport:
-        """Count a control period that was driven, with what a monitor did to its command, and report it."""
+    def stop(self, why: str, time: float) -> None:
+        """The run has ended at this time [s]."""
+        self._tasks.stop(why, time)
+
+    def finish_period(self, command: Twist2D, report: MonitorReport | None, time: float) -> SteeringReport:
+        """Count a control period that ends at a time [s], with what a monitor did to its command; report it."""
+        self._tasks.check(time)
         self._steps_left = max(0, self._steps_left - 1)
         if self.manual is None:
             self.held_back = ""
@@ -130,17 +141,17 @@ class Helm:
 
     # Directives -----------------------------------------------------------------------------------------------------
 
-    def _give(self, order: Order, index: int, state: RobotState, estimate: Estimate) -> None:
+    def _give(self, order: Order, index: int, state: RobotState) -> None:
         if self._is_renewal(order):
             return
-        refused = ""
+        refused: TrundleError | None = None
         try:
-            self._apply(order, index, state, estimate)
+            self._apply(order, index, state)
         except TrundleError as error:
-            refused = str(error)
-        self.log.append(GivenDirective(index, state.time, order.directive, order.by, refused))
-        if refused and order.refused is not None:
-            order.refused(refused)
+            refused = error
+        self.log.append(GivenDirective(index, state.time, order.directive, order.by, str(refused or "")))
+        if refused is not None:
+            order.refuse(refused)
 
     def _is_renewal(self, order: Order) -> bool:
         """Whether this repeats the command by hand that holds, which is then held for longer."""
@@ -154,7 +165,7 @@ class Helm:
         moves = self.manual is not None and self.manual != _STAND
         self._holds_until = order.given_s + DEAD_MAN_S if moves and order.given_s is not None else None
 
-    def _apply(self, order: Order, index: int, state: RobotState, estimate: Estimate) -> None:
+    def _apply(self, order: Order, index: int, state: RobotState) -> None:
         match order.directive:
             case kinds.Pause(paused):
                 self._pause(paused)
@@ -164,8 +175,26 @@ class Helm:
             case kinds.Speed(factor):
                 self.speed = factor
             case kinds.SetGoal(append=append) as given:
-                self._course.set_goal(given.target, state, estimate, append=append)
+                self._course.set_goal(given.target, state, self._estimate, append=append)
+                self._begin_goal(order, state)
+            case kinds.SetGoals(through=through) as given:
+                self._course.set_goals(given.targets, state, self._estimate, through=through)
+                self._begin_goal(order, state)
+            case kinds.FollowPath() as given:
+                self._course.follow(given.path, state, self._estimate)
+                self._begin_goal(order, state)
+            case kinds.RunBehavior() as given:
+                self._course.need_navigator("runs no behaviors").run(given.make())
                 self._let_go()
+                self._tasks.begin_behavior(order.watcher, state.time)
+            case kinds.Cancel(what):
+                self._course.cancel(behavior_alone=what == "behavior")
+                self._let_go()
+                self._tasks.cancel(state.time, behavior_alone=what == "behavior")
+            case kinds.ClearObstacles(region, size):
+                self._course.need_navigator("has no costmap to clear").clear_obstacles(region, size)
+            case kinds.SetPose() as given:
+                self._estimate = self._relocate(given.target)
             case kinds.Manual(v, w):
                 self.manual, self._by = Twist2D(v, w), order.by
                 self._hold(order)
@@ -179,6 +208,10 @@ class Helm:
                 self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
             case kinds.End(why):
                 self.ending = self._course.ended_by_hand(why)
+
+    def _begin_goal(self, order: Order, state: RobotState) -> None:
+        self._let_go()
+        self._tasks.begin_goal(order.watcher, state.time)
 
     def _pause(self, paused: bool) -> None:
         resumes, self.paused, self._steps_left = self.paused and not paused, paused, 0

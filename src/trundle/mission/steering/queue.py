@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from trundle.errors import InputError
+from trundle.errors import InputError, TrundleError
 from trundle.mission.steering.directives import DIRECTIVES, Directive
+from trundle.mission.steering.tasks import TaskWatcher
 from trundle.values import check_kind
 
 DEAD_MAN_S = 0.3
@@ -29,12 +30,21 @@ class Order:
         by: Who gave it.
         refused: Called where it cannot be applied; none where nobody waits for that.
         given_s: When it was given [s], by `time.monotonic`; none for one of a record, which holds until the next.
+        watcher: Gets what becomes of the goal, path or behavior that it gives; none where nobody waits for that.
     """
 
     directive: Directive
     by: str = ""
     refused: Refused | None = None
     given_s: float | None = None
+    watcher: TaskWatcher | None = None
+
+    def refuse(self, error: TrundleError) -> None:
+        """Tell those who wait for it that it is not applied."""
+        if self.refused is not None:
+            self.refused(str(error))
+        if self.watcher is not None:
+            self.watcher.refuse(error)
 
 
 class Steering:
@@ -53,7 +63,14 @@ class Steering:
         """How many directives wait to be applied."""
         return len(self._orders)
 
-    def put(self, directive: Directive, *, by: str = "", refused: Refused | None = None) -> None:
+    def put(
+        self,
+        directive: Directive,
+        *,
+        by: str = "",
+        refused: Refused | None = None,
+        watcher: TaskWatcher | None = None,
+    ) -> None:
         """Give a directive, from any thread.
 
         Args:
@@ -61,6 +78,8 @@ class Steering:
             by: Who gives it, for the record.
             refused: Called with the reason if it cannot be applied, such as a goal where the robot cannot stand; by
                 the thread that drives the run. The run goes on then as before.
+            watcher: Gets what becomes of the goal, path or behavior that the directive gives: by the thread that drives
+                the run, or, where that has ended, by the one that refuses what waits.
 
         Raises:
             InputError: If it is no directive.
@@ -69,7 +88,7 @@ class Steering:
         if not isinstance(by, str):
             raise InputError(f"who gives a directive is a text, got {by!r}")
         with self._changed:
-            self._orders.append(Order(directive, by, refused, time.monotonic()))
+            self._orders.append(Order(directive, by, refused, time.monotonic(), watcher))
             self._changed.notify_all()
 
     def take(self) -> Order | None:
@@ -80,8 +99,7 @@ class Steering:
     def refuse_all(self, why: str) -> None:
         """Refuse all directives that wait, for this reason."""
         while (order := self.take()) is not None:
-            if order.refused is not None:
-                order.refused(why)
+            order.refuse(InputError(why))
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Wait until there is a directive, or for so long [s]; whether there is one."""

@@ -27,6 +27,9 @@ BEHAVIORS: Registry[Behavior] = Registry(
     },
 )
 
+ASKED_FOR = "asked for"
+"""Why a behavior ran that a program asked for."""
+
 BehaviorResult: TypeAlias = Literal["succeeded", "failed", "interrupted", "running"]
 """How a behavior ended, or that it has not."""
 

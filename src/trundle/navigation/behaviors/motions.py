@@ -27,6 +27,7 @@ class DriveOnHeading(Behavior):
     Args:
         distance: How far [m].
         speed: How fast at most [m/s]; the robot slows down before the end.
+        allowance: Time after which it has failed [s]; none means twice the time that it takes at its speed, and 5 s.
 
     Raises:
         InputError: If one is not a positive number.
@@ -34,9 +35,12 @@ class DriveOnHeading(Behavior):
 
     _direction = 1.0
 
-    def __init__(self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS) -> None:
+    def __init__(
+        self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS, *, allowance: float | None = None
+    ) -> None:
         self.distance = _positive("distance", distance)
         self.speed = _positive("speed", speed)
+        self._allowance = None if allowance is None else _positive("allowance", allowance)
         self._driven_m = self._time = 0.0
 
     def __repr__(self) -> str:
@@ -44,8 +48,8 @@ class DriveOnHeading(Behavior):
 
     @property
     def time_allowance(self) -> float:
-        """Twice the time that it takes at its speed, and 5 s [s]."""
-        return 2.0 * self.distance / self.speed + 5.0
+        """Time after which it has failed [s]."""
+        return 2.0 * self.distance / self.speed + 5.0 if self._allowance is None else self._allowance
 
     def start(self, context: BehaviorContext) -> None:
         """Begin here."""
@@ -71,6 +75,7 @@ class BackUp(DriveOnHeading):
     Args:
         distance: How far [m].
         speed: How fast at most [m/s], as a positive number.
+        allowance: Time after which it has failed [s], as of `DriveOnHeading`.
 
     Raises:
         InputError: If one is not a positive number.
@@ -87,13 +92,19 @@ class Spin(Behavior):
             means a quarter turn, as in Nav2, where no heading is given.
         speed: How fast at most [rad/s].
         heading: The yaw to turn to instead [rad], map frame, on the shorter side.
+        allowance: Time after which it has failed [s]; none means twice the time that it takes at its speed, and 5 s.
 
     Raises:
         InputError: If both an angle and a heading are given, one is not finite, or the speed is not positive.
     """
 
     def __init__(
-        self, angle: float | str | None = None, speed: float = _SPIN_RADPS, *, heading: float | str | None = None
+        self,
+        angle: float | str | None = None,
+        speed: float = _SPIN_RADPS,
+        *,
+        heading: float | str | None = None,
+        allowance: float | None = None,
     ) -> None:
         if angle is not None and heading is not None:
             raise InputError("spin turns by an angle or to a heading: give one of them, Spin(1.57) or Spin(heading=0)")
@@ -102,6 +113,7 @@ class Spin(Behavior):
         self.angle = None if angle is None else _read_angle("angle", angle)
         self.heading = None if heading is None else _read_angle("heading", heading)
         self.speed = _positive("speed", speed)
+        self._allowance = None if allowance is None else _positive("allowance", allowance)
         self._left_rad = self._time = 0.0
 
     def __repr__(self) -> str:
@@ -110,7 +122,9 @@ class Spin(Behavior):
 
     @property
     def time_allowance(self) -> float:
-        """Twice the time that it takes at its speed, and 5 s [s]."""
+        """Time after which it has failed [s]."""
+        if self._allowance is not None:
+            return self._allowance
         return 2.0 * abs(math.pi if self.angle is None else self.angle) / self.speed + 5.0
 
     def start(self, context: BehaviorContext) -> None:

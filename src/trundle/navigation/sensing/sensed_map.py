@@ -72,6 +72,12 @@ class SensedMap:
         self.reset(None)
         return self.costmap
 
+    def clear_region(self, region: Literal["around", "except"], size: float) -> Costmap:
+        """Forget what was sensed in a square around the robot of this edge [m], or outside of it; the costmap then."""
+        if self._layered is not None:
+            self.costmap = self._layered.clear(region, size)
+        return self.costmap
+
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
         self._reset_time = True
