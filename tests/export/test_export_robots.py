@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from trundle.export import export_robot
+from trundle.export.urdf import describe_robot
 from trundle.robots import Robot, robot_names
 from trundle.sim.mujoco.joints import list_joints
 from trundle.sim.mujoco.model import robot_spec
@@ -88,3 +89,16 @@ def test_a_robot_loads_back_with_its_drive_mass_and_footprint(name, suffix, tmp_
     assert back.total_mass == pytest.approx(robot.total_mass, rel=1e-5)
     assert back.outline.min(axis=0) == pytest.approx(robot.outline.min(axis=0), abs=0.06)
     assert back.outline.max(axis=0) == pytest.approx(robot.outline.max(axis=0), abs=0.06)
+
+
+@pytest.mark.parametrize("name", ["nova_carter", "jackal"])
+def test_the_text_of_a_urdf_is_that_of_the_file(name, tmp_path):
+    path = export_robot(Robot.load(name), tmp_path / "robot.urdf")
+    assert describe_robot(Robot.load(name)) == path.read_text()
+
+
+def test_the_text_of_a_urdf_needs_no_file_beside_it():
+    corners = ((0.3, 0.0), (0.0, 0.25), (-0.3, 0.0), (0.0, -0.25))
+    text = describe_robot(Robot.load("nova_carter").model_copy(update={"footprint": corners}))
+    assert "mesh" not in text
+    assert 'size="0.6 0.5 0.56"' in text

@@ -32,6 +32,18 @@ def export_robot(robot: Robot, path: Path) -> None:
     Raises:
         OutputError: If a file cannot be written.
     """
+    write_text(path, _describe(robot, path))
+
+
+def describe_robot(robot: Robot) -> str:
+    """A robot as the text of a URDF, as `export_robot` writes it, for those who cannot read the files beside it.
+
+    A chassis that is no box is the box around it.
+    """
+    return _describe(robot, None)
+
+
+def _describe(robot: Robot, path: Path | None) -> str:
     # Masses and inertias are those of the simulated model.
     model = robot_spec(robot, looks=False).compile()
     root = ElementTree.Element("robot", name=re.sub(r"\s+", "_", robot.name))
@@ -50,7 +62,7 @@ def export_robot(robot: Robot, path: Path) -> None:
         add(root, "link", None, name=frame)
         at = (lidar.x, lidar.y, lidar.z)
         _add_joint(root, f"{frame}_joint", "fixed", "base_link", frame, at, yaw=lidar.yaw)
-    write_text(path, to_text(root))
+    return to_text(root)
 
 
 def _add_link(root: ElementTree.Element, model: mujoco.MjModel, name: str) -> ElementTree.Element:
@@ -68,17 +80,17 @@ def _add_link(root: ElementTree.Element, model: mujoco.MjModel, name: str) -> El
     return link
 
 
-def _add_chassis(link: ElementTree.Element, robot: Robot, path: Path) -> None:
+def _add_chassis(link: ElementTree.Element, robot: Robot, path: Path | None) -> None:
     outline, low, high = robot.outline, robot.body.clearance, robot.body.height
     corner, opposite = outline.min(axis=0), outline.max(axis=0)
     is_box = len(outline) == 4 and bool(((outline == corner) | (outline == opposite)).all())
-    file = "" if is_box else _write_prism(path, outline, low, high)
+    file = None if is_box or path is None else _write_prism(path, outline, low, high)
     for tag in ("visual", "collision"):
         shape = add(link, tag, None, name=f"chassis_{tag}")
-        middle = (*((corner + opposite) / 2.0).tolist(), (low + high) / 2.0) if is_box else (0.0, 0.0, 0.0)
+        middle = (*((corner + opposite) / 2.0).tolist(), (low + high) / 2.0) if file is None else (0.0, 0.0, 0.0)
         add(shape, "origin", None, xyz=numbers(middle), rpy="0 0 0")
         geometry = add(shape, "geometry")
-        if is_box:
+        if file is None:
             add(geometry, "box", None, size=numbers((*(opposite - corner), high - low)))
         else:
             add(geometry, "mesh", None, filename=file)

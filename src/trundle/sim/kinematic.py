@@ -24,6 +24,8 @@ from trundle.worlds import World
 TIMESTEP = 0.005
 """Timestep [s]: the same as the physics engine's, so that limits have the same effect."""
 
+_NOT_PLACED = Pose2D(0.0, 0.0)
+
 
 class KinematicSimulator:
     """Simulates an ideal robot: no slip, no lag, every arc integrated exactly.
@@ -96,11 +98,27 @@ class KinematicSimulator:
         self._ramp.reset()
         self._steps = 0
         self._pose = pose.as_tuple()
+        self._T_odom_map = _NOT_PLACED
         self._wheels = (0.0, 0.0)
         if self._movers is not None:
             self._movers.reset(seed, pose)
         touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
         return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), touched, since=-1.0)
+
+    def place(self, pose: Pose2D) -> RobotState:
+        """Put the robot at rest at `pose` (map frame); time, wheels and odometry stay as they are.
+
+        Raises:
+            SimulationError: If it was closed.
+        """
+        self._check_open()
+        pose = Pose2D.of(pose)
+        self._T_odom_map = self._odometry @ pose.inverse()
+        self._pose = pose.as_tuple()
+        self._ramp.reset()
+        touched = {} if self._movers is None else {each.other: each for each in self._movers.touching(pose)}
+        now = self._steps * self._timestep
+        return self._state(Motion(0.0, 0.0, 0.0, 0.0), np.array([self._pose]), touched, since=now)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the timestep, with a commanded twist.
@@ -160,6 +178,12 @@ class KinematicSimulator:
                 touched.setdefault(contact.other, contact)
         return touched
 
+    @property
+    def _odometry(self) -> Pose2D:
+        """What wheels that never slip measure: the pose, but for where the robot was placed."""
+        pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
+        return pose if self._T_odom_map == _NOT_PLACED else self._T_odom_map @ pose
+
     def _state(self, motion: Motion, poses: FloatArray, touched: dict[str, Contact], since: float) -> RobotState:
         time = self._steps * self._timestep
         pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
@@ -169,7 +193,7 @@ class KinematicSimulator:
             twist=Twist2D(motion.v, motion.w),
             wheel_positions=WheelSpeeds(*self._wheels),
             wheel_speeds=WheelSpeeds(motion.left, motion.right),
-            odometry=pose,
+            odometry=self._odometry,
             contacts=(*self._footprint.find(poses), *touched.values()),
             scans=self._lidars.scan(pose, since, time),
             movers=() if self._movers is None else self._movers.states(),

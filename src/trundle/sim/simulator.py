@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, runtime_checkable
+from typing import Any, Protocol, Self, cast, runtime_checkable
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
@@ -187,6 +187,32 @@ def add_solid(simulator: Simulator, solid: Solid) -> None:
             "kinematic"
         )
     add(solid)
+
+
+def place_robot(simulator: Simulator, pose: Pose2D) -> RobotState:
+    """Put the robot of a simulator somewhere else, at rest, in the middle of a run; the time stays.
+
+    The wheels do not turn, and the odometry does not change. It is an optional method `place(pose)` of a simulator,
+    which may be within others that have it as `inner`. `kinematic` and `mujoco` have it.
+
+    Args:
+        simulator: The simulator.
+        pose: The pose, map frame.
+
+    Returns:
+        The state there, without scans.
+
+    Raises:
+        InputError: If the simulator cannot place the robot.
+    """
+    while (inner := getattr(simulator, "inner", None)) is not None:
+        simulator = inner
+    place = getattr(simulator, "place", None)
+    if not callable(place):
+        raise InputError(
+            f"{type(simulator).__name__} cannot place the robot during a run; use the backend mujoco or kinematic"
+        )
+    return cast("RobotState", place(pose))
 
 
 def simulator_names() -> list[str]:

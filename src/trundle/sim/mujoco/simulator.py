@@ -161,11 +161,7 @@ class MujocoSimulator:
             self._change_world(self._first_world)
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._rest
-        self.data.qpos[0:2] = pose.x, pose.y
-        half = pose.yaw / 2.0
-        turned = np.empty(4)
-        mujoco.mju_mulQuat(turned, np.array([math.cos(half), 0.0, 0.0, math.sin(half)]), self._rest[3:7])
-        self.data.qpos[3:7] = turned
+        self._stand_at(pose)
         if self._movers is not None:
             self._movers.reset(seed, pose)
         mujoco.mj_forward(self.model, self.data)
@@ -178,6 +174,31 @@ class MujocoSimulator:
         touched: dict[tuple[str, str], Contact] = {}
         self._contacts.read(self.data, touched)
         return self._state(tuple(touched.values()), since=-1.0)
+
+    def _stand_at(self, pose: Pose2D) -> None:
+        """Put the chassis on the floor at a pose; its joints stay as they are."""
+        positions, half = self.data.qpos, pose.yaw / 2.0
+        positions[0:2], positions[2] = (pose.x, pose.y), self._rest[2]
+        turned = np.empty(4)
+        mujoco.mju_mulQuat(turned, np.array([math.cos(half), 0.0, 0.0, math.sin(half)]), self._rest[3:7])
+        positions[3:7] = turned
+
+    def place(self, pose: Pose2D) -> RobotState:
+        """Put the robot at rest at `pose` (map frame); time, wheels and odometry stay as they are.
+
+        Raises:
+            SimulationError: If it was closed.
+        """
+        self._check_open()
+        self._stand_at(Pose2D.of(pose))
+        self.data.qvel[:] = 0.0
+        self.data.qacc_warmstart[:] = 0.0
+        self._ramp.reset()
+        self._commanded = Motion(0.0, 0.0, 0.0, 0.0)
+        mujoco.mj_forward(self.model, self.data)
+        touched: dict[tuple[str, str], Contact] = {}
+        self._contacts.read(self.data, touched)
+        return self._state(tuple(touched.values()), since=self._steps * self._timestep)
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period of `dt` [s], a multiple of the physics step, with a commanded twist.
