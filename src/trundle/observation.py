@@ -20,6 +20,7 @@ from trundle.values import as_array, as_number, check_kind
 
 _KEPT_S = 10.0
 _FORWARD_S = 0.1
+_SAME_FRAME = Pose2D(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,6 +174,8 @@ class Track:
 
     def seen_from(self, frame: Pose2D) -> Track:
         """The same in the frame in which its frame has this pose: `track.seen_from(T_map_odom)` is in the map frame."""
+        if frame == _SAME_FRAME:
+            return self
         cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
         turn = np.zeros((4, 4))
         turn[:2, :2] = turn[2:, 2:] = ((cos, -sin), (sin, cos))

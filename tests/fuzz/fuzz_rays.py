@@ -8,8 +8,7 @@ import random
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
-from support.scan_compare_oracle import compare_scan as compare_slowly
-from trundle._core import cast_grid_rays, cast_outline_rays, compare_scan
+from trundle._core import cast_grid_rays, cast_outline_rays
 from trundle.geometry import FloatArray
 
 CLOSE = 1e-6
@@ -105,28 +104,5 @@ def check_outlines(generator: random.Random) -> None:
     assert near[steady].all()
 
 
-def check_compared(generator: random.Random) -> None:
-    rng = rng_of(generator)
-    beams, count = generator.choice((0, 1, 2, 37, 360)), generator.choice((0, 1, 50))
-    spacing = generator.uniform(0.001, 2.0 * math.pi / max(beams, 1))
-    bearings = np.arange(beams) * spacing
-    through = rng.choice([-np.inf, np.inf, 1.0, 3.0], beams) + rng.uniform(0.0, 1.0, beams)
-    x, y = rng.uniform(-3, 3, 2).tolist()
-    zero, margin = rng.uniform(-4, 4), generator.choice((0.0, 0.07, 1.0))
-    angles, ranges = bearings + zero, rng.uniform(0.0, 4.0, beams)
-    ends = np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles)])
-    ends[rng.random(beams) < 0.2] = np.inf
-    points = rng.uniform(-6, 6, (count, 2))
-    arguments = (bearings, through, ends, x, y, zero, spacing, points, margin, generator.choice((0, 2, 16)))
-    if generator.random() < 0.3:
-        attempt(compare_scan, spoil(generator, arguments))
-        return
-    found = compare_scan(*arguments)
-    # Points that lie between two beams, or at a margin, may go either way.
-    shifted = [(*arguments[:6], spacing * share, *arguments[7:]) for share in (1.0 - 1e-9, 1.0 + 1e-9)]
-    low, high = (compare_slowly(*one) for one in shifted)
-    assert (found == low)[low == high].all()
-
-
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_outlines, check_compared))(generator)
+    generator.choice((check_cells, check_outlines))(generator)

@@ -22,6 +22,7 @@ from fuzz import (
     fuzz_raster,
     fuzz_rays,
     fuzz_smoothing,
+    fuzz_tracking,
     fuzz_weighted_grid,
     fuzz_zbuffer,
 )
@@ -61,7 +62,8 @@ TARGETS = {
     "components": Target(
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
-    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "compare_scan"), 1000),
+    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays"), 1000),
+    "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
     "raster": Target(
         fuzz_raster.one_round,

@@ -18,6 +18,7 @@ from fuzz import (
     fuzz_mppi,
     fuzz_png_filter,
     fuzz_rays,
+    fuzz_tracking,
     fuzz_zbuffer,
 )
 from fuzz.loop import play
@@ -132,6 +133,13 @@ class HeavyMppi(_core.Mppi):
         return super().step(*changed)
 
 
+class DriftingTracker(_core.ScanTracker):
+    """Predicts too far."""
+
+    def tracks(self, now: float) -> Any:
+        return super().tracks(now + 1e-4)
+
+
 def painted_beside(paint: Function) -> Function:
     def change(*arguments):
         paint(*arguments)
@@ -184,7 +192,7 @@ PLANTED: dict[str, tuple[str, Any, str, Callable[[Function], Function]]] = {
     "largest area": ("components", fuzz_components, "flood_largest", one_more),
     "rays through cells": ("rays", fuzz_rays, "cast_grid_rays", scaled(1e-3)),
     "rays to outlines": ("rays", fuzz_rays, "cast_outline_rays", scaled(1e-2)),
-    "points against a scan": ("rays", fuzz_rays, "compare_scan", one_more),
+    "tracks": ("tracking", fuzz_tracking, "ScanTracker", lambda _: DriftingTracker),
     "marks of a scan": ("layers", fuzz_layers, "mark_scan", first_cell_changed),
     "marks that are old": ("layers", fuzz_layers, "unmark_before", first_cell_changed),
     "marks under the robot": ("layers", fuzz_layers, "unmark_within", first_cell_changed),

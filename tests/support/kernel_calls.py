@@ -37,8 +37,6 @@ FACES = np.array(
      (1, 5, 7), (1, 7, 3)], dtype=np.int32
 )  # fmt: skip
 MESH = VERTICES, FACES, np.eye(3, 4)
-BEARINGS = np.arange(60) * (math.tau / 60)
-RIM = 2.0 * np.column_stack([np.cos(BEARINGS), np.sin(BEARINGS)])
 HEIGHTS = np.zeros((2, 2)), 2.0 * SIDE, -1.0, -1.0, 0.1, SIDE, SIDE
 HYBRID = {
     "radius": 0.3,
@@ -80,6 +78,9 @@ MPPI_STEP = (
     *(COSTS, RNG.random((SIDE, SIDE), np.float32), 0.1, 0.01, np.array([2.0, 2.0, 1.0, 1.0, 0.5, 0.2, 1.0])),
     *(np.array([(1.0, 0.5, 0.1, 0.0, 0.2, 0.01, 0.01)]), np.ones(15), np.ones(5)),
 )
+TURN = (np.arange(60) % 7 + 1.0, np.arange(60) * 0.1, np.zeros((1, 3)), np.array([0.0, 0.0, 0.0, 0.0, 9.0]))
+TRACKER = _core.ScanTracker(np.array([15.0, 3.0, 1.0, 0.07, 0.6, 0.2, 2.0, 0.8]), OUTLINE)
+TRACKER.see(0, 0.0, *TURN)
 MPPI = _core.Mppi(128, 10, 3)
 MPPI.step(*MPPI_STEP)
 
@@ -158,9 +159,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "cast_outline_rays": lambda: _core.cast_outline_rays(
         np.array([(2.0, -1.0, 2.0, 1.0)]), np.array([(-2.0, 0.0, 0.5)]), 0.0, 0.0, 0.0, 0.1, 60, 10.0
     ),
-    "compare_scan": lambda: _core.compare_scan(
-        BEARINGS, np.full(60, 2.0), RIM, 0.0, 0.0, 0.0, math.tau / 60, RIM[:20] * 0.9, 0.1, 1
-    ),
+    "ScanTracker": lambda: _core.ScanTracker(np.ones(8), OUTLINE) is not None,
+    "ScanTracker.see": lambda: TRACKER.see(0, 0.0, *TURN),
+    "ScanTracker.tracks": lambda: TRACKER.tracks(0.5),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),
     "unmark_within": lambda: marked(_core.unmark_within, MARKS, HIT_POINTS, 0, 0, 0.1, OUTLINE + 1.0, 5, 2),

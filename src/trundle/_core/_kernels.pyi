@@ -111,6 +111,51 @@ class HybridAStar:
     @property
     def bytes(self) -> int: ...
 
+class ScanTracker:
+    """Follows what moves through scans; keeps the scans of the last second.
+
+    Calls of several threads wait for each other.
+
+    `settings` are max_range, max_size, min_points, same_surface, acceleration, min_speed, confirm_scans, hidden_s.
+    `body` is the robot's outline in base_link, counter-clockwise: hits inside are left out.
+    """
+
+    def __init__(self, settings: npt.NDArray[np.float64], body: npt.NDArray[np.float64]) -> None: ...
+    def see(
+        self,
+        lidar: int,
+        time: float,
+        ranges: npt.NDArray[np.float64],
+        angles: npt.NDArray[np.float64],
+        poses: npt.NDArray[np.float64],
+        sensor: npt.NDArray[np.float64],
+    ) -> None:
+        """Take a scan of a lidar.
+
+        Args:
+            lidar: Its number.
+            time: Of the scan.
+            ranges: Infinity for nothing in reach, NaN for no measurement.
+            angles: Of the beams in the sensor's frame.
+            poses: x, y, yaw of the sensor in the odom frame, shape (1, 3), or (beams, 3).
+            sensor: x, y, yaw of the sensor in base_link, range_min, range_max.
+        """
+
+    def tracks(
+        self, now: float
+    ) -> tuple[
+        npt.NDArray[np.int64],
+        npt.NDArray[np.uint8],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+    ]:
+        """All tracks, predicted to a time.
+
+        Returns:
+            Numbers; whether it is confirmed and whether it moves, shape (K, 2); x, y, vx, vy and radius, shape (K, 5);
+            covariances, shape (K, 4, 4).
+        """
+
 class Mppi:
     """Model predictive path integral control; keeps its memory, and the last step for `costs` and `rollouts`.
 
@@ -496,20 +541,6 @@ def cast_outline_rays(
     reach: float,
 ) -> npt.NDArray[np.float64]:
     """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""
-
-def compare_scan(
-    bearings: npt.NDArray[np.float64],
-    through: npt.NDArray[np.float64],
-    ends: npt.NDArray[np.float64],
-    x: float,
-    y: float,
-    zero: float,
-    spacing: float,
-    points: npt.NDArray[np.float64],
-    margin: float,
-    aside: int,
-) -> npt.NDArray[np.uint8]:
-    """What an earlier scan says about points: 1 where it saw through, 2 where it met something, else 0."""
 
 def label_components(
     mask: npt.NDArray[np.uint8], diagonal: bool

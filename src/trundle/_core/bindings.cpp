@@ -16,6 +16,7 @@ void bind_raster(nb::module_ &m);
 void bind_rays(nb::module_ &m);
 void bind_regions(nb::module_ &m);
 void bind_smoothing(nb::module_ &m);
+void bind_tracking(nb::module_ &m);
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Kernels of trundle: arrays in, arrays out.";
@@ -32,4 +33,5 @@ NB_MODULE(_kernels, m) {
   bind_rays(m);
   bind_regions(m);
   bind_smoothing(m);
+  bind_tracking(m);
 }

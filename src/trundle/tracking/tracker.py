@@ -6,15 +6,15 @@ import math
 import warnings
 from collections.abc import Sequence
 
+import numpy as np
+
+from trundle._core import ScanTracker
 from trundle.costmap.layers.scan_gate import ScanGate
 from trundle.errors import InputError, SensorWarning
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import Estimate, Scan, Track, check_scans
 from trundle.robots import Robot
-from trundle.tracking.evidence import Evidence
-from trundle.tracking.followed import Followed
 from trundle.tracking.settings import TrackerSettings
-from trundle.tracking.sweep import Sweep
 from trundle.values import as_number, check_kind
 
 _BODY_M = 0.02
@@ -59,8 +59,8 @@ class Tracker:
         self._forget()
 
     def _forget(self) -> None:
-        self._followed = Followed(self.settings)
-        self._evidence: dict[str, Evidence] = {}
+        self._kernel = ScanTracker(_as_numbers(self.settings), np.ascontiguousarray(self._body))
+        self._lidars: dict[str, int] = {}
         self.tracks: tuple[Track, ...] = ()
 
     def update(self, scans: Sequence[Scan], time: float, odometry: Pose2D | Sequence[float]) -> tuple[Track, ...]:
@@ -91,11 +91,33 @@ class Tracker:
         self._time = now
         for scan, poses in sorted(self._gate.admit(scans), key=lambda admitted: (admitted[0].time, admitted[0].lidar)):
             self._take(scan, poses)
-        self.tracks = self._followed.tracks(now)
+        self.tracks = self._predict(now)
         return self.tracks
 
     def _take(self, scan: Scan, poses: FloatArray) -> None:
-        sweep = Sweep(scan, poses, self.settings.max_range, self._body)
-        evidence = self._evidence.setdefault(scan.lidar, Evidence(self.settings))
-        self._followed.see(sweep, evidence)
-        evidence.add(sweep)
+        lidar = self._lidars.setdefault(scan.lidar, len(self._lidars))
+        sensor = np.array([*scan.mount.as_tuple(), scan.range_min, scan.range_max])
+        ranges, angles = np.ascontiguousarray(scan.ranges), np.ascontiguousarray(scan.angles)
+        self._kernel.see(lidar, scan.time, ranges, angles, np.ascontiguousarray(poses), sensor)
+
+    def _predict(self, now: float) -> tuple[Track, ...]:
+        """All that is followed, as it is at a time [s]."""
+        ids, flags, states, covariances = self._kernel.tracks(now)
+        covariances.flags.writeable = False
+        return tuple(
+            Track(number, now, x, y, vx, vy, covariance, radius, bool(confirmed), bool(moving))
+            for number, (confirmed, moving), (x, y, vx, vy, radius), covariance in zip(
+                ids.tolist(), flags.tolist(), states.tolist(), covariances, strict=True
+            )
+        )
+
+
+def _as_numbers(settings: TrackerSettings) -> FloatArray:
+    """The settings in the kernel's order."""
+    return np.array(
+        [
+            *(settings.max_range, settings.max_size, settings.min_points, settings.same_surface),
+            *(settings.acceleration, settings.min_speed, settings.confirm_scans, settings.hidden_s),
+        ],
+        dtype=np.float64,
+    )

@@ -7,6 +7,4 @@ void bind_rays(nanobind::module_ &m) {
   m.def("cast_grid_rays", &cast_grid_rays, arg("blocked"), arg("x"), arg("y"), arg("angles"), arg("reach"));
   m.def("cast_outline_rays", &cast_outline_rays, arg("segments"), arg("discs"), arg("x"), arg("y"), arg("first"),
         arg("step"), arg("count"), arg("reach"));
-  m.def("compare_scan", &compare_scan, arg("bearings"), arg("through"), arg("ends"), arg("x"), arg("y"), arg("zero"),
-        arg("spacing"), arg("points"), arg("margin"), arg("aside"));
 }

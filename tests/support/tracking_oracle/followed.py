@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from support.tracking_oracle.evidence import Evidence
+from support.tracking_oracle.filters import Filters
+from support.tracking_oracle.sweep import BoolArray, IndexArray, Sweep
 from trundle.geometry import FloatArray
 from trundle.observation import Track
-from trundle.tracking.evidence import Evidence
-from trundle.tracking.filters import Filters
 from trundle.tracking.settings import TrackerSettings
-from trundle.tracking.sweep import BoolArray, IndexArray, Sweep
 
 _GATE_M, _GATE_DEVIATIONS, _WIDEST_GATE_M = 0.15, 2.0, 0.6
 _APPEARED_SHARE, _LEFT_SHARE, _STILL_SHARE = 0.3, 0.6, 0.7

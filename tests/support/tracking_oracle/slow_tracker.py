@@ -1,0 +1,24 @@
+"""`SlowTracker`: a tracker without the kernel."""
+
+from support.tracking_oracle.evidence import Evidence
+from support.tracking_oracle.followed import Followed
+from support.tracking_oracle.sweep import Sweep
+from trundle.tracking import Tracker
+
+
+class SlowTracker(Tracker):
+    """As `Tracker`."""
+
+    def _forget(self):
+        super()._forget()
+        self._followed = Followed(self.settings)
+        self._evidence = {}
+
+    def _take(self, scan, poses):
+        sweep = Sweep(scan, poses, self.settings.max_range, self._body)
+        evidence = self._evidence.setdefault(scan.lidar, Evidence(self.settings))
+        self._followed.see(sweep, evidence)
+        evidence.add(sweep)
+
+    def _predict(self, now):
+        return self._followed.tracks(now)
