@@ -69,6 +69,10 @@ class SimulationError(TrundleError):
     """A simulator that cannot continue, or was used after it was closed."""
 
 
+class TransportError(TrundleError):
+    """A network of ROS 2 that cannot be joined, or was lost; the message says why and what to do."""
+
+
 class UnknownNameError(InputError):
     """A name that is not in the registry.
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from trundle.errors import InputError, MissingExtraError, UnknownNameError
 from trundle.messages.distros import DEFAULT, DISTROS, Distro
 
 if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc
     from rosbags.typesys.store import Typestore
 
 INSTALL = 'pip install "trundle[record]"'
@@ -18,6 +20,8 @@ _MORE_TYPES = {
     ),
 }
 """Types that rosbags does not bring along; they are the same in every distribution."""
+
+_NEW = "trundle/msg/New"
 
 
 class Codec:
@@ -64,6 +68,45 @@ class Codec:
             return self._store.types[type_name]
         except KeyError:
             raise UnknownNameError("message type", type_name, self._store.types) from None
+
+    def __contains__(self, type_name: str) -> bool:
+        return type_name in self._store.types
+
+    def fields(self, type_name: str) -> Mapping[str, FieldDesc]:
+        """The fields of a type, as rosbags describes them.
+
+        Raises:
+            UnknownNameError: If the distribution has no such type.
+        """
+        self.kind(type_name)
+        return dict(self._store.fielddefs[type_name][1])
+
+    def register(self, type_name: str, text: str) -> None:
+        """Add a type, and those in it that are not known.
+
+        Args:
+            type_name: Its name, "package/msg/Name"; of a part of a service or action "package/srv/Name_Request".
+            text: Its text, with those of the types in it after lines "MSG: package/Name", as a bag's schema has them.
+
+        Raises:
+            InputError: If the text cannot be read, or differs from what is known by that name.
+        """
+        from rosbags.typesys import get_types_from_msg
+
+        try:
+            # Under a name of its own, because rosbags makes "package/srv/msg/Name" of "package/srv/Name".
+            found = get_types_from_msg(text, _NEW)
+            found[type_name] = found.pop(_NEW)
+            for name, (_, fields) in found.items():
+                known = self._store.fielddefs.get(name)
+                if known is not None and list(known[1]) != list(fields):
+                    raise InputError(f"{name} of the other side is not that of {self.distro}: {text!r}")
+            self._store.register({name: found[name] for name in found if name not in self._store.fielddefs})
+            self._store.generate_msgdef(type_name, ros_version=2)  # raises where a part is missing
+        except InputError:
+            raise
+        except Exception as error:  # of rosbags' parser, whatever the text makes it stumble over
+            raise InputError(f"not the text of {type_name}: {error}") from error
 
     def encode(self, message: Any) -> bytes:
         """The CDR bytes of a message, little-endian, with their header of four bytes."""
