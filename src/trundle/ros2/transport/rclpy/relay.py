@@ -1,0 +1,268 @@
+"""`RclpyTransport`: the user's own ROS, by way of a child process that runs in it."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import logging
+import os
+import threading
+from dataclasses import replace
+from typing import Any
+
+from trundle.errors import InputError, TransportError
+from trundle.messages import DISTROS, Distro, Qos
+from trundle.ros2.transport.domain import Settings
+from trundle.ros2.transport.graph import Graph
+from trundle.ros2.transport.rclpy import child
+from trundle.ros2.transport.rclpy.find import candidates, describe
+from trundle.ros2.transport.rclpy.link import Link
+from trundle.ros2.transport.rclpy.network import full_name, read_graph
+from trundle.ros2.transport.rclpy.requests import Requests
+from trundle.ros2.transport.rclpy.topics import RelayedPublisher, RelayedSubscription
+from trundle.ros2.transport.transport import ActionHandler, Handler
+
+_logger = logging.getLogger(__name__)
+
+_NEAREST: dict[str, Distro] = {"iron": "jazzy", "rolling": "lyrical"}
+"""Distributions that trundle does not know, and whose messages are most like theirs."""
+
+
+def open_rclpy(
+    settings: Settings, *, node: str = "trundle", namespace: str = "", python: str | None = None
+) -> RclpyTransport:
+    """Join the network with the user's own ROS.
+
+    Args:
+        settings: Domain and range; the distribution is that of this ROS.
+        node: Name of our node.
+        namespace: Its namespace ("/robot"); "" or "/" for none.
+        python: The Python that imports rclpy; otherwise it is looked for, see `find.candidates`.
+
+    Raises:
+        TransportError: If no Python can be used; the message has the reason for each.
+        InputError: If the distribution was given, and the ROS found is of another one.
+    """
+    tried: list[tuple[str, str]] = []
+    for candidate in candidates(python):
+        try:
+            return RclpyTransport(candidate, settings, node, namespace)
+        except TransportError as error:
+            tried.append((candidate, str(error)))
+    raise TransportError(describe(tried))
+
+
+class RclpyTransport:
+    """A node of the user's own ROS, on any RMW and with the user's types: topics, services and actions.
+
+    Args:
+        python: The Python that imports rclpy.
+        settings: Domain and range.
+        node: Name of our node.
+        namespace: Its namespace.
+
+    Raises:
+        TransportError: If this Python cannot be used.
+        InputError: If the distribution was given, and its ROS is of another one.
+
+    Attributes:
+        settings: What was joined, with the distribution of this ROS.
+        notes: What the user should know of it.
+        python: The Python in use.
+    """
+
+    name = "rclpy"
+    has_services = True
+
+    def __init__(self, python: str, settings: Settings, node: str, namespace: str) -> None:
+        self.python = python
+        self.node = full_name(node, namespace)
+        self._options = {"node": node, "namespace": namespace or "/", "range": settings.range}
+        self._environ = {**os.environ, **settings.environment()}
+        self._numbers = itertools.count(1)
+        self._made: list[tuple[str, dict[str, object]]] = []
+        self._publishers: dict[int, RelayedPublisher] = {}
+        self._subscriptions: dict[int, RelayedSubscription] = {}
+        self._requests = Requests()
+        self._arrived = threading.Event()
+        self._lock = threading.Lock()
+        self._is_closed = False
+        self._link = self._open_link()
+        self.settings, self.notes = self._adopt(settings)
+
+    @property
+    def distro(self) -> Distro:
+        """The distribution of this ROS, or the nearest that trundle knows."""
+        return self.settings.distro
+
+    @property
+    def rmw(self) -> str:
+        """The middleware in use."""
+        return self._link.hello["rmw"]
+
+    @property
+    def pid(self) -> int:
+        """Process id of the child."""
+        return self._link.pid
+
+    @property
+    def lost(self) -> str:
+        """Why nothing is sent or received any more; "" while all is well."""
+        return self._link.lost and f"the ROS side of the bridge ({self.python}) is gone: {self._link.lost}"
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> RelayedPublisher:
+        """Offer a topic.
+
+        Raises:
+            InputError: If this ROS does not have the type, or refuses the name.
+            TransportError: If the child is gone.
+        """
+        number = next(self._numbers)
+        self._publishers[number] = publisher = RelayedPublisher(number, qos, self._link.outbox)
+        self._make("publisher", number, topic=topic, type=type_name, qos=_as_json(qos))
+        return publisher
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> RelayedSubscription:
+        """Subscribe to a topic.
+
+        Raises:
+            InputError: If this ROS does not have the type, or refuses the name.
+            TransportError: If the child is gone.
+        """
+        number = next(self._numbers)
+        self._subscriptions[number] = subscription = RelayedSubscription(qos)
+        self._make("subscription", number, topic=topic, type=type_name, qos=_as_json(qos))
+        return subscription
+
+    def service(self, name: str, type_name: str, handler: Handler) -> None:
+        """Serve a service.
+
+        Raises:
+            InputError: If this ROS does not have the type, or refuses the name.
+            TransportError: If the child is gone.
+        """
+        number = next(self._numbers)
+        self._requests.add_service(number, handler)
+        self._make("service", number, name=name, type=type_name)
+
+    def action(self, name: str, type_name: str, handler: ActionHandler) -> None:
+        """Serve an action.
+
+        Raises:
+            InputError: If this ROS does not have the type, or refuses the name.
+            TransportError: If the child is gone.
+        """
+        number = next(self._numbers)
+        self._requests.add_action(number, handler)
+        self._make("action", number, name=name, type=type_name)
+
+    def definition(self, type_name: str) -> str:
+        """The text of a type and of all in it, as this ROS has it; "" if it does not have it.
+
+        Raises:
+            TransportError: If the child is gone.
+        """
+        try:
+            return self._link.call("definition", type=type_name)
+        except InputError:
+            return ""
+
+    def graph(self) -> Graph:
+        """Who is on the network now.
+
+        Raises:
+            TransportError: If the child is gone.
+        """
+        return read_graph(self._link.call("graph"))
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until something arrived, `wake` was called or the child is gone; False if not in time."""
+        has_arrived = self._arrived.wait(timeout_s)
+        self._arrived.clear()
+        return has_arrived
+
+    def wake(self) -> None:
+        """End the `wait` of another thread."""
+        self._arrived.set()
+
+    def dispatch(self) -> None:
+        """Run the handlers of the requests and goals that arrived, in this thread."""
+        self._requests.dispatch(self._link.outbox)
+
+    def restart(self) -> None:
+        """Start the child again, with all topics, services and actions; late subscribers get what they would have.
+
+        Goals that were under way are over.
+
+        Raises:
+            TransportError: If it cannot be started, or the transport was closed.
+            InputError: If it refuses what it did not refuse before.
+        """
+        with self._lock:
+            if self._is_closed:
+                raise TransportError("this transport was closed; open another one")
+            self._link.close()
+            self._requests.forget()
+            for end in (*self._publishers.values(), *self._subscriptions.values()):
+                end.matched = 0
+            self._link = self._open_link()
+            for do, arguments in self._made:
+                self._link.call(do, **arguments)
+            for publisher in self._publishers.values():
+                publisher.attach(self._link.outbox)
+
+    def close(self) -> None:
+        """Leave the network and end the child; a second call does nothing."""
+        with self._lock:
+            if not self._is_closed:
+                self._is_closed = True
+                self._link.close()
+
+    def _open_link(self) -> Link:
+        return Link(self.python, self._environ, self._options, self._receive, self._arrived.set)
+
+    def _adopt(self, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
+        found = self._link.hello["distro"]
+        distro = next((name for name in DISTROS if name == found), _NEAREST.get(found))
+        if "distro" in settings.given and distro not in (None, settings.distro):
+            self.close()
+            raise InputError(
+                f"the ROS of {self.python} is {found}, not {settings.distro}: leave --distro out, or source the other"
+            )
+        notes = [*settings.notes]
+        if distro != found:
+            taken = distro or settings.distro
+            notes.append(f"the ROS of {self.python} is {found or 'of an unknown distribution'}: taken for {taken}")
+        return replace(settings, distro=distro or settings.distro), tuple(notes)
+
+    def _make(self, do: str, number: int, **arguments: object) -> None:
+        """Have the child make what is registered here already: its first frame may come before its answer."""
+        arguments["number"] = number
+        self._link.call(do, **arguments)
+        self._made.append((do, arguments))
+
+    def _receive(self, kind: int, number: int, payload: bytes) -> None:
+        if kind == child.SAMPLE:
+            self._subscriptions[number].add(payload)
+            self._arrived.set()
+        elif kind == child.COUNTS:
+            self._count(json.loads(payload))
+        elif kind == child.NOTE:
+            _logger.warning("%s", payload.decode(errors="replace"))
+        elif kind in (child.REQUEST, child.GOAL, child.STARTED, child.CANCEL):
+            self._requests.add(kind, number, payload)
+            self._arrived.set()
+        else:
+            raise child.BrokenStreamError(f"a frame of kind {kind}, which is not known")
+
+    def _count(self, counts: dict[str, dict[str, Any]]) -> None:
+        for number, matched in counts["subscriptions"].items():
+            self._subscriptions[int(number)].matched = int(matched)
+        for number, dropped in counts["dropped"].items():
+            self._subscriptions[int(number)].dropped_by_child = int(dropped)
+        for number, matched in counts["publishers"].items():
+            self._publishers[int(number)].matched = int(matched)
+
+
+def _as_json(qos: Qos) -> dict[str, object]:
+    return {"depth": qos.depth, "reliability": qos.reliability, "durability": qos.durability}
