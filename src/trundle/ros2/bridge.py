@@ -1,0 +1,150 @@
+"""`Bridge`: a scenario on the network of ROS 2, from its first run to the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Self, TypeAlias
+
+import numpy as np
+
+from trundle.geometry import Pose2D
+from trundle.mission import Episode, Mission, Observer, Scenario, Session
+from trundle.mission.place import make_place
+from trundle.mission.simulation import start_backend, wrap_backend
+from trundle.ros2.names import Names
+from trundle.ros2.outputs.robot import RobotOutputs
+from trundle.ros2.profile import Profile
+from trundle.ros2.role import BridgeContext, Driver, Role, RoleName
+from trundle.ros2.simulation.clock import SimulationClock
+from trundle.ros2.simulation.live_driver import LiveDriver
+from trundle.ros2.simulation.role import SimulatorRole
+from trundle.ros2.wire import Record, Wire
+from trundle.sim.footprint import FootprintChecker
+
+if TYPE_CHECKING:
+    from trundle.ros2.transport.transport import Transport
+    from trundle.ros2.types import Types
+
+_ROLES: dict[RoleName, Callable[[BridgeContext], Role]] = {"simulator": SimulatorRole}
+
+MakeObservers: TypeAlias = Callable[[Mission, int], Sequence[Observer]]
+"""Makes what else follows a run, from the mission and the number of the run, from 1."""
+
+
+class Bridge:
+    """Drives a scenario, publishes it on the network, and serves what a role serves; use it in a `with` block.
+
+    Topics, services and actions are open when it is made; nothing is heard before `run`.
+
+    Args:
+        scenario: What is driven; all lidars of the robot are on, unless it says which.
+        transport: Carries the bytes; `close` closes it.
+        types: The messages.
+        names: Namespace and remaps.
+        role: Whether other programs drive, or trundle's navigator.
+        profile: Names of topics, frames and sensors: a profile, or the name of one.
+        speed: How fast the run passes relative to real time, 0.1 to 50, or infinity for as fast as it can.
+        record: Keeps what goes over the wire.
+        driver: Drives and steers the runs, where a page does; none drives them at `speed`.
+        observers: Makes what else follows each run.
+        report: Gets warnings and remarks; none means the log.
+
+    Attributes:
+        wire: What is published, heard and served.
+        context: What the role plugs into.
+        mission: World, robot, map and simulator.
+
+    Raises:
+        InputError: If the scenario, the profile or a name cannot be used.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        transport: Transport,
+        types: Types,
+        names: Names,
+        *,
+        role: RoleName = "simulator",
+        profile: Profile | str = "plain",
+        speed: float = 1.0,
+        record: Record | None = None,
+        driver: Driver | None = None,
+        observers: MakeObservers | None = None,
+        report: Callable[[str], None] | None = None,
+    ) -> None:
+        profile = Profile.load(profile) if isinstance(profile, str) else profile
+        self._opened = ExitStack()
+        self._observers = observers
+        self._run = 0
+        self._is_open = True
+        self.wire = Wire(transport, types, names, record=record, report=report)
+        self._opened.callback(self.wire.close)
+        try:
+            self.mission = self._opened.enter_context(build_mission(scenario, profile))
+            driver = LiveDriver(speed=speed) if driver is None else driver
+            self.context = BridgeContext(self.wire, profile, SimulationClock(), self.mission, driver)
+            self.wire.now = lambda: self.context.clock.now
+            self._outputs = RobotOutputs(self.context)
+            self._role = _ROLES[role](self.context)
+            self._opened.callback(self._role.close)
+            self._role.open()
+            self.wire.on_lost(self._role.lost)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def run(self) -> Episode:
+        """Drive until the run is ended by a directive, or by Ctrl-C (KeyboardInterrupt); again after each restart.
+
+        Returns:
+            The episode of the last run.
+        """
+        self.wire.start()
+        try:
+            return self.context.driver.drive(self._begin)
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Leave the network and close the simulator; closing twice does nothing."""
+        if self._is_open:
+            self._is_open = False
+            self._opened.close()
+            counted = self.wire.warnings.summary()
+            if counted:
+                self.wire.warnings.note(f"dropped or reported in all: {counted}")
+
+    def _begin(self, seed: int | None) -> Session:
+        self._run += 1
+        others = () if self._observers is None else self._observers(self.mission, self._run)
+        return self._role.begin([self._outputs, *others], seed)
+
+
+def build_mission(scenario: Scenario, profile: Profile) -> Mission:
+    """The scenario on its simulator, with the lidars and the start of a profile where it does not say otherwise.
+
+    Raises:
+        InputError: If it cannot be used.
+    """
+    place = make_place(scenario)
+    place = replace(place, robot=profile.fit(place.robot))
+    if "lidar" not in scenario.backend.options and not scenario.lidar:
+        scenario = scenario.model_copy(update={"lidar": bool(place.robot.lidars)})
+    setting = scenario.prepare(place)
+    if scenario.start is None and profile.start is not None:
+        start = Pose2D.of(profile.start)
+        is_inside = bool(setting.grid.contains(*setting.grid.world_to_cell(start.x, start.y)))
+        checker = FootprintChecker(setting.world, setting.robot)
+        if is_inside and not checker.find(np.array([start.as_tuple()])):
+            setting = scenario.model_copy(update={"start": start.as_tuple()}).prepare(place)
+    sim = wrap_backend(setting.scenario, start_backend(setting.scenario, setting.world, setting.robot))
+    return Mission(**{field.name: getattr(setting, field.name) for field in fields(setting)}, sim=sim)

@@ -1,0 +1,1 @@
+"""What the bridge takes from the network to drive the robot."""

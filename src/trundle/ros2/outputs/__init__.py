@@ -1,0 +1,1 @@
+"""What the bridge publishes of a run, by observers."""

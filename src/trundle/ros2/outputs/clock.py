@@ -1,0 +1,53 @@
+"""`ClockOutput`: /clock, from the physics steps."""
+
+from __future__ import annotations
+
+import time as real_time
+
+from trundle.messages import MessageMaker
+from trundle.messages.qos import CLOCK
+from trundle.mission import Step
+from trundle.ros2.simulation.clock import SimulationClock
+from trundle.ros2.wire import Wire
+
+_REPEAT_S = 0.5
+
+
+class ClockOutput:
+    """Publishes the simulated time at a rate, as far as the physics steps are that short.
+
+    While the time stands, it is repeated twice a second of real time, so that nodes that start meanwhile know it.
+
+    Args:
+        wire: The network.
+        topic: Its topic.
+        clock: The time.
+        rate: [Hz of simulated time].
+    """
+
+    def __init__(self, wire: Wire, topic: str, clock: SimulationClock, rate: float) -> None:
+        self._outlet = wire.outlet(topic, "rosgraph_msgs/msg/Clock", CLOCK)
+        self._make = MessageMaker(wire.types.codec)
+        self._clock, self._period_s = clock, 1.0 / rate
+        self._written = -1.0
+        self._written_s = 0.0
+        wire.every_round(self._repeat)
+
+    def tick(self, time: float) -> None:
+        """Publish a time [s] if it is due."""
+        if 0.0 <= time - self._written < self._period_s - 1e-9:
+            return
+        self._write(time)
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish the end of a control period, where no physics step did."""
+        self.tick(time)
+
+    def _write(self, time: float) -> None:
+        self._written, self._written_s = time, real_time.monotonic()
+        if self._outlet.is_wanted:
+            self._outlet.write(self._make.clock(time))
+
+    def _repeat(self) -> None:
+        if self._written >= 0.0 and real_time.monotonic() - self._written_s > _REPEAT_S:
+            self._write(self._clock.now)

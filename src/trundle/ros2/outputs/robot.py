@@ -1,0 +1,61 @@
+"""`RobotOutputs`: publishes the robot, its sensors and the clock of every run; an observer."""
+
+from __future__ import annotations
+
+from trundle.mission import Episode, RunInfo, Step
+from trundle.ros2.outputs.clock import ClockOutput
+from trundle.ros2.outputs.contacts import ContactOutput
+from trundle.ros2.outputs.fixed import publish_description, publish_static_frames
+from trundle.ros2.outputs.lidar import LidarOutput
+from trundle.ros2.outputs.motion import JointOutput, MotionOutput
+from trundle.ros2.outputs.output import Output
+from trundle.ros2.role import BridgeContext
+from trundle.sim import Substep
+
+
+class RobotOutputs:
+    """Publishes what a simulator of the robot publishes; only what is wanted is made.
+
+    Args:
+        context: The bridge.
+    """
+
+    def __init__(self, context: BridgeContext) -> None:
+        self._context = context
+        wire, profile, topics = context.wire, context.profile, context.profile.topics
+        robot = context.mission.robot
+        self._clock = (
+            None if topics.clock is None else ClockOutput(wire, topics.clock, context.clock, profile.clock_rate)
+        )
+        self._joints = None if topics.joint_states is None else JointOutput(context, topics.joint_states)
+        outputs: list[Output | None] = [self._clock, MotionOutput(context), self._joints]
+        outputs += [
+            LidarOutput(wire, name, robot.lidars[name], sensor) for name, sensor in profile.sensors_of(robot).items()
+        ]
+        if topics.contacts is not None:
+            outputs.append(ContactOutput(context, topics.contacts))
+        self._outputs: list[Output] = [output for output in outputs if output is not None]
+        if profile.publishes_static and topics.tf_static is not None:
+            publish_static_frames(context, topics.tf_static)
+        if topics.robot_description is not None:
+            publish_description(context, topics.robot_description)
+
+    def on_start(self, run: RunInfo) -> None:
+        """Let the clock and the odometry begin."""
+        self._context.clock.begin()
+        self._context.origin = run.start
+
+    def on_step(self, step: Step) -> None:
+        """Publish a control period."""
+        time = self._context.clock.set(step.state.time)
+        for output in self._outputs:
+            output.publish(step, time)
+
+    def on_substep(self, substep: Substep) -> None:
+        """Publish the time of a physics step."""
+        time = self._context.clock.set(substep.time)
+        if self._clock is not None:
+            self._clock.tick(time)
+
+    def on_end(self, episode: Episode) -> None:
+        """Do nothing: the next run may follow."""

@@ -1,0 +1,170 @@
+"""`Profile`: names of topics, frames and sensors on the network, as a tutorial or a launch file expects them."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from pydantic import Field
+
+from trundle.errors import UnknownNameError
+from trundle.files.config_fields import PoseNumbers, Positive
+from trundle.files.yaml_config import Config, load_config
+from trundle.robots import Robot
+from trundle.robots.parts import Lidar
+
+ProfileName: TypeAlias = Literal["carter_navigation", "turtlebot3", "plain"]
+"""Profiles that come along."""
+
+OptionalName: TypeAlias = str | None
+"""A topic; none is not published."""
+
+
+class Frames(Config):
+    """Names of frames.
+
+    Attributes:
+        map: Of the map.
+        odom: Of the odometry.
+        base: Of the robot, on the floor between its drive wheels: trundle's base_link.
+        also_base: Other frames that a command may be stamped with, besides the base.
+    """
+
+    map: str = "map"
+    odom: str = "odom"
+    base: str = "base_link"
+    also_base: tuple[str, ...] = ()
+
+
+class Topics(Config):
+    """Names of topics; one that is relative gets the namespace. None means that it is not published.
+
+    Attributes:
+        clock: The simulated time.
+        tf, tf_static: The transforms.
+        odom: The odometry.
+        cmd_vel: The commands.
+        joint_states: The drive wheels' joints.
+        robot_description: The robot as URDF.
+        contacts: What the robot touches.
+    """
+
+    clock: OptionalName = "/clock"
+    tf: str = "/tf"
+    tf_static: OptionalName = "/tf_static"
+    odom: OptionalName = "odom"
+    cmd_vel: str = "cmd_vel"
+    joint_states: OptionalName = "joint_states"
+    robot_description: OptionalName = "robot_description"
+    contacts: OptionalName = "contacts"
+
+
+class Sensor(Config):
+    """How a lidar is published.
+
+    Attributes:
+        frame: Its frame; none means its name, as the exported URDF has it.
+        scan: Topic of its scans; none is not published.
+        points: Topic of its points; none is not published.
+    """
+
+    frame: str | None = None
+    scan: OptionalName = None
+    points: OptionalName = None
+
+
+class StaticFrame(Config):
+    """A frame that is fixed to another one.
+
+    Attributes:
+        parent: The other one.
+        child: Its name.
+        pose: Where it is in the other one: (x, y, z, yaw) [m, m, m, rad].
+    """
+
+    parent: str
+    child: str
+    pose: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+
+class Profile(Config):
+    """What is published and heard, and under which names.
+
+    Attributes:
+        robot: The robot that it is for, by its catalogue name; none means any.
+        start: Where launch files expect the robot to start; used where the scenario says nothing, and it fits there.
+        frames: Names of frames.
+        topics: Names of topics.
+        lidars: Lidars that the robot gets, where it has none of that name.
+        sensors: How each lidar is published; those that are not listed as `scan` and `lidar_points`, or
+            `<name>/scan` and `<name>/lidar_points` where the robot has several. Not listed, if `only_listed`.
+        only_listed: Whether lidars that are not listed are not published.
+        static_frames: Frames besides those of the sensors.
+        publishes_static: Whether /tf_static has the sensors and those frames; else robot_state_publisher does that.
+        control_period_s: Length of a control period [s]: /tf and /odom come once in each.
+        joint_state_rate: How often joint states are published [Hz of simulated time]; above the control rate they come
+            from the physics steps.
+        clock_rate: How often /clock is published [Hz of simulated time], as far as the physics steps are that short.
+    """
+
+    robot: str | None = None
+    start: PoseNumbers | None = None
+    frames: Frames = Field(default_factory=Frames)
+    topics: Topics = Field(default_factory=Topics)
+    lidars: dict[str, Lidar] = Field(default_factory=dict)
+    sensors: dict[str, Sensor] = Field(default_factory=dict)
+    only_listed: bool = False
+    static_frames: tuple[StaticFrame, ...] = ()
+    publishes_static: bool = True
+    control_period_s: Positive = 0.02
+    joint_state_rate: Positive = 50.0
+    clock_rate: Positive = 200.0
+
+    @classmethod
+    def load(cls, name: str) -> Profile:
+        """A profile by its name.
+
+        Raises:
+            UnknownNameError: If there is none of that name.
+        """
+        found = _files()
+        if name not in found:
+            raise UnknownNameError("profile", name, found)
+        return load_config(found[name], cls)
+
+    def fit(self, robot: Robot) -> Robot:
+        """The robot with the lidars of the profile."""
+        missing = {name: lidar for name, lidar in self.lidars.items() if name not in robot.lidars}
+        return robot.model_copy(update={"lidars": {**robot.lidars, **missing}}) if missing else robot
+
+    def sensors_of(self, robot: Robot) -> dict[str, Sensor]:
+        """How each lidar of a robot is published, with all names filled in."""
+        listed = self.sensors
+        others = [name for name in robot.lidars if name not in listed and not self.only_listed]
+        found: dict[str, Sensor] = {}
+        for name in robot.lidars:
+            if name in listed:
+                frame = listed[name].frame or link_of(name)
+                found[name] = listed[name].model_copy(update={"frame": frame})
+            elif name in others:
+                folder = "" if len(others) == 1 else f"{name}/"
+                found[name] = Sensor(frame=link_of(name), scan=f"{folder}scan", points=f"{folder}lidar_points")
+        return found
+
+
+def profile_names() -> list[str]:
+    """Names of the profiles, sorted."""
+    return sorted(_files())
+
+
+def link_of(lidar: str) -> str:
+    """Name of a lidar's link in the exported URDF."""
+    return lidar if "lidar" in lidar else f"lidar_{lidar}"
+
+
+@cache
+def _files() -> dict[str, Path]:
+    folder = Path(str(resources.files("trundle.ros2") / "profiles"))
+    return {path.stem: path for path in folder.glob("*.yaml")}

@@ -1,0 +1,85 @@
+"""`Role`: what the bridge is for: a simulator that others drive, or a navigator that drives itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol, TypeAlias
+
+from trundle.geometry import Pose2D
+from trundle.mission import Episode, LiveStatus, Mission, Observer, Session, Steering
+from trundle.observation import Observation
+from trundle.ros2.profile import Profile
+from trundle.ros2.simulation.clock import SimulationClock
+from trundle.ros2.wire import Wire
+
+RoleName: TypeAlias = Literal["simulator", "navigator"]
+"""Whether other programs drive the robot, or trundle does."""
+
+
+class Driver(Protocol):
+    """Drives sessions one after another and steers them; a page's does, and so does `LiveDriver`."""
+
+    @property
+    def steering(self) -> Steering:
+        """Where the session of each run takes its directives from."""
+        ...
+
+    @property
+    def status(self) -> LiveStatus:
+        """What runs now."""
+        ...
+
+    def drive(self, make_session: Callable[[int | None], Session]) -> Episode:
+        """Drive to the end, and again after each restart; see `LiveRun`."""
+        ...
+
+
+@dataclass(slots=True)
+class BridgeContext:
+    """What a role plugs into.
+
+    Attributes:
+        wire: Topics, services and actions.
+        profile: Their names, and those of frames.
+        clock: The time on the network.
+        mission: World, robot, map, navigator and simulator.
+        driver: Drives and steers.
+        origin: Where the odometry of the simulator began in this run: the frame `odom` on the network begins there.
+    """
+
+    wire: Wire
+    profile: Profile
+    clock: SimulationClock
+    mission: Mission
+    driver: Driver
+    origin: Pose2D = field(default_factory=lambda: Pose2D(0.0, 0.0))
+
+    def odometry(self, observation: Observation) -> Pose2D:
+        """Pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
+        return self.origin.inverse() @ observation.odometry
+
+
+class Role(Protocol):
+    """What the bridge does besides publishing the robot."""
+
+    def open(self) -> None:
+        """Open topics, services and actions; once, before the first run."""
+        ...
+
+    def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
+        """Begin a run on the mission's simulator, with these observers, which publish the robot.
+
+        Args:
+            observers: What else follows the run.
+            seed: Of the run; none means the scenario's.
+        """
+        ...
+
+    def lost(self, why: str) -> None:
+        """The other side is lost, for this reason; or it is back (""). Called in the listening thread."""
+        ...
+
+    def close(self) -> None:
+        """The bridge ends."""
+        ...

@@ -1,0 +1,357 @@
+"""`Wire`: topics, services and actions of the bridge in messages instead of bytes, and the thread that listens."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time as clock
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
+
+from trundle.errors import TrundleError
+from trundle.messages.qos import Qos
+from trundle.ros2.actions import Action, GoalAdapter
+from trundle.ros2.warnings import Warnings
+
+if TYPE_CHECKING:
+    from trundle.ros2.names import Names
+    from trundle.ros2.transport.transport import Publisher, Subscription, Transport
+    from trundle.ros2.types import Types
+
+_LOGGER = logging.getLogger(__name__)
+
+ROUND_S = 0.1
+"""The listening thread looks at least this often [s] at who listens, and whether the other side is there."""
+
+MOST_A_SECOND = 500
+"""Messages of one topic that are handled in a second [real time]; a node that sends more floods, and is reported."""
+
+_FLOOD_PAUSE_S = 0.02
+_ENDS_S = 1.0
+
+
+class Record(Protocol):
+    """Keeps what goes over the wire."""
+
+    def add(self, topic: str, type_name: str, qos: Qos, data: bytes, time: float) -> None:
+        """Add a message that was written or received at a simulated time [s]."""
+        ...
+
+
+class Outlet:
+    """A topic that the bridge publishes; any thread may write to it.
+
+    Attributes:
+        topic: Its full name.
+        type_name: Of its messages.
+        qos: What it is offered with.
+        is_wanted: Whether a message would reach anybody: there are readers, late readers get it, or it is recorded.
+    """
+
+    def __init__(
+        self, topic: str, type_name: str, qos: Qos, publisher: Publisher, encode: Callable[[Any], bytes], wire: Wire
+    ) -> None:
+        self.topic, self.type_name, self.qos = topic, type_name, qos
+        self._publisher, self._encode, self._wire = publisher, encode, wire
+        self._always = qos.durability == "transient_local" or wire.record is not None
+        self.is_wanted = True
+
+    def write(self, message: Any) -> None:
+        """Publish a message, if it is wanted."""
+        if self.is_wanted:
+            self.write_bytes(self._encode(message))
+
+    def write_bytes(self, data: bytes) -> None:
+        """Publish the CDR bytes of a message, wanted or not."""
+        wire = self._wire
+        try:
+            self._publisher.write(data)
+        except (TrundleError, OSError) as error:
+            wire.warn(f"{self.topic}: not written", f"{self.topic} cannot be written: {error}")
+        if wire.record is not None:
+            wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
+
+    @property
+    def readers(self) -> int:
+        """How many read it."""
+        return self._publisher.matched
+
+    def look(self) -> None:
+        """See who reads it now."""
+        self.is_wanted = self._always or self._publisher.matched > 0
+
+
+class Inlet:
+    """A topic that the bridge reads.
+
+    Attributes:
+        topic: Its full name.
+        type_name: Of its messages.
+        qos: What it is read with.
+        received: How many messages came.
+    """
+
+    def __init__(
+        self, topic: str, type_name: str, qos: Qos, subscription: Subscription, handler: Callable[[Any, str], None]
+    ) -> None:
+        self.topic, self.type_name, self.qos = topic, type_name, qos
+        self._subscription, self._handler = subscription, handler
+        self._second, self._count = 0, 0
+        self.received = 0
+
+    @property
+    def writers(self) -> int:
+        """How many write to it."""
+        return self._subscription.matched
+
+    def take(self, wire: Wire) -> bool:
+        """Handle what came; whether there was more than is handled in a second."""
+        floods = False
+        for sample in self._subscription.take():
+            self.received += 1
+            second = int(clock.monotonic())
+            if second != self._second:
+                self._second, self._count = second, 0
+            self._count += 1
+            if self._count > MOST_A_SECOND:
+                floods = True
+                self._warn_of_flood(sample.source, wire)
+                continue
+            self._handle(sample.data, sample.source, wire)
+        return floods
+
+    def _warn_of_type(self, source: str, error: TrundleError, wire: Wire) -> None:
+        wire.warn(
+            f"{self.topic}: not a {self.type_name}",
+            lambda: (
+                f"{wire.describe_source(source)} sent on {self.topic} what is not a {self.type_name} of "
+                f"{wire.types.distro}: {error}; it is dropped: give --distro as the other side has it"
+            ),
+        )
+
+    def _warn_of_flood(self, source: str, wire: Wire) -> None:
+        wire.warn(
+            f"{self.topic}: flood",
+            lambda: (
+                f"{wire.describe_source(source)} floods {self.topic} with more than {MOST_A_SECOND} messages a "
+                "second; the rest of each second is dropped"
+            ),
+        )
+
+    def _handle(self, data: bytes, source: str, wire: Wire) -> None:
+        if wire.record is not None:
+            wire.record.add(self.topic, self.type_name, self.qos, data, wire.now())
+        try:
+            message = wire.types.decode(self.type_name, data)
+        except TrundleError as error:
+            self._warn_of_type(source, error, wire)
+            return
+        try:
+            self._handler(message, source)
+        except TrundleError as error:
+            wire.warn(f"{self.topic}: refused", f"a message of {self.topic} is dropped: {error}")
+        except Exception:  # a message from outside never ends the bridge
+            _LOGGER.exception("a message of %s could not be handled", self.topic)
+            wire.warn(f"{self.topic}: failed", f"a message of {self.topic} could not be handled, and is dropped")
+
+
+class Wire:
+    """What the bridge publishes, reads and serves, over a transport.
+
+    Publishing is for any thread. Handlers of topics, services and actions run in one thread of the wire, between
+    `start` and `close`, also while the run is paused; they must not block for long.
+
+    Args:
+        transport: What carries the bytes.
+        types: The messages.
+        names: Makes full names of those that are given.
+        record: Keeps what goes over the wire; none keeps nothing.
+        report: Gets warnings; none means the log.
+
+    Attributes:
+        now: Simulated time [s] on the network's clock, for the stamps of the record.
+        warnings: What was dropped.
+        outlets, inlets: What is published and read.
+        services, actions: Full names and types of what is served.
+        missing: Names of services and actions that the transport cannot serve.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        types: Types,
+        names: Names,
+        *,
+        record: Record | None = None,
+        report: Callable[[str], None] | None = None,
+    ) -> None:
+        self.transport, self.types, self.names, self.record = transport, types, names, record
+        self.now: Callable[[], float] = lambda: 0.0
+        self.warnings = Warnings(report)
+        self.outlets: list[Outlet] = []
+        self.inlets: list[Inlet] = []
+        self.services: list[tuple[str, str]] = []
+        self.actions: list[tuple[str, str]] = []
+        self.missing: list[str] = []
+        self._rounds: list[Callable[[], None]] = []
+        self._lost: list[Callable[[str], None]] = []
+        self._was_lost = ""
+        self._ends = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    # Opening --------------------------------------------------------------------------------------------------------
+
+    def outlet(self, topic: str, type_name: str, qos: Qos) -> Outlet:
+        """Publish a topic; asked for again, it is the same outlet.
+
+        Raises:
+            InputError: If ROS does not allow the name.
+        """
+        full = self.names.resolve(topic)
+        for outlet in self.outlets:
+            if (outlet.topic, outlet.type_name) == (full, type_name):
+                return outlet
+        publisher = self.transport.publisher(full, type_name, qos)
+        made = Outlet(full, type_name, qos, publisher, self.types.encode, self)
+        self.outlets.append(made)
+        return made
+
+    def listen(self, topic: str, type_name: str, qos: Qos, handler: Callable[[Any, str], None]) -> Inlet:
+        """Read a topic.
+
+        Args:
+            topic: Its name.
+            type_name: Of its messages.
+            qos: What is asked for.
+            handler: Gets each message and who sent it ("" where that is not known). What it raises of `TrundleError`
+                is reported once for each kind.
+        """
+        full = self.names.resolve(topic)
+        inlet = Inlet(full, type_name, qos, self.transport.subscription(full, type_name, qos), handler)
+        self.inlets.append(inlet)
+        return inlet
+
+    def serve(self, name: str, type_name: str, handler: Callable[[Any], Any]) -> bool:
+        """Serve a service.
+
+        Args:
+            name: Its name.
+            type_name: Such as "std_srvs/srv/Trigger".
+            handler: Makes the response of a request. Where it raises a `TrundleError`, the answer is an empty response.
+
+        Returns:
+            Whether the transport can serve it.
+        """
+        full = self.names.resolve(name)
+        if not self.transport.has_services:
+            self.missing.append(full)
+            return False
+        types = self.types
+
+        def answer(data: bytes) -> bytes:
+            try:
+                return types.encode(handler(types.decode(f"{type_name}_Request", data)))
+            except TrundleError as error:
+                self.warn(f"{full}: failed", f"a request of {full} failed: {error}")
+            except Exception:  # a request from outside never ends the bridge
+                _LOGGER.exception("a request of %s could not be handled", full)
+                self.warn(f"{full}: failed", f"a request of {full} could not be handled")
+            return types.encode(types.make(f"{type_name}_Response"))
+
+        self.transport.service(full, type_name, answer)
+        self.services.append((full, type_name))
+        return True
+
+    def act(self, name: str, type_name: str, action: Action) -> bool:
+        """Serve an action; whether the transport can serve it.
+
+        Args:
+            name: Its name.
+            type_name: Such as "nav2_msgs/action/Spin".
+            action: Gets its goals.
+        """
+        full = self.names.resolve(name)
+        if not self.transport.has_services:
+            self.missing.append(full)
+            return False
+        self.transport.action(full, type_name, GoalAdapter(type_name, action, self.types, self.warn))
+        self.actions.append((full, type_name))
+        return True
+
+    def every_round(self, call: Callable[[], None]) -> None:
+        """Call this in the listening thread after everything that arrived, and ten times a second."""
+        self._rounds.append(call)
+
+    def on_lost(self, call: Callable[[str], None]) -> None:
+        """Call this in the listening thread with the reason when the transport is lost, and with "" when it is back."""
+        self._lost.append(call)
+
+    # Running --------------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin to listen."""
+        for outlet in self.outlets:
+            outlet.look()
+        self._thread = threading.Thread(target=self._listen, name="trundle-ros2", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop listening and close the transport; closing twice does nothing."""
+        self._ends.set()
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            self.transport.wake()
+            thread.join(_ENDS_S)
+        self.transport.close()
+
+    def wake(self) -> None:
+        """Let the listening thread do a round now."""
+        self.transport.wake()
+
+    def warn(self, kind: str, text: str | Callable[[], str]) -> None:
+        """Count something that is dropped; the first one of each kind is reported, with the text or what makes it."""
+        self.warnings.warn(kind, text)
+
+    def take_topics(self) -> bool:
+        """Handle the messages that arrived; whether a topic is flooded. For handlers that wait in the wire's thread."""
+        floods = [inlet.take(self) for inlet in tuple(self.inlets)]
+        return any(floods)
+
+    def describe_source(self, source: str) -> str:
+        """Who a message comes from, in words."""
+        if not source:
+            return "a publisher"
+        endpoints = self.transport.graph().endpoints
+        node = next((one.node for one in endpoints if one.source == source), "")
+        return f"the node {node}" if node else f"the publisher {source}"
+
+    def _listen(self) -> None:
+        while not self._ends.is_set():
+            try:
+                self._listen_once()
+            except Exception:  # what the transport meets never ends the thread
+                _LOGGER.exception("listening failed, and goes on")
+                self._ends.wait(ROUND_S)
+
+    def _listen_once(self) -> None:
+        self.transport.wait(ROUND_S)
+        if self._ends.is_set():
+            return
+        floods = self.take_topics()
+        self.transport.dispatch()
+        self._look_for_loss()
+        for outlet in tuple(self.outlets):
+            outlet.look()
+        for call in tuple(self._rounds):
+            call()
+        if floods:
+            self._ends.wait(_FLOOD_PAUSE_S)
+
+    def _look_for_loss(self) -> None:
+        lost = self.transport.lost
+        if lost == self._was_lost:
+            return
+        self._was_lost = lost
+        self.warnings.note(f"the other side is lost: {lost}" if lost else "the other side is back")
+        for call in tuple(self._lost):
+            call(lost)
