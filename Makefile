@@ -2,6 +2,7 @@
 # make test   set up, then run the tests
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
+# make test-ros2  build real ROS 2 environments in ~/.cache/trundle, once, and run the tests against them, the long ones too
 # make check  lint, types, layers
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
@@ -33,13 +34,13 @@ COMPILE := $(BIN)/python -m compileall -q src/trundle
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test test-wheels test-ray fuzz check docs web build setup dev clean
+.PHONY: demo test test-wheels test-ray test-ros2 ros2-env fuzz check docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
 
 test: dev
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel and not ray"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel and not ray and not ros2"
 
 # Builds wheels without the compiled files of this folder: minutes.
 test-wheels: dev
@@ -48,6 +49,14 @@ test-wheels: dev
 # Ray opens ports: its tests run in a network namespace with lo alone, and are skipped where there is none.
 test-ray: dev $(VENV)/.trundle-ray
 	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest -m ray tests/evaluation/cluster
+
+# The other tests of this folder run in `make test` too, where the environments are there.
+test-ros2: dev ros2-env
+	$(BIN)/python -m pytest -n 2 --dist loadfile tests/ros2
+
+# Wheels of ROS, and messages compiled with them: minutes. Where it cannot be built, it says why, and so do the tests skipped.
+ros2-env: dev
+	@$(BIN)/python scripts/ros2_env.py || true
 
 fuzz: dev
 	$(BIN)/python -m pytest -n 2 --explore --explore-seconds $(FUZZ_SECONDS)

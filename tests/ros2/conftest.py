@@ -1,0 +1,98 @@
+"""Real ROS 2 environments, built by scripts/ros2_env.py; where there is none, the tests that need one are skipped."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+DISTROS = ("jazzy", "kilted")
+ROOT = Path(__file__).parents[2]
+
+
+@cache
+def described() -> dict[str, dict[str, object]]:
+    """What scripts/ros2_env.py says of each distribution."""
+    command = [sys.executable, str(ROOT / "scripts" / "ros2_env.py"), "--describe"]
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+@dataclass
+class Ros:
+    """A real ROS 2 of one distribution, on a domain of its own, on this machine alone."""
+
+    distro: str
+    python: str
+    env: dict[str, str]
+    """What to add to a process's environment."""
+    folder: Path
+    started: list[subprocess.Popen[str]] = field(default_factory=list)
+
+    @property
+    def domain(self) -> int:
+        return int(self.env["ROS_DOMAIN_ID"])
+
+    def script(self, code: str | Path, *args: object, **env: str) -> subprocess.Popen[str]:
+        """Start a script in ROS's Python, with pipes for what it reads and prints; it is killed after the test."""
+        if isinstance(code, str):
+            path = self.folder / f"script_{len(self.started)}.py"
+            path.write_text(code, encoding="utf-8")
+            code = path
+        return self.start([self.python, "-u", str(code), *map(str, args)], **env)
+
+    def start(self, command: list[str], **env: str) -> subprocess.Popen[str]:
+        """Start any command with ROS's environment variables; it is killed after the test, with all that it started."""
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **self.env, **env},
+            start_new_session=True,
+        )
+        self.started.append(process)
+        return process
+
+    def close(self) -> None:
+        """Kill what still runs, and read what it said."""
+        for process in self.started:
+            if process.poll() is None:
+                os.killpg(process.pid, 9)
+            process.communicate()
+
+
+@pytest.fixture(params=DISTROS)
+def distro(request: pytest.FixtureRequest) -> str:
+    """A distribution whose environment is built."""
+    if "reason" in (found := described()[request.param]):
+        pytest.skip(str(found["reason"]))
+    return request.param
+
+
+@pytest.fixture
+def ros(distro: str, tmp_path: Path) -> Iterator[Ros]:
+    """A real ROS 2, once for each distribution."""
+    found = described()[distro]
+    env: dict[str, str] = {
+        **found["env"],  # pyright: ignore[reportGeneralTypeIssues]
+        # Domains above 101 have ports that the system may give to others.
+        "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 102)),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOG_DIR": str(tmp_path / "ros_log"),
+        "PYTHONUNBUFFERED": "1",
+    }
+    real = Ros(distro, str(found["python"]), env, Path(tempfile.mkdtemp(dir=tmp_path)))
+    try:
+        yield real
+    finally:
+        real.close()
