@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 
@@ -23,11 +24,15 @@ _PUSH_S = 0.5
 """A robot that something has run into slides on, and is touched again."""
 
 
+_PATH = Trajectory.columns().index("path")
+
+
 class RunLog:
     """The rows, the paths and the contacts of a run in progress.
 
     Args:
         every_contact: Count moving obstacles that run into the standing robot as collisions, too.
+        most_rows: How many rows are kept, the last ones, with their paths; none keeps all.
 
     Attributes:
         paths: Every path that was followed, in order.
@@ -38,14 +43,17 @@ class RunLog:
         monitor_stops: How often the collision monitor stopped the robot; None if it never reported.
     """
 
-    def __init__(self, *, every_contact: bool = False) -> None:
+    def __init__(self, *, every_contact: bool = False, most_rows: int | None = None) -> None:
         self._every_contact = every_contact
         self.paths: list[Path] = []
         self.hit: Contact | None = None
         self.contacts: dict[str, None] = {}
         self.standing_contacts: dict[str, None] = {}
         self.monitor_stops: int | None = None
-        self._rows: list[tuple[float, ...]] = []
+        self._rows: deque[tuple[float, ...]] = deque(maxlen=most_rows)
+        self._most_rows = most_rows
+        self._count = 0
+        self._forgotten_paths = 0
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
         self._pushed_at = -math.inf
@@ -55,12 +63,16 @@ class RunLog:
         self._stopped = False
 
     def __len__(self) -> int:
-        return len(self._rows)
+        """How many rows were added."""
+        return self._count
 
     def add(self, state: RobotState, sent: Twist2D, estimate: Estimate, goal: int, path: Path | None) -> None:
         """Add the state at the end of a control period, with what was sent to the robot during it."""
         if path is not None and (not self.paths or path is not self.paths[-1]):
             self.paths.append(path)
+        self._count += 1
+        if self._most_rows is not None and self._count % self._most_rows == 0:
+            self._forget_paths()
         pose = state.pose.as_tuple()
         self._rows.append(
             (
@@ -72,7 +84,7 @@ class RunLog:
                 sent.w,
                 *state.odometry.as_tuple(),
                 goal,
-                len(self.paths) - 1 if path is not None else -1,
+                self._forgotten_paths + len(self.paths) - 1 if path is not None else -1,
                 *(pose if estimate.pose is state.pose else estimate.pose.as_tuple()),
             )
         )
@@ -90,8 +102,18 @@ class RunLog:
 
     def trajectory(self) -> Trajectory:
         """The rows."""
-        columns = [np.array(column) for column in zip(*self._rows, strict=True)]
-        return Trajectory(**dict(zip(Trajectory.columns(), columns, strict=True)))
+        columns = dict(zip(Trajectory.columns(), map(np.array, zip(*self._rows, strict=True)), strict=True))
+        columns["path"] = np.where(columns["path"] < 0, -1, columns["path"] - self._forgotten_paths)
+        return Trajectory(**columns)
+
+    def _forget_paths(self) -> None:
+        """Forget the paths that no row follows any more, but for the last one."""
+        followed = [int(row[_PATH]) for row in self._rows if row[_PATH] >= 0]
+        last = self._forgotten_paths + len(self.paths) - 1
+        first = min(followed, default=last)
+        if first > self._forgotten_paths:
+            del self.paths[: first - self._forgotten_paths]
+            self._forgotten_paths = first
 
     def unseen_contacts(self, world: World | None, robot: Robot) -> tuple[str, ...]:
         """Names of what was touched and is not crossed by the plane of any lidar that sent a scan."""

@@ -49,6 +49,13 @@ class Senses:
         self._localizer.reset(pose, seed=seed)
         return self._localizer.update(observation)
 
+    def place(self, state: RobotState, observation: Observation, estimate: Estimate) -> tuple[Observation, Estimate]:
+        """What the robot observes and believes where it was put, at rest: a localizer does not notice."""
+        observation = replace(observation, twist=state.twist, scans=())
+        if self._localizer is None:
+            estimate = Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
+        return observation, estimate
+
     def observe(self, state: RobotState) -> tuple[Observation, Estimate]:
         """Take what the robot observes now, and estimate where it is."""
         observation = state.observation

@@ -36,10 +36,10 @@ from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
 from trundle.path import Path
 from trundle.robots import Robot
-from trundle.sim import RobotState, Simulator, world_of
+from trundle.sim import RobotState, Simulator, place_robot, world_of
 from trundle.sim.command_delay import DelayedSimulator
 from trundle.sim.simulator import watch_substeps
-from trundle.values import as_number, check_kind
+from trundle.values import as_number, check_kind, check_number
 
 
 class Session:
@@ -79,6 +79,8 @@ class Session:
         steering: Where directives come from, which are applied between two steps; none takes no directives. With it, a
             navigator needs no goal: it waits for one, and the run goes on after it, until a directive ends it.
         directives: Those of an earlier run, which are given again after as many control periods as then.
+        keeps_s: How much of the run the episode has at its end [s], the last so many seconds, with the last ten
+            thousand directives: for runs without an end. None means all of it.
 
     Raises:
         InputError: If a pose is not two or three finite numbers, there is no goal in the list, or the time limit is not
@@ -107,6 +109,7 @@ class Session:
         through: bool = False,
         steering: Steering | None = None,
         directives: Sequence[GivenDirective] = (),
+        keeps_s: float | None = None,
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
         check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
@@ -151,8 +154,15 @@ class Session:
             extends=extends,
             waits=waits,
         )
-        self._helm = Helm(self._course, sim, robot, steering, directives, self._relocate) if is_steered else None
-        self._log = RunLog(every_contact=rules.every_contact)
+        self._helm = (
+            Helm(self._course, sim, robot, steering, directives, self._relocate, self._place) if is_steered else None
+        )
+        most_rows = (
+            None if keeps_s is None else 1 + math.ceil(check_number("keeps_s", keeps_s, 0.0, 1e9, "s") / self.dt)
+        )
+        self._log = RunLog(every_contact=rules.every_contact, most_rows=most_rows)
+        if self._helm is not None and keeps_s is not None:
+            self._helm.keep_last()
         self._wall_s = 0.0
         self._outcome: Outcome | None = None
         self._message = ""
@@ -348,6 +358,13 @@ class Session:
         """Tell the localizer where the robot is now."""
         self._estimate = self._senses.relocate(pose, self._observation, seed=self._info.seed)
         return self._estimate
+
+    def _place(self, pose: Pose2D) -> tuple[RobotState, Estimate]:
+        """Put the robot somewhere else, at rest; its odometry does not notice."""
+        placed = place_robot(self._backend, pose)
+        self._state = replace(placed, odometry=self._state.odometry, odometry_twist=None)
+        self._observation, self._estimate = self._senses.place(self._state, self._observation, self._estimate)
+        return self._state, self._estimate
 
     @property
     def _moment(self) -> Moment:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from trundle.errors import InputError
-from trundle.geometry import Pose3D
+from trundle.geometry import Pose2D, Pose3D, wrap_angle
 from trundle.mission.steering.goal_directives import (
     Cancel,
     ClearObstacles,
@@ -18,7 +18,7 @@ from trundle.mission.steering.goal_directives import (
     SetPose,
 )
 from trundle.solids import Box, Solid
-from trundle.values import as_number, as_sequence, check_flag, check_number, check_seed
+from trundle.values import as_number, as_sequence, check_count, check_flag, check_number, check_seed
 
 SLOWEST, FASTEST = 0.1, 50.0
 """Speeds of a run relative to real time; infinity, as fast as it can, is allowed too."""
@@ -27,6 +27,7 @@ _FASTEST_COMMAND = 1e6  # [m/s] or [rad/s]; the robot's limits come far below
 _SMALLEST_M, _LARGEST_M = 0.01, 20.0
 _FARTHEST_M = 1e6
 _LONGEST_TEXT = 1000
+_MOST_PERIODS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,19 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class StepOnce:
-    """Drive exactly one control period, and be paused after it."""
+    """Drive exactly one control period, or so many, and be paused after it.
+
+    Attributes:
+        periods: How many, up to a million.
+
+    Raises:
+        InputError: If it is no such number.
+    """
+
+    periods: int = 1
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "periods", check_count("periods of a step", self.periods, 1, _MOST_PERIODS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +154,36 @@ _BOX_COLOR = (0.93, 0.60, 0.18, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
+class PlaceRobot:
+    """Put the robot somewhere else, at rest, where it touches nothing that stands in the world.
+
+    Its wheels and its odometry do not notice, nor does a localizer; an agent that gets the true pose plans again from
+    there. What the run's metrics say of distances then includes the jump.
+
+    Attributes:
+        x, y: Where [m], map frame.
+        yaw: Which way it faces [rad].
+
+    Raises:
+        InputError: If a number is out of range.
+    """
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("x", "m"), ("y", "m"), ("yaw", "rad")):
+            number = check_number(f"{name} of a place", getattr(self, name), -_FARTHEST_M, _FARTHEST_M, unit)
+            object.__setattr__(self, name, number)
+
+    @property
+    def pose(self) -> Pose2D:
+        """The pose, map frame."""
+        return Pose2D(self.x, self.y, wrap_angle(self.yaw))
+
+
+@dataclass(frozen=True, slots=True)
 class Restart:
     """End the run, and begin it again.
 
@@ -190,6 +233,7 @@ Directive: TypeAlias = (
     | Manual
     | Release
     | DropBox
+    | PlaceRobot
     | Restart
     | End
 )
@@ -209,6 +253,7 @@ DIRECTIVES: dict[str, type[Directive]] = {
     "manual": Manual,
     "release": Release,
     "box": DropBox,
+    "place": PlaceRobot,
     "restart": Restart,
     "end": End,
 }

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 _STAND = Twist2D()
 
+MOST_KEPT = 10_000
+"""How many directives are kept of a run without an end."""
+
 
 class Helm:
     """Applies directives to a run, and keeps what they have set; only the thread that drives the run uses it.
@@ -44,6 +47,7 @@ class Helm:
         steering: Where directives come from while it drives; None without any.
         recorded: The directives of an earlier run, which are given again at the same moments.
         relocate: Tells the localizer where the robot is, and returns what it believes then.
+        place: Puts the robot somewhere else, and returns its state there, and what it believes then.
 
     Attributes:
         paused: Whether the run is paused.
@@ -64,9 +68,10 @@ class Helm:
         steering: Steering | None,
         recorded: Sequence[GivenDirective],
         relocate: Callable[[Pose2D], Estimate],
+        place: Callable[[Pose2D], tuple[RobotState, Estimate]],
     ) -> None:
         self._tasks = RunningTasks(course)
-        self._relocate = relocate
+        self._relocate, self._place = relocate, place
         self._course, self._sim, self._robot, self._steering = course, sim, robot, steering
         self._recorded = deque(recorded)
         self._steps_left = 0
@@ -76,10 +81,14 @@ class Helm:
         self.paused = False
         self.manual: Twist2D | None = None
         self.speed = 1.0
-        self.log: list[GivenDirective] = []
+        self.log: deque[GivenDirective] = deque()
         self.ending: Ending | None = None
         self.restart: kinds.Restart | None = None
         self.held_back = ""
+
+    def keep_last(self) -> None:
+        """Keep only the last directives in the log."""
+        self.log = deque(self.log, maxlen=MOST_KEPT)
 
     @property
     def is_held(self) -> bool:
@@ -94,19 +103,19 @@ class Helm:
 
     def steer(self, index: int, state: RobotState, estimate: Estimate) -> None:
         """Apply what is due after so many control periods, in this state."""
-        self._estimate = estimate
+        self._state, self._estimate = state, estimate
         while self.ending is None and self._recorded and self._recorded[0].index <= index:
             given = self._recorded.popleft()
-            self._give(Order(given.directive, given.by), index, state)
+            self._give(Order(given.directive, given.by), index)
         if self._steering is None:
             return
         for _ in range(self._steering.waiting):
             order = self._steering.take() if self.ending is None else None
             if order is None:
                 return
-            self._give(order, index, state)
+            self._give(order, index)
         if self._holds_until is not None and clock.monotonic() > self._holds_until:
-            self._give(Order(kinds.Manual(), "dead-man"), index, state)
+            self._give(Order(kinds.Manual(), "dead-man"), index)
 
     def wait(self) -> None:
         """Wait for the next directive of a run that is paused; without any to come, the run ends."""
@@ -141,17 +150,19 @@ class Helm:
 
     # Directives -----------------------------------------------------------------------------------------------------
 
-    def _give(self, order: Order, index: int, state: RobotState) -> None:
+    def _give(self, order: Order, index: int) -> None:
         if self._is_renewal(order):
             return
         refused: TrundleError | None = None
         try:
-            self._apply(order, index, state)
+            self._apply(order, index, self._state)
         except TrundleError as error:
             refused = error
-        self.log.append(GivenDirective(index, state.time, order.directive, order.by, str(refused or "")))
+        self.log.append(GivenDirective(index, self._state.time, order.directive, order.by, str(refused or "")))
         if refused is not None:
             order.refuse(refused)
+        elif order.applied is not None:
+            order.applied()
 
     def _is_renewal(self, order: Order) -> bool:
         """Whether this repeats the command by hand that holds, which is then held for longer."""
@@ -169,9 +180,9 @@ class Helm:
         match order.directive:
             case kinds.Pause(paused):
                 self._pause(paused)
-            case kinds.StepOnce():
+            case kinds.StepOnce(periods):
                 self.paused = True
-                self._steps_left += 1
+                self._steps_left += periods
             case kinds.Speed(factor):
                 self.speed = factor
             case kinds.SetGoal(append=append) as given:
@@ -204,6 +215,8 @@ class Helm:
                     self._course.set_again()
             case kinds.DropBox() as box:
                 self._drop(box, index, state)
+            case kinds.PlaceRobot() as place:
+                self._put_robot(place.pose)
             case kinds.Restart() as restart:
                 self.restart, self.ending = restart, (Outcome.ABORTED, "ended to start again")
             case kinds.End(why):
@@ -228,6 +241,17 @@ class Helm:
             raise InputError(f"a box at ({box.x:.2f}, {box.y:.2f}) would overlap the robot; drop it beside the robot")
         add_solid(self._sim, solid)
         self.boxes.append(DroppedBox(index, solid))
+
+    def _put_robot(self, pose: Pose2D) -> None:
+        world = world_of(self._sim)
+        touched = [] if world is None else FootprintChecker(world, self._robot).find(np.array([pose.as_tuple()]))
+        if touched:
+            raise InputError(
+                f"at ({pose.x:.2f}, {pose.y:.2f}, {pose.yaw:.2f}) the robot would touch {touched[0].other}"
+            )
+        self._state, self._estimate = self._place(pose)
+        if self.manual is None:
+            self._course.set_again()
 
     def _free_name(self) -> str:
         """A name that no solid of the world has."""

@@ -20,6 +20,9 @@ DEAD_MAN_S = 0.3
 Refused: TypeAlias = Callable[[str], None]
 """Called by the thread that drives the run, with the reason why a directive could not be applied."""
 
+Applied: TypeAlias = Callable[[], None]
+"""Called by the thread that drives the run once a directive was applied."""
+
 
 @dataclass(frozen=True, slots=True)
 class Order:
@@ -31,6 +34,7 @@ class Order:
         refused: Called where it cannot be applied; none where nobody waits for that.
         given_s: When it was given [s], by `time.monotonic`; none for one of a record, which holds until the next.
         watcher: Gets what becomes of the goal, path or behavior that it gives; none where nobody waits for that.
+        applied: Called where it was applied; none where nobody waits for that.
     """
 
     directive: Directive
@@ -38,6 +42,7 @@ class Order:
     refused: Refused | None = None
     given_s: float | None = None
     watcher: TaskWatcher | None = None
+    applied: Applied | None = None
 
     def refuse(self, error: TrundleError) -> None:
         """Tell those who wait for it that it is not applied."""
@@ -70,6 +75,7 @@ class Steering:
         by: str = "",
         refused: Refused | None = None,
         watcher: TaskWatcher | None = None,
+        applied: Applied | None = None,
     ) -> None:
         """Give a directive, from any thread.
 
@@ -80,6 +86,7 @@ class Steering:
                 the thread that drives the run. The run goes on then as before.
             watcher: Gets what becomes of the goal, path or behavior that the directive gives: by the thread that drives
                 the run, or, where that has ended, by the one that refuses what waits.
+            applied: Called once it was applied, by the thread that drives the run.
 
         Raises:
             InputError: If it is no directive.
@@ -88,7 +95,7 @@ class Steering:
         if not isinstance(by, str):
             raise InputError(f"who gives a directive is a text, got {by!r}")
         with self._changed:
-            self._orders.append(Order(directive, by, refused, time.monotonic(), watcher))
+            self._orders.append(Order(directive, by, refused, time.monotonic(), watcher, applied))
             self._changed.notify_all()
 
     def take(self) -> Order | None:

@@ -8,6 +8,9 @@ from trundle.mission import Observer, Session
 from trundle.ros2.inputs.agent import RosAgent
 from trundle.ros2.role import BridgeContext
 
+KEPT_S = 60.0
+"""What the episode at the end has of the run [s]: it may take days."""
+
 
 class SimulatorRole:
     """Takes commands from the network. There is no map, no localizer and no collision monitor: those are Nav2's.
@@ -46,6 +49,7 @@ class SimulatorRole:
             stop_on_contact=False,
             name=scenario.title,
             measure=None,
+            keeps_s=KEPT_S,
             steering=self._context.driver.steering,
         )
 
