@@ -1,0 +1,308 @@
+"""`ParameterFile`: a ROS 2 parameter file, by node, which knows which of its parameters were read."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeGuard
+
+import yaml
+
+from trundle.errors import InputError
+from trundle.files.yaml_config import Plain, plain_value
+from trundle.files.yaml_nodes import compose, place
+from trundle.values import as_path
+
+_PARAMETERS = "ros__parameters"
+_WILD = ("*", "**")
+
+
+@dataclass(slots=True, eq=False)
+class Parameter:
+    """One parameter.
+
+    Attributes:
+        name: Its name, dotted: `FollowPath.lookahead_dist`.
+        value: Its value.
+        line: Its line in the file, from 1.
+        where: Its place, for messages: `nav2_params.yaml:12:5`.
+        was_read: Whether something has asked for it.
+    """
+
+    name: str
+    value: Plain
+    line: int
+    where: str
+    was_read: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class _Entry:
+    """The parameters under one `ros__parameters`, and the names above it: namespaces, then the node's."""
+
+    path: tuple[str, ...]
+    where: str
+    parameters: dict[str, Parameter] = field(default_factory=dict)
+
+    @property
+    def node(self) -> str:
+        return self.path[-1]
+
+    @property
+    def namespace(self) -> tuple[str, ...]:
+        """The names before the node's; costmaps stand in a namespace of their own name."""
+        names = self.path[:-1]
+        return names[:-1] if names and names[-1] == self.node else names
+
+
+class NodeParameters:
+    """The parameters that one node gets, or those of one of its plugins.
+
+    Reading one marks it as read. Where the file does not give it, its default counts.
+
+    Args:
+        name: Name of the node.
+        parameters: Its parameters by name.
+        prefix: The names of a plugin's parameters begin with this and a dot.
+    """
+
+    def __init__(self, name: str, parameters: dict[str, Parameter], prefix: str = "") -> None:
+        self.name = name
+        self._parameters = parameters
+        self._prefix = f"{prefix}." if prefix else ""
+
+    def of_plugin(self, name: str) -> NodeParameters:
+        """Those of one of its plugins, or of a part of a plugin."""
+        return NodeParameters(self.name, self._parameters, f"{self._prefix}{name}")
+
+    def has(self, name: str) -> bool:
+        """Whether the file gives it."""
+        return f"{self._prefix}{name}" in self._parameters
+
+    def find(self, name: str) -> Parameter | None:
+        """The parameter, which counts as read; None where the file does not give it."""
+        found = self._parameters.get(f"{self._prefix}{name}")
+        if found is not None:
+            found.was_read = True
+        return found
+
+    def value(self, name: str, default: Plain = None) -> Plain:
+        """Its value, of any type."""
+        found = self.find(name)
+        return default if found is None else found.value
+
+    def number(
+        self,
+        name: str,
+        default: float,
+        *,
+        least: float = -math.inf,
+        above: float = -math.inf,
+        most: float = math.inf,
+    ) -> float:
+        """A number.
+
+        Raises:
+            InputError: If it is none, not finite, or out of range.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        value = found.value
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise self._wrong(found, "must be a finite number")
+        if not (least <= value <= most and value > above):
+            ends = [f"at least {least:g}"] * (least > -math.inf) + [f"above {above:g}"] * (above > -math.inf)
+            ends += [f"at most {most:g}"] * (most < math.inf)
+            raise self._wrong(found, f"must be {' and '.join(ends)}")
+        return float(value)
+
+    def integer(self, name: str, default: int, *, least: int | None = None) -> int:
+        """An integer.
+
+        Raises:
+            InputError: If it is none, or too small.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        value = found.value
+        if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+            value = int(value)
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise self._wrong(found, "must be an integer")
+        if least is not None and value < least:
+            raise self._wrong(found, f"must be at least {least}")
+        return value
+
+    def flag(self, name: str, default: bool) -> bool:
+        """True or false.
+
+        Raises:
+            InputError: If it is neither.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        if not isinstance(found.value, bool):
+            raise self._wrong(found, "must be true or false")
+        return found.value
+
+    def text(self, name: str, default: str) -> str:
+        """A text.
+
+        Raises:
+            InputError: If it is none.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        if not isinstance(found.value, str):
+            raise self._wrong(found, "must be text")
+        return found.value
+
+    def texts(self, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
+        """A list of texts; one text is a list of those that spaces separate.
+
+        Raises:
+            InputError: If it is none.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        value = found.value
+        if isinstance(value, str):
+            return tuple(value.split())
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self._wrong(found, "must be a list of names")
+        return tuple(str(item) for item in value)
+
+    def numbers(self, name: str, default: tuple[float, ...], *, lengths: tuple[int, ...]) -> tuple[float, ...]:
+        """A list of numbers.
+
+        Raises:
+            InputError: If it is none, one is not finite, or there are too few or too many.
+        """
+        found = self.find(name)
+        if found is None:
+            return default
+        value = found.value
+        items: list[Plain] = value if isinstance(value, list) else []
+        if len(items) not in lengths or not all(_is_number(item) for item in items):
+            sizes = " or ".join(map(str, lengths))
+            raise self._wrong(found, f"must be a list of {sizes} finite numbers")
+        return tuple(float(item) for item in items if _is_number(item))
+
+    def wrong(self, name: str, rule: str) -> InputError:
+        """The error that a parameter, or one that is missing, breaks a rule."""
+        found = self.find(name)
+        if found is None:
+            return InputError(f"{self.name}: {self._prefix}{name} {rule}; it is missing")
+        return self._wrong(found, rule)
+
+    def _wrong(self, found: Parameter, rule: str) -> InputError:
+        return InputError(f"{found.where}: {self.name}: {found.name} {rule}, got {found.value!r}")
+
+
+class ParameterFile:
+    """A ROS 2 parameter file.
+
+    A node's parameters are those of its own entry and of entries with wildcards (`/**`); of several, the later one in
+    the file counts, as in ROS. Names may be nested or dotted, and stand in namespaces.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InputError: If it cannot be read, is no YAML, is larger or nested deeper than settings are, has anchors or
+            aliases, or has no `ros__parameters`.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(as_path(path, "a parameter file"))
+        self._name = str(self.path)
+        node = compose(self.path)
+        self._entries: list[_Entry] = []
+        if isinstance(node, yaml.MappingNode):
+            self._walk(node, ())
+        if not self._entries:
+            raise InputError(
+                f"{self._name}: this is no ROS 2 parameter file: nothing in it is under {_PARAMETERS}; "
+                "give one like Nav2's nav2_params.yaml"
+            )
+
+    def node(self, name: str) -> NodeParameters | None:
+        """What a node gets; None where the file has no entry of its own for it.
+
+        Raises:
+            InputError: If the file has the node in several namespaces.
+        """
+        own = [entry for entry in self._entries if entry.node == name]
+        if not own:
+            return None
+        spaces = {entry.namespace: entry for entry in own if not set(entry.namespace) & set(_WILD)}
+        if len(spaces) > 1:
+            found = " and ".join("/" + "/".join(space) for space in sorted(spaces))
+            last = list(spaces.values())[-1]
+            raise InputError(
+                f"{last.where}: {name} is in the file for several robots, {found}; give a file with those of one"
+            )
+        merged: dict[str, Parameter] = {}
+        for entry in self._entries:
+            if entry.node == name or entry.node in _WILD:
+                merged |= entry.parameters
+        return NodeParameters(name, merged)
+
+    def nodes(self) -> list[str]:
+        """The names of the nodes that have entries, in the order of the file; without wildcards."""
+        return list(dict.fromkeys(entry.node for entry in self._entries if entry.node not in _WILD))
+
+    def unread(self) -> Iterator[tuple[str, Parameter]]:
+        """What nothing has asked for, each with the name of its entry's node."""
+        for entry in self._entries:
+            for parameter in entry.parameters.values():
+                if not parameter.was_read:
+                    yield "/" + "/".join(entry.path) if entry.node in _WILD else entry.node, parameter
+
+    def _walk(self, mapping: yaml.MappingNode, path: tuple[str, ...]) -> None:
+        for key, value in mapping.value:
+            if key.value == _PARAMETERS:
+                self._add(key, value, path)
+            elif isinstance(value, yaml.MappingNode):
+                self._walk(value, (*path, *(part for part in str(key.value).split("/") if part)))
+            elif not _is_empty(value):
+                inside = " of ".join(reversed(path)) or "the file"
+                raise InputError(
+                    f"{place(key, self._name)}: {key.value!r} in {inside} is not under {_PARAMETERS}: "
+                    f"write NODE: {{{_PARAMETERS}: {{{key.value}: …}}}}"
+                )
+
+    def _add(self, key: yaml.Node, value: yaml.Node, path: tuple[str, ...]) -> None:
+        if not path:
+            raise InputError(f"{place(key, self._name)}: {_PARAMETERS} stands under the name of a node, or under /**")
+        entry = _Entry(path, place(key, self._name))
+        if isinstance(value, yaml.MappingNode):
+            self._flatten(value, "", entry)
+        elif not _is_empty(value):
+            raise InputError(f"{place(value, self._name)}: {_PARAMETERS} must be a mapping of parameters")
+        self._entries.append(entry)
+
+    def _flatten(self, mapping: yaml.MappingNode, prefix: str, entry: _Entry) -> None:
+        for key, value in mapping.value:
+            name = f"{prefix}{key.value}"
+            if isinstance(value, yaml.MappingNode):
+                self._flatten(value, f"{name}.", entry)
+            else:
+                plain = plain_value(value, self._name)
+                entry.parameters[name] = Parameter(name, plain, key.start_mark.line + 1, place(key, self._name))
+
+
+def _is_empty(node: yaml.Node) -> bool:
+    return isinstance(node, yaml.ScalarNode) and node.value in ("", "~", "null") and node.style is None
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,0 +1,154 @@
+"""The planner and the smoother."""
+
+from __future__ import annotations
+
+from trundle.nav2.names import (
+    CONSTRAINED_SMOOTHER,
+    NAVFN,
+    SIMPLE_SMOOTHER,
+    SMAC_2D,
+    SMAC_HYBRID,
+    SMAC_LATTICE,
+    THETA_STAR,
+)
+from trundle.nav2.parameters import NodeParameters
+from trundle.nav2.reading.notes import Notes
+from trundle.nav2.reading.plugins import choose_plugin
+from trundle.planning.grid_planners.least_cost import COST_WEIGHT, NEUTRAL_COST
+
+Options = dict[str, object]
+
+MOST_EXPANSIONS = 10**8
+"""Of `hybrid_astar`: as good as unlimited."""
+
+HIGHEST_COST = 252.0
+"""Of a cell that is not blocked."""
+
+_MODELS = {"DUBIN": "dubins", "REEDS_SHEPP": "reeds_shepp"}
+
+
+def cost_weight_of(multiplier: float) -> float:
+    """`cost_weight` of `least_cost` for Smac 2D's `cost_travel_multiplier`: a cell of cost 252 is 1 + m free ones."""
+    return round(multiplier * NEUTRAL_COST / HIGHEST_COST, 9)
+
+
+def multiplier_of(neutral: float, cost_weight: float) -> float:
+    """The `cost_travel_multiplier` for weights of `least_cost`."""
+    return round(cost_weight * HIGHEST_COST / neutral, 6)
+
+
+def read_planner(server: NodeParameters, notes: Notes) -> dict[str, object]:
+    """The planner of a scenario, as a choice.
+
+    Raises:
+        InputError: If a parameter cannot be used.
+    """
+    name, plugin = choose_plugin(server, ("planner_plugins",), "GridBased", NAVFN, notes)
+    block = server.of_plugin(name)
+    if plugin == NAVFN:
+        options: Options = {"goal_tolerance": block.number("tolerance", 0.5, least=0.0)}
+        block.flag("use_astar", False)  # the same path, found sooner
+        return {"name": "least_cost", "options": options}
+    if plugin == SMAC_2D:
+        return _read_smac_2d(block)
+    if plugin == SMAC_HYBRID:
+        return {"name": "hybrid_astar", "options": _read_hybrid(block, notes)}
+    if plugin == SMAC_LATTICE:
+        return {"name": "hybrid_astar", "options": _read_lattice(block, notes)}
+    if plugin == THETA_STAR:
+        return _read_theta_star(block, notes)
+    notes.default(
+        block, "plugin", plugin, f"{plugin} is not known: the planner auto is used; --planner chooses another"
+    )
+    return {"name": "auto", "options": {}}
+
+
+def reads_unknown(server: NodeParameters) -> bool:
+    """Whether the planner may cross unknown cells.
+
+    Raises:
+        InputError: If `allow_unknown` is neither true nor false.
+    """
+    name, _ = choose_plugin(server, ("planner_plugins",), "GridBased", NAVFN, Notes())
+    return server.of_plugin(name).flag("allow_unknown", True)
+
+
+def _read_smac_2d(block: NodeParameters) -> dict[str, object]:
+    options: Options = {"goal_tolerance": block.number("tolerance", 0.125, least=0.0)}
+    multiplier = block.number("cost_travel_multiplier", 1.0, least=0.0, most=1e3)
+    if multiplier == 0.0:
+        return {"name": "astar", "options": options}
+    return {"name": "least_cost", "options": {**options, "cost_weight": cost_weight_of(multiplier)}}
+
+
+def _read_hybrid(block: NodeParameters, notes: Notes) -> Options:
+    model = block.text("motion_model_for_search", "DUBIN")
+    if model not in _MODELS:
+        raise block.wrong("motion_model_for_search", f"must be {' or '.join(_MODELS)} for Hybrid-A*")
+    given = block.integer("max_iterations", 1_000_000)
+    expansions = given if 0 < given < MOST_EXPANSIONS else MOST_EXPANSIONS
+    notes.changed(block, "max_iterations", "counted in expansions of trundle's search")
+    return {
+        "motion_model": _MODELS[model],
+        "minimum_turning_radius": block.number("minimum_turning_radius", 0.4, least=0.01, most=1e4),
+        "reverse_penalty": block.number("reverse_penalty", 2.0, least=1.0, most=1e3),
+        "cost_weight": block.number("cost_penalty", 2.0, least=0.0, most=1e3),
+        "goal_tolerance": block.number("tolerance", 0.25, least=0.0, most=1e4),
+        "smooth": block.flag("smooth_path", True),
+        "max_expansions": expansions,
+    }
+
+
+def _read_lattice(block: NodeParameters, notes: Notes) -> Options:
+    notes.default(
+        block,
+        "plugin",
+        SMAC_LATTICE,
+        "trundle has no lattices from files: hybrid_astar with turns in place is used",
+    )
+    backwards = block.flag("allow_reverse_expansion", False)
+    given = block.integer("max_iterations", 1_000_000)
+    return {
+        "motion_model": "reeds_shepp" if backwards else "dubins",
+        "in_place": True,
+        "reverse_penalty": block.number("reverse_penalty", 2.0, least=1.0, most=1e3),
+        "cost_weight": block.number("cost_penalty", 2.0, least=0.0, most=1e3),
+        "goal_tolerance": block.number("tolerance", 0.25, least=0.0, most=1e4),
+        "smooth": block.flag("smooth_path", True),
+        "max_expansions": given if 0 < given < MOST_EXPANSIONS else MOST_EXPANSIONS,
+    }
+
+
+def _read_theta_star(block: NodeParameters, notes: Notes) -> dict[str, object]:
+    if block.number("w_traversal_cost", 2.0, least=0.0) == 0.0:
+        return {"name": "any_angle", "options": {}}
+    notes.default(
+        block,
+        "w_traversal_cost",
+        2.0,
+        "Theta* squares the costs: least_cost, which is any-angle too and adds them up, is used with its own weights",
+    )
+    return {"name": "least_cost", "options": {}}
+
+
+def read_smoother(server: NodeParameters, notes: Notes) -> dict[str, object] | None:
+    """The smoother of a scenario, as a choice; none where trundle has no counterpart.
+
+    Raises:
+        InputError: If a parameter cannot be used.
+    """
+    name, plugin = choose_plugin(server, ("smoother_plugins",), "simple_smoother", SIMPLE_SMOOTHER, notes)
+    block = server.of_plugin(name)
+    if plugin == CONSTRAINED_SMOOTHER:
+        radius = block.number("minimum_turning_radius", 0.4, least=0.01, most=1e4)
+        return {"name": "constrained", "options": {"minimum_turning_radius": radius}}
+    if plugin != SIMPLE_SMOOTHER:
+        notes.ignored(block, "plugin", "not known; Nav2's default behavior trees call no smoother")
+    return None
+
+
+def is_plain_cost(options: Options) -> bool:
+    """Whether weights of `least_cost` are NavFn's."""
+    return options.get("cost_weight", COST_WEIGHT) == COST_WEIGHT and (
+        options.get("neutral_cost", NEUTRAL_COST) == NEUTRAL_COST
+    )
