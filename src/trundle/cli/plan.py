@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import options, output, settings, sources
+from trundle.cli.shared import nav2, options, output, settings, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMapError, PlanningError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT
@@ -27,6 +28,7 @@ app = App(
         "  trundle plan map.yaml --planner manhattan_astar --seed 3 --json\n"
         "  trundle plan map.yaml --goal 9,3 --unknown costly --partial --planner-option goal_tolerance=0.5\n"
         "  trundle plan map.yaml --smoother constrained\n"
+        "  trundle plan map.yaml --nav2-params nav2_params.yaml --goal 5,3\n"
         "  trundle plan map.yaml --start -13,0 --goal 13,0 --compare"
     ),
 )
@@ -40,13 +42,13 @@ def plan(
     start: options.Start = None,
     goal: options.Goal = None,
     robot: options.RobotName = "nova_carter",
-    planner: options.PlannerName = "auto",
+    planner: Annotated[str | None, Parameter(help=options.PLANNER_HELP)] = None,
     planner_options: options.PlannerOptions = None,
     partial: Annotated[bool, Parameter(negative="")] = False,
     deadline: float | None = None,
     smoother: options.SmootherName = None,
     smoother_options: options.SmootherOptions = None,
-    controller: Annotated[str, Parameter(help=options.CONTROLLER_HELP)] = "regulated_pure_pursuit",
+    controller: Annotated[str | None, Parameter(help=options.CONTROLLER_HELP)] = None,
     controller_options: options.ControllerOptions = None,
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
@@ -54,6 +56,7 @@ def plan(
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
+    nav2_params: nav2.Nav2Params = None,
     out: Annotated[FilePath | None, Parameter(name=["--out", "-o"])] = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -77,13 +80,15 @@ def plan(
         out: The picture, or a folder for overlay.png; default: overlay.png in the current folder. If it cannot be
             written, the rest is still printed.
     """
+    from trundle.costmap import CostmapSettings
     from trundle.geometry import Pose2D
     from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
-    from trundle.mission import RunSettings
-    from trundle.navigation import Choice, Navigator
+    from trundle.mission import RunSettings, Scenario
+    from trundle.navigation import Navigator
     from trundle.planning import PathCheck
     from trundle.record.overlay import draw_plan
     from trundle.record.run_folder import save_png
+    from trundle.robots import Robot
     from trundle.sim import simulator_names
 
     if backend not in simulator_names():
@@ -96,23 +101,34 @@ def plan(
     target = _find_target(out)
     code = 2 if out is not None and target is None else 0
     shorthands = ["allow_partial=true"] * partial + ([] if deadline is None else [f"deadline_s={deadline}"])
-    chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], Choice(name=planner))
-    if compare and chosen.options:
+    told = nav2.Nav2Report()
+    place = Scenario.make(map=str(map_file), robot=robot, keepout=_text(keepout), speed_mask=_text(speed_mask))
+    given = settings.given(costmap) | settings.given(navigation)
+    base = place.model_copy(update=given)
+    if nav2_params is not None:
+        found = nav2.translate(nav2_params, place, given, told)
+        base = Scenario.make(**{**place.model_dump(), **found, "known_map": True})
+        told.tell(quiet=quiet)
+    chosen = settings.choose("planner", planner, [*(planner_options or ()), *shorthands], base.planner)
+    if compare and (planner_options or shorthands):
         raise InputError("--compare runs every planner with its default options: leave planner options out")
+    smoothing = settings.choose("smoother", smoother, smoother_options, base.smoother)
     navigator = Navigator(
         OccupancyGrid.load(map_file, compat=compat),
-        robot,
+        base.assumed_robot(Robot.load(robot)),
         planner=chosen,
-        controller=settings.choose("controller", controller, controller_options, Choice(name=controller)),
-        smoother=settings.choose("smoother", smoother, smoother_options, None),
-        costmap=costmap,
-        settings=navigation or RunSettings(),
-        keepout=None if keepout is None else KeepoutMask.load(keepout, compat=compat),
-        speed_mask=None if speed_mask is None else SpeedMask.load(speed_mask, compat=compat),
+        controller=settings.choose("controller", controller, controller_options, base.controller),
+        smoother=smoothing,
+        costmap=base.part(CostmapSettings),
+        settings=base.part(RunSettings),
+        keepout=None if base.keepout is None else KeepoutMask.load(base.keepout, compat=compat),
+        speed_mask=None if base.speed_mask is None else SpeedMask.load(base.speed_mask, compat=compat),
     )
+    if first is None and base.start is not None:
+        first = Pose2D.of(base.start)
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
     if compare:
-        return _compare(navigator, begin, Pose2D.of(end), target, json=json) or code
+        return _compare(navigator, begin, Pose2D.of(end), target, json=json, facts=told.facts) or code
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
@@ -123,7 +139,7 @@ def plan(
         if json:
             output.print_error(error)
         return 1
-    before = navigator.planned if smoother else None
+    before = navigator.planned if smoothing is not None else None
     if target is not None:
         picture = draw_plan(navigator.costmap, path, navigator.robot, speed_mask=navigator.speed_mask, before=before)
         save_png(picture, target)
@@ -131,7 +147,7 @@ def plan(
     if hit is not None:
         x, y, _ = hit.pose
         output.remark(
-            f"trundle: the path of planner {planner!r} collides at ({x:.2f}, {y:.2f}); it cannot be driven",
+            f"trundle: the path of planner {chosen.name!r} collides at ({x:.2f}, {y:.2f}); it cannot be driven",
             quiet=False,
         )
         code = code or 1
@@ -142,16 +158,16 @@ def plan(
         "length_m": path.length,
         "cost": path.cost,
         "planning_ms": 1000.0 * navigator.planning_time_s,
-        "planner": planner,
+        "planner": chosen.name,
         "found_by": path.planner,
-        "smoother": smoother,
+        "smoother": None if smoothing is None else smoothing.name,
         "replans": path.replans,
         "start_snapped_m": path.start_snapped_m,
         "goal_snapped_m": path.goal_snapped_m,
         "overlay": target,
     }
     if json:
-        output.print_json({**facts, "map": map_file, "robot": navigator.robot.name, "poses": path.poses})
+        output.print_json({**facts, "map": map_file, "robot": navigator.robot.name, "poses": path.poses, **told.facts})
         return code
     output.print_facts(
         {
@@ -167,6 +183,10 @@ def plan(
         }
     )
     return code
+
+
+def _text(path: FilePath | None) -> str | None:
+    return None if path is None else str(path)
 
 
 def _find_target(out: FilePath | None) -> FilePath | None:
@@ -187,7 +207,15 @@ def _moved(path: Path) -> dict[str, str]:
     return {"moved": ", ".join(moved)} if moved else {}
 
 
-def _compare(navigator: Navigator, begin: Pose2D, end: Pose2D, target: FilePath | None, *, json: bool) -> int:
+def _compare(
+    navigator: Navigator,
+    begin: Pose2D,
+    end: Pose2D,
+    target: FilePath | None,
+    *,
+    json: bool,
+    facts: Mapping[str, object],
+) -> int:
     """Plan with every planner, print a table and draw all paths, with the zones of the masks.
 
     If the navigator smooths, these paths are smoothed as well. Without a target nothing is drawn.
@@ -204,15 +232,15 @@ def _compare(navigator: Navigator, begin: Pose2D, end: Pose2D, target: FilePath 
     if found.paths and target is not None:
         picture = draw_paths(navigator.costmap, navigator.robot, found.paths, speed_mask=navigator.speed_mask)
         save_png(picture, target)
-    _print_rows(found.rows, target if found.paths else None, json=json)
+    _print_rows(found.rows, target if found.paths else None, json=json, facts=facts)
     if found.paths:
         return 0
     return 2 if all(isinstance(error, OutsideMapError | BlockedPoseError) for error in found.errors) else 1
 
 
-def _print_rows(rows: list[PlannerRow], target: FilePath | None, *, json: bool) -> None:
+def _print_rows(rows: list[PlannerRow], target: FilePath | None, *, json: bool, facts: Mapping[str, object]) -> None:
     if json:
-        output.print_json({"planners": rows, "overlay": target})
+        output.print_json({"planners": rows, "overlay": target, **facts})
         return
     output.print_table(
         ("planner", "length m", "turning rad", "clearance m", "ms", ""),

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import evaluations, missions, options, recordings, scenarios
+from trundle.cli.shared import evaluations, missions, nav2, options, recordings, scenarios
 from trundle.errors import InputError
 
 app = App(
@@ -24,6 +24,7 @@ app = App(
         "  trundle run scenario.yaml --backend kinematic --json\n"
         "  trundle run office --robot jackal --browser\n"
         "  trundle run warehouse --lidar --record --distro kilted\n"
+        "  trundle run map.yaml --nav2-params nav2_params.yaml\n"
         "  trundle run --from runs/nightly:7f3a21\n"
         "  python.sh -m trundle run map.yaml --backend isaac --environment warehouse_with_forklifts"
     ),
@@ -65,6 +66,7 @@ def run(
         view: Watch it drive in a window, if there is a screen.
         out: Output folder, which must not hold a run; default: a new one under runs.
     """
+    told = nav2.Nav2Report()
     if from_ is not None:
         if source is not None or given != scenarios.DEFAULTS:
             raise InputError(
@@ -75,7 +77,8 @@ def run(
     elif source is None:
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:
-        scenario = given.make(source)
+        scenario = given.make(source, told)
+        told.tell(quiet=quiet)
     scenario = recordings.choose(scenario, record=record, distro=distro)
     factor = None if speed is None else options.parse_speed(speed)
     shown = missions.Presentation(
@@ -88,5 +91,6 @@ def run(
         speed=factor,
         json=json,
         quiet=quiet,
+        facts=told.facts,
     )
     return missions.drive(scenario, shown)

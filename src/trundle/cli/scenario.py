@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import options, output, scenarios
+from trundle.cli.shared import nav2, options, output, scenarios
 from trundle.errors import InputError
 
 app = App(
@@ -17,6 +17,7 @@ app = App(
         "Examples:\n"
         "  trundle scenario map.yaml --start 0,0 --goal 5,3 -o scenario.yaml\n"
         "  trundle scenario warehouse --set aisle_width=1.4 --planner least_cost -o aisles.yaml\n"
+        "  trundle scenario map.yaml --nav2-params nav2_params.yaml -o nav2.yaml\n"
         "  trundle scenario --schema > scenario.schema.json"
     ),
 )
@@ -52,6 +53,9 @@ def scenario(
     if source is None:
         raise InputError("give a map, a world by name or file, or another scenario")
     target = options.new_yaml_file(out, "scenario.yaml", overwrite=overwrite)
-    given.make(source).save_commented(target)
-    output.report_written({"scenario": target}, f"To drive it: trundle run {target}", json=json, quiet=quiet)
+    told = nav2.Nav2Report()
+    given.make(source, told).save_commented(target)
+    told.tell(quiet=quiet)
+    facts = {"scenario": target, **(told.facts if json else {})}
+    output.report_written(facts, f"To drive it: trundle run {target}", json=json, quiet=quiet)
     return 0

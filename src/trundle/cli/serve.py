@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import browser, isaac, options, output, scenarios, sources
+from trundle.cli.shared import browser, isaac, nav2, options, output, scenarios, sources
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,14 +55,16 @@ def serve(
     from trundle.serve.desk import Desk
 
     factor = options.parse_speed(speed)
-    base = _with_lidars(given.make(source), source, given)
+    told = nav2.Nav2Report()
+    base = _with_lidars(given.make(source, told), source, given)
+    told.tell(quiet=quiet)
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(base))
         page = opened.enter_context(browser.serving(base, source=source, host=host, port=port))
         desk = opened.enter_context(Desk(page.hub, base, _record, speed=factor))
         desk.preview(base)
         if json:
-            output.print_json_line({"address": page.server.address})
+            output.print_json_line({"address": page.server.address, **told.facts})
         else:
             print(page.server.address, flush=True)
         browser.advise(page, opens=open_, quiet=quiet or json)

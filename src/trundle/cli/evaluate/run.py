@@ -8,7 +8,7 @@ from cyclopts import App, Parameter
 
 from trundle.cli.evaluate import verdict
 from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
-from trundle.cli.shared import options, sources
+from trundle.cli.shared import nav2, options, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Suite, suite_names
@@ -23,6 +23,7 @@ app = App(
         "  trundle evaluate smoke\n"
         "  trundle evaluate map.yaml --planners auto,astar --backends kinematic --seeds 0:100\n"
         "  trundle evaluate suite.yaml -o runs/nightly --workers 16 --require 'success>=0.99'\n"
+        "  trundle evaluate map.yaml --nav2-params nav2_params.yaml\n"
         "  trundle evaluate show runs/nightly --failed\n"
         "  trundle evaluate compare runs/before runs/after"
     ),
@@ -42,6 +43,7 @@ def run(
     backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
     seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
+    nav2_params: nav2.Nav2Params = None,
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
     workers: options.Integer | None = None,
     ray: str | None = None,
@@ -80,10 +82,15 @@ def run(
         changes["limits"] = {"time_limit_s": time_limit}
     if require:
         changes["require"] = require
+    told = nav2.Nav2Report()
     suite = _make_suite(given, changes)
+    if nav2_params is not None:
+        changes = nav2.add_to_suite(nav2_params, suite.robots, changes, told)
+        suite = _make_suite(given, changes)
+        told.tell(quiet=quiet)
     given_options = {"workers": workers, "ray": ray, "mixed": mixed, "overwrite": overwrite}
     evaluation = carry_out(suite, out, json=json, quiet=quiet, **given_options)
-    return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json)
+    return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json, facts=told.facts)
 
 
 def _read_seeds(text: str) -> object:

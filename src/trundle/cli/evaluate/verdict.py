@@ -23,6 +23,7 @@ def give(
     *,
     json: bool,
     figures: Mapping[str, float | None] | None = None,
+    facts: Mapping[str, object] | None = None,
 ) -> int:
     """Write the report of an evaluation, and print what it says.
 
@@ -31,6 +32,7 @@ def give(
         require: What it is judged by; none means what its suite requires.
         json: Print one JSON line.
         figures: Further ones to print, by name.
+        facts: More for the JSON line.
 
     Returns:
         The exit code: 1 where a requirement is not met, else 0.
@@ -38,7 +40,7 @@ def give(
     report = evaluation.write_report(require)
     summary = evaluation.read_summary()
     if json:
-        output.print_json_line({**summary, **(figures or {}), "folder": evaluation.folder})
+        output.print_json_line({**summary, **(figures or {}), **(facts or {}), "folder": evaluation.folder})
     else:
         more = {name.replace("_", " "): _number(value) for name, value in (figures or {}).items()}
         output.print_facts(_facts(summary) | more | {"report": report})

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,6 +35,7 @@ class Presentation:
         with_place: Whether to add the map and a picture of the scene to the folder.
         narrate: Whether to print each stage, and the progress if there is no terminal for a progress bar.
         page: Whether to write report.html.
+        facts: More for the JSON value.
     """
 
     out: Path | None
@@ -48,6 +49,7 @@ class Presentation:
     with_place: bool = False
     narrate: bool = False
     page: bool = True
+    facts: Mapping[str, object] = field(default_factory=dict[str, object])
 
 
 def drive(scenario: Scenario, shown: Presentation) -> int:
@@ -167,7 +169,7 @@ class _Recorder:
     def report(self, episode: Episode) -> None:
         """Print the result of the last run."""
         if self._folder is not None:
-            report(episode, self._folder, json=self._shown.json)
+            report(episode, self._folder, json=self._shown.json, facts=self._shown.facts)
 
 
 def _remark_on_encoder(scenario: Scenario, *, quiet: bool) -> None:
@@ -257,10 +259,10 @@ def _behavior_facts(episode: Episode) -> dict[str, str]:
     return {name: text for name, text in (("recovery", recovery), ("behaviors", others)) if text}
 
 
-def report(episode: Episode, folder: RunFolder, *, json: bool) -> None:
-    """Print how a run ended, its figures and its folder."""
+def report(episode: Episode, folder: RunFolder, *, json: bool, facts: Mapping[str, object] | None = None) -> None:
+    """Print how a run ended, its figures and its folder; as JSON with more facts."""
     if json:
-        output.print_json(folder.record or {**episode.as_dict(), "run_dir": folder.path})
+        output.print_json({**(folder.record or {**episode.as_dict(), "run_dir": folder.path}), **(facts or {})})
         return
     metrics = episode.metrics
     output.print_facts(

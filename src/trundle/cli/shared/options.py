@@ -118,7 +118,6 @@ WorldName = Annotated[
     ),
 ]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
-PlannerName = Annotated[str, Parameter(name="--planner", help=PLANNER_HELP)]
 SmootherName = Annotated[
     str | None, Parameter(name="--smoother", help="The smoother of planned paths: constrained or a plug-in's name.")
 ]

@@ -9,7 +9,7 @@ from typing import Annotated, cast
 from cyclopts import Parameter
 from pydantic import BaseModel
 
-from trundle.cli.shared import isaac, options, settings, sources
+from trundle.cli.shared import isaac, nav2, options, settings, sources
 from trundle.cli.shared.given import check_given
 from trundle.costmap.layers import ObstacleLayerSettings
 from trundle.errors import InputError, UnknownNameError
@@ -68,12 +68,17 @@ class ScenarioOptions:
     keepout: options.Keepout = None
     speed_mask: options.SpeedMaskFile = None
     time_limit: float | None = None
+    nav2_params: nav2.Nav2Params = None
     costmap: settings.CostmapOptions = None
     navigation: settings.RunOptions = None
     isaac_options: isaac.IsaacOptions | None = None
 
-    def make(self, source: str) -> Scenario:
+    def make(self, source: str, report: nav2.Nav2Report | None = None) -> Scenario:
         """Build the scenario from a map, a world by name or file, or another scenario.
+
+        Args:
+            source: The first argument.
+            report: Where to put what became of --nav2-params; None prints it.
 
         Raises:
             InputError: If options are invalid; one line for each.
@@ -105,7 +110,7 @@ class ScenarioOptions:
             changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
         source = isaac.world_of(source, self.backend, self.isaac_options)
         world_options = sources.read_settings(source, self.world_options, self.exclude, self.paths)
-        base = _read(source, world_options, changes)
+        base = self._with_nav2(_read(source, world_options, changes), changes, report)
         chosen = {
             "planner": settings.choose("planner", self.planner, self.planner_options, base.planner),
             "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
@@ -114,6 +119,14 @@ class ScenarioOptions:
             **self._sensing(base),
         }
         return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)
+
+    def _with_nav2(self, base: Scenario, changes: dict[str, object], report: nav2.Nav2Report | None) -> Scenario:
+        """The scenario with Nav2's parameters, which come after the options and before what it says itself."""
+        told = nav2.Nav2Report() if report is None else report
+        found = nav2.translate(self.nav2_params, base, changes, told)
+        if report is None:
+            told.tell(quiet=False)
+        return Scenario.make(**{**base.model_dump(), **found}) if found else base
 
     def _sensing(self, base: Scenario) -> dict[str, object]:
         """Settings of sensing that are given as pairs, added to those that the scenario has."""

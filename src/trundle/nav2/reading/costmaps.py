@@ -125,6 +125,7 @@ def _read_layers(planning: NodeParameters | None, local: NodeParameters | None, 
     layers: dict[str, object] = {"obstacle": None}
     settings: dict[str, object] = {"layers": layers}
     if sensed:
+        sensed.sort(key=lambda found: not _takes_scans(found[0].of_plugin(found[1])))  # those with scans first
         costmap, name = sensed[0]
         layers["obstacle"] = _read_obstacles(costmap.of_plugin(name), notes)
         settings["lidar"] = True
@@ -144,6 +145,10 @@ def _read_layers(planning: NodeParameters | None, local: NodeParameters | None, 
 
 def _sources(layer: NodeParameters) -> list[NodeParameters]:
     return [layer.of_plugin(name) for name in layer.texts("observation_sources", ())]
+
+
+def _takes_scans(layer: NodeParameters) -> bool:
+    return any(source.text("data_type", "LaserScan") == "LaserScan" for source in _sources(layer))
 
 
 def _read_obstacles(layer: NodeParameters, notes: Notes) -> dict[str, object]:

@@ -81,7 +81,7 @@ def read_points(node: NodeParameters, name: str) -> FloatArray:
     try:
         points = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        points = np.zeros(0)
+        points = np.zeros(1)  # no points
     if points.ndim == 1 and points.size % 2 == 0:
         points = points.reshape(-1, 2)
     if points.ndim != 2 or points.shape[-1] != 2 or not np.isfinite(points).all():

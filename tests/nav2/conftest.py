@@ -1,0 +1,17 @@
+"""Parameter files for the tests."""
+
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a parameter file."""
+
+    def write(text: str, name: str = "nav2_params.yaml") -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
