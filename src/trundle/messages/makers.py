@@ -144,7 +144,13 @@ class MessageMaker:
 
     def costmap(self, time: float, costmap: Costmap, frame: str = "map") -> Any:
         """A nav_msgs/OccupancyGrid of a costmap, with the values of Nav2's publisher."""
-        return self._grid(time, frame, self._cost_values[costmap.data], costmap.resolution, costmap.origin)
+        return self.costs(time, costmap.data, costmap.resolution, costmap.origin, frame)
+
+    def costs(
+        self, time: float, costs: npt.NDArray[np.uint8], resolution: float, origin: Pose2D, frame: str = "map"
+    ) -> Any:
+        """A nav_msgs/OccupancyGrid of costs, 0 to 255, shape (rows, cols), with the values of Nav2's publisher."""
+        return self._grid(time, frame, self._cost_values[costs], resolution, origin)
 
     def costmap_update(self, time: float, costmap: Costmap, rows: slice, cols: slice, frame: str = "map") -> Any:
         """A map_msgs/OccupancyGridUpdate of a rectangle of a costmap."""

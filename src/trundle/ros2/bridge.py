@@ -14,6 +14,7 @@ from trundle.mission import Episode, Mission, Observer, Scenario, Session
 from trundle.mission.place import make_place
 from trundle.mission.simulation import start_backend, wrap_backend
 from trundle.ros2.names import Names
+from trundle.ros2.navigation.role import NavigatorRole
 from trundle.ros2.outputs.robot import RobotOutputs
 from trundle.ros2.profile import Profile
 from trundle.ros2.role import BridgeContext, Driver, Role, RoleName
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from trundle.ros2.transport.transport import Transport
     from trundle.ros2.types import Types
 
-_ROLES: dict[RoleName, Callable[[BridgeContext], Role]] = {"simulator": SimulatorRole}
+_ROLES: dict[RoleName, Callable[[BridgeContext], Role]] = {"simulator": SimulatorRole, "navigator": NavigatorRole}
 
 MakeObservers: TypeAlias = Callable[[Mission, int], Sequence[Observer]]
 """Makes what else follows a run, from the mission and the number of the run, from 1."""

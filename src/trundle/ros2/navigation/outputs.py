@@ -1,0 +1,304 @@
+"""What the navigator publishes: its map, costmaps, plan and pose, and markers of its goals and rollouts."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from trundle.control import Rollouts
+from trundle.costmap import Costmap
+from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
+from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
+from trundle.mission import Step
+from trundle.ros2.navigation.actions.parts import Kit
+from trundle.ros2.navigation.local_window import local_window
+
+TOLERANCE_S = 0.1
+"""map → odom is stamped so far ahead [s], as AMCL does: it then holds for odometry that comes before the next one."""
+
+GLOBAL_PERIOD_S, LOCAL_PERIOD_S, PLAN_PERIOD_S = 1.0, 0.5, 1.0
+"""Nav2's publish_frequency of the costmaps, and how often its behavior tree plans."""
+
+MOVED_M, TURNED_RAD = 0.25, 0.2
+"""AMCL's update_min_d and update_min_a: the pose is published after this."""
+
+_GRID, _UPDATE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate"
+_MARKERS = "visualization_msgs/msg/MarkerArray"
+_POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+_SHOWN = 30
+_SECTION = 3
+
+_ADD, _DELETE_ALL = 0, 3
+_ARROW, _SPHERE, _LINES = 0, 2, 5
+_GREEN, _RED, _BLUE = (0.1, 0.7, 0.2), (0.9, 0.1, 0.1), (0.2, 0.4, 0.9)
+
+
+class MapOutput:
+    """Publishes the map, once for whoever comes.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        self._kit = kit
+        self._outlet = kit.context.wire.outlet("map", _GRID, LATCHED)
+        self._written = False
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish it, if it was not."""
+        if not self._written:
+            self._written = True
+            self._outlet.write(self._kit.make.grid(time, self._kit.context.mission.grid, self._kit.map_frame))
+
+
+class PoseOutput:
+    """Publishes map → odom, and the pose as AMCL does: when the robot has moved, or it was told its pose.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        context = kit.context
+        self._kit = kit
+        self._odom = context.wire.names.frame(context.profile.frames.odom)
+        self._tf = context.wire.outlet(context.profile.topics.tf, "tf2_msgs/msg/TFMessage", TRANSFORMS)
+        self._pose = context.wire.outlet("amcl_pose", _POSE, LATCHED)
+        self._last: Pose2D | None = None
+        self._covariance = np.zeros(36)
+
+    def begin(self) -> None:
+        """A run begins."""
+        self._last = None
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish what the robot believes at the end of a control period."""
+        kit, belief = self._kit, self._kit.beliefs.now
+        if self._tf.is_wanted:
+            stamp = time + TOLERANCE_S
+            transform = kit.make.transform(stamp, kit.map_frame, self._odom, belief.map_odom)
+            self._tf.write(kit.make.transforms([transform]))
+        if step.estimate is not None and step.estimate.covariance is not None:
+            self._covariance = covariance_of(step.estimate.covariance)
+        last, pose = self._last, belief.pose
+        turned = math.inf if last is None else abs(wrap_angle(pose.yaw - last.yaw))
+        if last is None or pose.distance_to(last) >= MOVED_M or turned >= TURNED_RAD:
+            self.publish_pose()
+
+    def publish_pose(self) -> None:
+        """Publish the pose now."""
+        kit, belief = self._kit, self._kit.beliefs.now
+        self._last = belief.pose
+        make = kit.types.make
+        self._pose.write(
+            make(
+                _POSE,
+                header=kit.make.header(belief.time, kit.map_frame),
+                pose=make(
+                    "geometry_msgs/msg/PoseWithCovariance",
+                    pose=kit.make.pose(belief.pose),
+                    covariance=self._covariance,
+                ),
+            )
+        )
+
+
+class GlobalCostmapOutput:
+    """Publishes the costmap, and its changes for those who have it.
+
+    A whole costmap goes out when its frame changes and when somebody new reads it; then the rectangles that changed.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        wire = kit.context.wire
+        self._kit = kit
+        self._whole = wire.outlet("global_costmap/costmap", _GRID, LATCHED)
+        self._updates = wire.outlet("global_costmap/costmap_updates", _UPDATE, Qos(10))
+        self._version: object = None
+        self._frame: object = None
+        self._readers = 0
+        self._at_s = -math.inf
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish what changed, if it is due."""
+        costmap = step.costmap
+        if costmap is None or 0.0 <= time - self._at_s < GLOBAL_PERIOD_S - 1e-9:
+            return
+        readers, frame = self._whole.readers, (costmap.shape, costmap.resolution, costmap.origin)
+        is_new = frame != self._frame or readers > self._readers
+        self._at_s, self._readers = time, readers
+        if not is_new and costmap.version is self._version:
+            return
+        windows = None if is_new else costmap.changes_since(self._version)
+        if windows is None:
+            self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
+        elif self._updates.is_wanted:
+            self._write_updates(costmap, windows, time)
+        elif readers == 0 and self._kit.context.wire.record is None:
+            return
+        else:
+            self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
+        self._version, self._frame = costmap.version, frame
+
+    def _write_updates(self, costmap: Costmap, windows: list[tuple[slice, slice]], time: float) -> None:
+        for rows, cols in windows:
+            self._updates.write(self._kit.make.costmap_update(time, costmap, rows, cols, self._kit.map_frame))
+
+
+class LocalCostmapOutput:
+    """Publishes the part of the costmap around the robot, where it is in the map frame.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        wire = kit.context.wire
+        self._kit = kit
+        self._whole = wire.outlet("local_costmap/costmap", _GRID, LATCHED)
+        self._updates = wire.outlet("local_costmap/costmap_updates", _UPDATE, Qos(10))
+        self._at_s = -math.inf
+        self._frame: object = None
+        self._version: object = None
+        self._readers = 0
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish it, if it is due: whole where the window has moved, else as an update."""
+        costmap, kit = step.costmap, self._kit
+        if costmap is None or 0.0 <= time - self._at_s < LOCAL_PERIOD_S - 1e-9:
+            return
+        self._at_s = time
+        costs, origin = local_window(costmap, kit.beliefs.now.pose)
+        frame, readers = (costs.shape, costmap.resolution, origin), self._whole.readers
+        if frame == self._frame and readers <= self._readers:
+            if costmap.version is not self._version and self._updates.is_wanted:
+                self._updates.write(self._update(costs, time))
+                self._version = costmap.version
+            elif costmap.version is not self._version:
+                self._frame = None
+            return
+        self._frame, self._version, self._readers = frame, costmap.version, readers
+        self._whole.write(kit.make.costs(time, costs, costmap.resolution, origin, kit.map_frame))
+
+    def _update(self, costs: Any, time: float) -> Any:
+        kit = self._kit
+        message = kit.make.costs(time, costs, 1.0, Pose2D(0.0, 0.0), kit.map_frame)
+        rows, cols = costs.shape
+        return kit.types.make(_UPDATE, header=message.header, x=0, y=0, width=cols, height=rows, data=message.data)
+
+
+class PlanOutput:
+    """Publishes the path that is followed, when it changes and once a second.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        self._kit = kit
+        self._outlet = kit.context.wire.outlet("plan", "nav_msgs/msg/Path", Qos(10))
+        self._path: object = None
+        self._at_s = -math.inf
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish it, if there is one and it is due."""
+        path = step.path
+        if path is None or not self._outlet.is_wanted:
+            return
+        if path is self._path and 0.0 <= time - self._at_s < PLAN_PERIOD_S - 1e-9:
+            return
+        self._path, self._at_s = path, time
+        self._outlet.write(self._kit.make.path(time, path.poses, self._kit.map_frame))
+
+
+class MarkerOutput:
+    """Publishes markers: the goals that are left, and the controller's best rollouts.
+
+    Args:
+        kit: What the navigator works with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        wire = kit.context.wire
+        self._kit = kit
+        self._goals = wire.outlet("waypoints", _MARKERS, LATCHED)
+        self._rollouts = wire.outlet("trajectories", _MARKERS, Qos(1))
+        self._shown: object = None
+
+    @property
+    def wants_rollouts(self) -> bool:
+        """Whether somebody looks at the rollouts, which take the controller a tenth of its time."""
+        return self._rollouts.is_wanted
+
+    def publish(self, step: Step, time: float) -> None:
+        """Publish the goals where they have changed, and the rollouts."""
+        goals = () if step.steering is None else step.steering.goals[step.goal :]
+        if step.status.value in ("arrived", "idle"):
+            goals = ()
+        if goals != self._shown:
+            self._shown = goals
+            self._goals.write(self._array([self._clear(time), *self._goal_markers(time, goals)]))
+        if step.rollouts is not None and self._rollouts.is_wanted:
+            self._rollouts.write(self._array([self._lines(time, step.rollouts)]))
+
+    def _array(self, markers: list[Any]) -> Any:
+        return self._kit.types.make(_MARKERS, markers=markers)
+
+    def _clear(self, time: float) -> Any:
+        return self._marker(time, 0, _ARROW, (0.0, 0.0, 0.0), _RED, action=_DELETE_ALL)
+
+    def _goal_markers(self, time: float, goals: tuple[Goal, ...]) -> list[Any]:
+        found: list[Any] = []
+        for number, goal in enumerate(goals):
+            shape, size = (_SPHERE, (0.2, 0.2, 0.2)) if goal.yaw_free else (_ARROW, (0.4, 0.06, 0.06))
+            color = _GREEN if number == len(goals) - 1 else _BLUE
+            marker = self._marker(time, number, shape, size, color)
+            marker.pose = self._kit.make.pose(goal.pose, 0.1)
+            found.append(marker)
+        return found
+
+    def _lines(self, time: float, rollouts: Rollouts) -> Any:
+        marker = self._marker(time, 0, _LINES, (0.01, 0.0, 0.0), _BLUE)
+        marker.points = self._points(rollouts.poses[:_SHOWN, ::_SECTION])
+        return marker
+
+    def _points(self, poses: FloatArray) -> list[Any]:
+        """Both ends of every section of paths, shape (N, T, 3)."""
+        ends = np.stack([poses[:, :-1, :2], poses[:, 1:, :2]], axis=2).reshape(-1, 2)
+        point = self._kit.types.kind("geometry_msgs/msg/Point")
+        return [point(x, y, 0.05) for x, y in ends.tolist()]
+
+    def _marker(
+        self,
+        time: float,
+        number: int,
+        shape: int,
+        size: tuple[float, float, float],
+        color: tuple[float, float, float],
+        action: int = _ADD,
+    ) -> Any:
+        make = self._kit.types.make
+        red, green, blue = color
+        return make(
+            "visualization_msgs/msg/Marker",
+            header=self._kit.make.header(time, self._kit.map_frame),
+            ns="trundle",
+            id=number,
+            type=shape,
+            action=action,
+            scale=make("geometry_msgs/msg/Vector3", x=size[0], y=size[1], z=size[2]),
+            color=make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=0.9),
+        )
+
+
+def covariance_of(covariance: FloatArray) -> FloatArray:
+    """A covariance of (x, y, yaw), shape (3, 3), as that of a PoseWithCovariance, shape (36,)."""
+    whole = np.zeros((6, 6))
+    whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
+    return whole.ravel()

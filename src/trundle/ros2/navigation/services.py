@@ -1,0 +1,107 @@
+"""Services of Nav2's costmaps, map server and planner server."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+
+from trundle.errors import InputError
+from trundle.mission import ClearObstacles
+from trundle.ros2.navigation.actions.parts import Kit
+from trundle.ros2.navigation.local_window import local_window
+
+_CLEARS: dict[str, tuple[str, Literal["all", "around", "except"]]] = {
+    "clear_entirely": ("nav2_msgs/srv/ClearEntireCostmap", "all"),
+    "clear_around": ("nav2_msgs/srv/ClearCostmapAroundRobot", "around"),
+    "clear_except": ("nav2_msgs/srv/ClearCostmapExceptRegion", "except"),
+}
+
+_VALID = "nav2_msgs/srv/IsPathValid"
+
+OPTIONAL = frozenset({_VALID})
+"""Types that a distribution may lack."""
+
+Serve = Callable[[str, str, Callable[[Any], Any]], object]
+"""Serves a service of a name, a type and a handler."""
+
+
+class Services:
+    """Clears costmaps, and answers with the map, the costmaps and whether a path is free.
+
+    trundle has one costmap of map and obstacles: the global one of Nav2 is all of it, and the local one a window of it
+    around the robot. Clearing either clears what was sensed in both.
+
+    Args:
+        kit: What actions work with.
+    """
+
+    def __init__(self, kit: Kit) -> None:
+        self._kit = kit
+
+    def open(self, serve: Serve) -> None:
+        """Offer them."""
+        for which in ("global", "local"):
+            for verb, (type_name, region) in _CLEARS.items():
+                serve(f"{which}_costmap/{verb}_{which}_costmap", type_name, self._clear(type_name, region))
+            serve(f"{which}_costmap/get_costmap", "nav2_msgs/srv/GetCostmap", self._costmap(which == "local"))
+        serve("map_server/map", "nav_msgs/srv/GetMap", self._map)
+        serve("is_path_valid", _VALID, self._is_path_valid)
+
+    def _clear(self, type_name: str, region: Literal["all", "around", "except"]) -> Callable[[Any], Any]:
+        kit = self._kit
+
+        def clear(request: Any) -> Any:
+            size = 0.0 if region == "all" else float(request.reset_distance)
+            if region != "all" and not size > 0.0:
+                raise InputError(f"reset_distance must be positive, got {size:g} m: nothing is cleared")
+            steering = kit.context.driver.steering
+            steering.put(ClearObstacles(region, size), by=type_name.rpartition("/")[2])
+            return kit.types.make(f"{type_name}_Response")
+
+        return clear
+
+    def _map(self, request: Any) -> Any:
+        kit = self._kit
+        grid = kit.make.grid(0.0, kit.context.mission.grid, kit.map_frame)
+        return kit.types.make("nav_msgs/srv/GetMap_Response", map=grid)
+
+    def _costmap(self, local: bool) -> Callable[[Any], Any]:
+        kit = self._kit
+
+        def answer(request: Any) -> Any:
+            belief, make = kit.beliefs.now, kit.types.make
+            if local:
+                costs, origin = local_window(belief.costmap, belief.pose)
+            else:
+                costs, origin = belief.costmap.data, belief.costmap.origin
+            stamp = kit.make.stamp(belief.time)
+            metadata = make(
+                "nav2_msgs/msg/CostmapMetaData",
+                map_load_time=stamp,
+                update_time=stamp,
+                layer="master",
+                resolution=belief.costmap.resolution,
+                size_x=costs.shape[1],
+                size_y=costs.shape[0],
+                origin=kit.make.pose(origin),
+            )
+            header = kit.make.header(belief.time, kit.map_frame)
+            message = make("nav2_msgs/msg/Costmap", header=header, metadata=metadata, data=np.ravel(costs))
+            return make("nav2_msgs/srv/GetCostmap_Response", map=message)
+
+        return answer
+
+    def _is_path_valid(self, request: Any) -> Any:
+        """Whether the footprint touches nothing at the poses of a path; and the indices of those where it does."""
+        kit = self._kit
+        poses = [kit.beliefs.read(stamped, "a pose of the path").as_tuple() for stamped in request.path.poses]
+        costmap = kit.beliefs.now.costmap
+        hits = np.flatnonzero(costmap.footprint_collides(np.array(poses))) if poses else np.zeros(0, np.intp)
+        return kit.types.make(
+            f"{_VALID}_Response",
+            success=True,
+            is_valid=bool(poses) and len(hits) == 0,
+            invalid_pose_indices=hits.astype(np.int32),
+        )

@@ -1,0 +1,204 @@
+"""`Tasks`: what the network asked the robot to do, one drive and one behavior at a time, and their results."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from trundle.errors import TrundleError
+from trundle.mission import Cancel, Step, TaskEnd
+from trundle.mission.steering.directives import Directive
+from trundle.ros2.actions import ActionGoal
+from trundle.ros2.role import BridgeContext
+
+
+class Report(Protocol):
+    """What an action sends about a goal: its feedback, and the code and message of a failure."""
+
+    def begin(self, time: float) -> None:
+        """The robot has taken it up, at this time of the run [s]."""
+        ...
+
+    def feedback(self, step: Step) -> dict[str, Any] | None:
+        """The fields of the feedback after a control period; None sends none."""
+        ...
+
+    def refused(self, error: TrundleError) -> dict[str, Any]:
+        """The fields of the result of a goal that the run refused."""
+        ...
+
+    def ended(self, end: TaskEnd) -> dict[str, Any]:
+        """The fields of the result of a goal that has ended, however it did."""
+        ...
+
+
+class Task:
+    """A goal of an action that the robot works at; watches its directive.
+
+    What the run says comes in the thread that drives; results are sent in the listening thread, after whatever the
+    client has asked for.
+
+    Args:
+        goal: The goal.
+        report: What is sent about it.
+        later: Calls something in the listening thread.
+    """
+
+    def __init__(self, goal: ActionGoal, report: Report, later: Callable[[Callable[[], None]], None]) -> None:
+        self.goal, self._report, self._later = goal, report, later
+        self._lock = threading.Lock()
+        self._runs = False
+        self.failed: Callable[[], None] | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has a result."""
+        return self.goal.is_over
+
+    def begin(self, time: float) -> None:
+        """The run has taken it up; see `TaskWatcher`."""
+        self._report.begin(time)
+        self._runs = True
+
+    def refuse(self, error: TrundleError) -> None:
+        """The run has refused it."""
+        fields = self._report.refused(error)
+        self._later(lambda: self._fail(fields))
+
+    def end(self, end: TaskEnd) -> None:
+        """The run has ended it."""
+        self._runs = False
+        fields = self._report.ended(end)
+        match end.result:
+            case "succeeded":
+                self._later(lambda: self._finish(self.goal.succeed, fields))
+            case "cancelled":
+                self._later(lambda: self._finish(self._cancelled, fields))
+            case "failed":
+                self._later(lambda: self._fail(fields))
+            case _:
+                self._later(lambda: self._finish(self.goal.abort, fields))
+
+    def preempt(self, end: TaskEnd) -> None:
+        """Another goal has come: end it as aborted, as Nav2 does."""
+        self._finish(self.goal.abort, self._report.ended(end))
+
+    def follow(self, step: Step) -> None:
+        """Send feedback for a control period."""
+        if not self._runs or self.goal.is_over:
+            return
+        fields = self._report.feedback(step)
+        if fields is not None:
+            with self._lock:
+                self.goal.publish_feedback(**fields)
+
+    def _fail(self, fields: dict[str, Any]) -> None:
+        if self.failed is not None:
+            self.failed()
+        self._finish(self.goal.abort, fields)
+
+    def _cancelled(self, **fields: Any) -> None:
+        end = self.goal.canceled if self.goal.cancel_requested else self.goal.abort
+        end(**fields)
+
+    def _finish(self, end: Callable[..., None], fields: dict[str, Any]) -> None:
+        with self._lock:
+            end(**fields)
+
+
+class Slot:
+    """One thing that the robot does at a time: a drive, or a behavior.
+
+    Args:
+        context: The bridge.
+        later: Calls something in the listening thread.
+        cancel: The directive that ends it.
+    """
+
+    def __init__(self, context: BridgeContext, later: Callable[[Callable[[], None]], None], cancel: Cancel) -> None:
+        self._steering, self._clock = context.driver.steering, context.clock
+        self._later, self._cancel = later, cancel
+        self._status = lambda: context.mission.navigator.status
+        self._current: Task | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something runs."""
+        return self._current is not None and not self._current.is_over
+
+    def start(self, goal: ActionGoal, report: Report, directive: Directive, by: str) -> None:
+        """Do this from now on; what runs is aborted."""
+        self.preempt("another goal has come")
+        task = Task(goal, report, self._later)
+        task.failed = lambda: self._give_up(task)
+        self._current = task
+        self._steering.put(directive, by=by, watcher=task)
+
+    def preempt(self, why: str) -> bool:
+        """End what runs as aborted; whether something ran."""
+        task, self._current = self._current, None
+        if task is None or task.is_over:
+            return False
+        task.preempt(TaskEnd("replaced", why, self._clock.now - self._clock.offset, self._status()))
+        return True
+
+    def cancel(self, goal: ActionGoal, by: str) -> bool:
+        """End a goal as its client asks; whether it runs."""
+        if self._current is None or self._current.goal is not goal:
+            return False
+        self._steering.put(self._cancel, by=by)
+        return True
+
+    def follow(self, step: Step) -> None:
+        """Send feedback for a control period."""
+        task = self._current
+        if task is not None:
+            task.follow(step)
+
+    def _give_up(self, task: Task) -> None:
+        """A task has failed: the robot does not go on with it, nor with what it had before."""
+        if self._current is task:
+            self._steering.put(self._cancel, by="failed")
+
+
+class Tasks:
+    """The drive and the behavior that the network asked for.
+
+    Args:
+        context: The bridge.
+
+    Attributes:
+        drive: A drive to a goal, through several, or along a path.
+        behavior: A behavior.
+        refuses: Why goals are refused now; empty where they are taken.
+    """
+
+    def __init__(self, context: BridgeContext) -> None:
+        self._wire = context.wire
+        self._due: deque[Callable[[], None]] = deque()
+        self.drive = Slot(context, self.later, Cancel())
+        self.behavior = Slot(context, self.later, Cancel("behavior"))
+        self.refuses = ""
+        context.wire.every_round(self.flush)
+
+    def follow(self, step: Step) -> None:
+        """Send feedback for a control period; in the thread that drives."""
+        self.drive.follow(step)
+        self.behavior.follow(step)
+
+    def flush(self) -> None:
+        """Send the results that are due; in the listening thread, or after it has ended."""
+        while self._due:
+            self._due.popleft()()
+
+    def end(self, why: str) -> None:
+        """End all goals as aborted: the other side is lost, or navigation is shut down."""
+        self.drive.preempt(why)
+        self.behavior.preempt(why)
+
+    def later(self, call: Callable[[], None]) -> None:
+        """Call this in the listening thread, after what clients have asked for; from any thread."""
+        self._due.append(call)
+        self._wire.wake()

@@ -1,0 +1,60 @@
+"""The texts of Nav2's messages, services and actions, of one distribution, as a transport gives them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+INTERFACES = Path(__file__).parent / "interfaces"
+
+_EMPTY = "uint8 structure_needs_at_least_one_member\n"
+
+OTHERS = {
+    "lifecycle_msgs/msg/State": "uint8 id\nstring label\n",
+    "lifecycle_msgs/srv/GetState_Request": _EMPTY,
+    "lifecycle_msgs/srv/GetState_Response": "State current_state\n",
+    "std_srvs/srv/Trigger_Request": _EMPTY,
+    "std_srvs/srv/Trigger_Response": "bool success\nstring message\n",
+    "nav_msgs/srv/GetMap_Request": _EMPTY,
+    "nav_msgs/srv/GetMap_Response": "nav_msgs/OccupancyGrid map\n",
+    "nav2_msgs/srv/IsPathValid_Request": "nav_msgs/Path path\n",
+    "nav2_msgs/srv/IsPathValid_Response": "bool success\nbool is_valid\nint32[] invalid_pose_indices\n",
+}
+"""Types of packages that have wheels, and one that the built environments lack."""
+
+_SEPARATOR = "\n" + "=" * 80 + "\n"
+_PARTS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+
+
+def nav2_texts(distro: str) -> dict[str, str]:
+    """The text of each type, with those that it uses."""
+    texts = dict(OTHERS)
+    for path in sorted(INTERFACES.glob("*_msgs/*/*.*")):
+        package, kind = path.parts[-3:-1]
+        chosen = _of_distro(path.read_text(encoding="utf-8"), distro)
+        for part, text in zip(_PARTS[kind], re.split(r"^---$", chosen, flags=re.MULTILINE), strict=True):
+            texts[f"{package}/{kind}/{path.stem}{part}"] = text if text.strip() else _EMPTY
+    own = {name.split("/")[2]: name.replace("/msg/", "/") for name in texts if "/msg/" in name}
+    for name, text in texts.items():
+        texts[name] = re.sub(r"^(\w+)(?=[ \[])", lambda used: own.get(used[1], used[1]), text, flags=re.MULTILINE)
+    return {name: _with_parts(name, texts) for name in texts}
+
+
+def _of_distro(text: str, distro: str) -> str:
+    """Without the lines of other distributions; a line of one ends in #[distro]."""
+    lines = [re.fullmatch(r"(.*?)\s*(?:#\[(\w+)\])?", line) for line in text.splitlines()]
+    return "\n".join(line[1] for line in lines if line is not None and line[2] in (None, distro)) + "\n"
+
+
+def _with_parts(name: str, texts: dict[str, str]) -> str:
+    """A text with those of the types of its own that it uses."""
+    found: dict[str, str] = {}
+    waiting = [name]
+    while waiting:
+        for field in re.findall(r"^(\w+/\w+)(?:\[\d*\])? \w+", texts[waiting.pop()], flags=re.MULTILINE):
+            used = "/msg/".join(field.split("/"))
+            if used in texts and field not in found:
+                found[field] = texts[used]
+                waiting.append(used)
+    sections = [f"MSG: {used}\n{text}" for used, text in found.items()]
+    return _SEPARATOR.join([texts[name], *sections])
