@@ -21,6 +21,7 @@ from trundle.ros2.role import BridgeContext, Driver, Role, RoleName
 from trundle.ros2.simulation.clock import SimulationClock
 from trundle.ros2.simulation.live_driver import LiveDriver
 from trundle.ros2.simulation.role import SimulatorRole
+from trundle.ros2.simulation.services import SimulationServices
 from trundle.ros2.wire import Record, Wire
 from trundle.sim.footprint import FootprintChecker
 
@@ -92,6 +93,7 @@ class Bridge:
             self._role = _ROLES[role](self.context)
             self._opened.callback(self._role.close)
             self._role.open()
+            SimulationServices(self.context, prefix=profile.services_prefix).open()
             self.wire.on_lost(self._role.lost)
         except BaseException:
             self.close()
@@ -127,7 +129,8 @@ class Bridge:
     def _begin(self, seed: int | None) -> Session:
         self._run += 1
         others = () if self._observers is None else self._observers(self.mission, self._run)
-        return self._role.begin([self._outputs, *others], seed)
+        self.context.session = self._role.begin([self._outputs, *others], seed)
+        return self.context.session
 
 
 def build_mission(scenario: Scenario, profile: Profile) -> Mission:

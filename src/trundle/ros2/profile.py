@@ -103,6 +103,7 @@ class Profile(Config):
         only_listed: Whether lidars that are not listed are not published.
         static_frames: Frames besides those of the sensors.
         publishes_static: Whether /tf_static has the sensors and those frames; else robot_state_publisher does that.
+        services_prefix: Before the names of the services of simulation_interfaces.
         control_period_s: Length of a control period [s]: /tf and /odom come once in each.
         joint_state_rate: How often joint states are published [Hz of simulated time]; above the control rate they come
             from the physics steps.
@@ -118,6 +119,7 @@ class Profile(Config):
     only_listed: bool = False
     static_frames: tuple[StaticFrame, ...] = ()
     publishes_static: bool = True
+    services_prefix: str = ""
     control_period_s: Positive = 0.02
     joint_state_rate: Positive = 50.0
     clock_rate: Positive = 200.0

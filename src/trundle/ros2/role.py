@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol, TypeAlias
 
 from trundle.geometry import Pose2D
+from trundle.messages import MessageMaker
 from trundle.mission import Episode, LiveStatus, Mission, Observer, Session, Steering
 from trundle.observation import Observation
 from trundle.ros2.profile import Profile
 from trundle.ros2.simulation.clock import SimulationClock
+from trundle.ros2.simulation.periods import PeriodCounter
 from trundle.ros2.wire import Wire
 
 RoleName: TypeAlias = Literal["simulator", "navigator"]
@@ -46,6 +48,9 @@ class BridgeContext:
         mission: World, robot, map, navigator and simulator.
         driver: Drives and steers.
         origin: Where the odometry of the simulator began in this run: the frame `odom` on the network begins there.
+        periods: Counts control periods and runs.
+        session: The present run; None before the first one.
+        maker: Makes messages of trundle's values.
     """
 
     wire: Wire
@@ -54,6 +59,12 @@ class BridgeContext:
     mission: Mission
     driver: Driver
     origin: Pose2D = field(default_factory=lambda: Pose2D(0.0, 0.0))
+    periods: PeriodCounter = field(default_factory=PeriodCounter)
+    session: Session | None = None
+    maker: MessageMaker = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.maker = MessageMaker(self.wire.types.codec)
 
     def odometry(self, observation: Observation) -> Pose2D:
         """Pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""

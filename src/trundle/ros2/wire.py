@@ -243,8 +243,7 @@ class Wire:
             Whether the transport can serve it.
         """
         full = self.names.resolve(name)
-        if not self.transport.has_services:
-            self.missing.append(full)
+        if not self._can_serve(full, f"{type_name}_Request"):
             return False
         types = self.types
 
@@ -271,12 +270,18 @@ class Wire:
             action: Gets its goals.
         """
         full = self.names.resolve(name)
-        if not self.transport.has_services:
-            self.missing.append(full)
+        if not self._can_serve(full, f"{type_name}_Goal"):
             return False
         self.transport.action(full, type_name, GoalAdapter(type_name, action, self.types, self.warn))
         self.actions.append((full, type_name))
         return True
+
+    def _can_serve(self, full: str, part: str) -> bool:
+        """Whether the transport has services, and the other side the type of this part; else the name is missing."""
+        if self.transport.has_services and self.types.knows(part):
+            return True
+        self.missing.append(full)
+        return False
 
     def every_round(self, call: Callable[[], None]) -> None:
         """Call this in the listening thread after everything that arrived, and ten times a second."""
@@ -304,6 +309,11 @@ class Wire:
             thread.join(_ENDS_S)
         self.transport.close()
 
+    @property
+    def is_closing(self) -> bool:
+        """Whether the wire is being closed: who waits in its thread leaves."""
+        return self._ends.is_set()
+
     def wake(self) -> None:
         """Let the listening thread do a round now."""
         self.transport.wake()
@@ -321,7 +331,10 @@ class Wire:
         """Who a message comes from, in words."""
         if not source:
             return "a publisher"
-        endpoints = self.transport.graph().endpoints
+        try:
+            endpoints = self.transport.graph().endpoints
+        except TrundleError:  # the other side is gone
+            endpoints = ()
         node = next((one.node for one in endpoints if one.source == source), "")
         return f"the node {node}" if node else f"the publisher {source}"
 

@@ -4,6 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import pytest
@@ -17,6 +18,12 @@ from trundle.ros2.types import Types
 
 LATCHED = Qos(100, durability="transient_local")
 QUICK_S = 20.0
+
+
+@cache
+def _codec(learns: bool) -> Codec:
+    """One for all tests, and one for those that learn types: each takes a while to load."""
+    return Codec("jazzy")
 
 
 class Peer:
@@ -115,7 +122,7 @@ def network() -> FakeNetwork:
 
 @pytest.fixture
 def types(network: FakeNetwork) -> Types:
-    return Types(Codec("jazzy"), FakeTransport(network, "/types", network.transport("unused").settings, True))
+    return Types(_codec(False), FakeTransport(network, "/types", network.transport("unused").settings, True))
 
 
 @pytest.fixture
@@ -137,7 +144,7 @@ def serve(network: FakeNetwork) -> Iterator[Callable[..., Served]]:
         bridge = Bridge(
             Scenario.make(**settings | (scenario or {})),
             transport,
-            Types(Codec("jazzy"), transport),
+            Types(_codec(bool(transport.definitions)), transport),
             names,
             **{"speed": math.inf, "report": said.append, **options},
         )

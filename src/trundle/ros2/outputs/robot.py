@@ -44,12 +44,15 @@ class RobotOutputs:
         """Let the clock and the odometry begin."""
         self._context.clock.begin()
         self._context.origin = run.start
+        self._context.periods.runs += 1
 
     def on_step(self, step: Step) -> None:
         """Publish a control period."""
         time = self._context.clock.set(step.state.time)
         for output in self._outputs:
             output.publish(step, time)
+        if step.index:
+            self._context.periods.add()
 
     def on_substep(self, substep: Substep) -> None:
         """Publish the time of a physics step."""

@@ -1,0 +1,166 @@
+"""`SimulationControl`: pauses, steps and restarts the simulation, and puts the robot somewhere else, as others ask."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time as clock
+from collections.abc import Callable
+from typing import Literal, TypeAlias
+
+from trundle.errors import InputError
+from trundle.geometry import Pose2D
+from trundle.mission import End, Pause, PlaceRobot, Restart, Session, StepOnce
+from trundle.mission.steering.directives import Directive
+from trundle.ros2.role import BridgeContext
+
+SimulationState: TypeAlias = Literal["stopped", "playing", "paused", "quitting"]
+
+MOST_STEPS = 100_000
+"""Control periods that a service steps at once; an action steps as many as it is asked for."""
+
+_BY = "ros2"
+_TAKES_S = 5.0
+_LOOK_S = 0.005
+
+
+class ControlError(InputError):
+    """What cannot be done in the present state of the simulation; the message says why."""
+
+
+class SimulationControl:
+    """Steers the run for services; its methods return when what they ask for is done.
+
+    They are called in the listening thread, and handle the topics' messages while they wait.
+
+    Args:
+        context: The bridge.
+    """
+
+    def __init__(self, context: BridgeContext) -> None:
+        self._context = context
+        self._stopped_at: int | None = None
+        self._quits = False
+
+    @property
+    def session(self) -> Session:
+        """The present run.
+
+        Raises:
+            ControlError: If there is none yet.
+        """
+        session = self._context.session
+        if session is None:
+            raise ControlError("the first run has not begun")
+        return session
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the simulated time stands until somebody lets it go on."""
+        report = self.session.steering
+        return report is not None and report.paused
+
+    @property
+    def state(self) -> SimulationState:
+        """What the simulation does now."""
+        if self._quits or (self.session.outcome is not None and self.session.restart is None):
+            return "quitting"
+        if not self.is_paused:
+            return "playing"
+        return "stopped" if self._stopped_at == self._context.periods.count else "paused"
+
+    def play(self) -> None:
+        """Let the time go on."""
+        self._do(Pause(False))
+
+    def pause(self) -> None:
+        """Let the time stand; from stopped, where it does already."""
+        self._stopped_at = None
+        self._do(Pause(True))
+
+    def stop(self) -> None:
+        """Begin again, and let the time stand at the beginning."""
+        self.reset(from_zero=True, paused=True)
+        self._stopped_at = self._context.periods.count
+
+    def quit(self) -> None:
+        """End the run, and with it the bridge."""
+        self._quits = True
+        self._context.driver.steering.put(End("asked to quit over ROS 2"), by=_BY)
+
+    def step(self, periods: int) -> None:
+        """Drive so many control periods of a paused simulation, as fast as it can.
+
+        Raises:
+            ControlError: If it is not paused, they are too many, or the run ends.
+        """
+        if not self.is_paused:
+            raise ControlError("the simulation is not paused: pause it first")
+        if not 1 <= periods <= MOST_STEPS:
+            raise ControlError(
+                f"a service steps 1 to {MOST_STEPS} control periods at once, got {periods}; use the action"
+            )
+        done = threading.Event()
+        counter, session = self._context.periods, self.session
+        counter.expect(counter.count + periods, done.set)
+        self._do(StepOnce(periods))
+        self._wait(done, lambda: session.outcome is not None)
+        if not done.is_set():
+            raise ControlError("the run ended before all steps were driven")
+
+    def reset(self, *, from_zero: bool = False, paused: bool | None = None) -> None:
+        """Begin the run again: the robot and everything that moves where they were, without what was added.
+
+        Args:
+            from_zero: Let the clock begin at 0, too; else it goes on.
+            paused: Whether it is paused then; none means as now.
+
+        Raises:
+            ControlError: If the next run does not begin in time.
+        """
+        counter, steering = self._context.periods, self._context.driver.steering
+        paused = self.is_paused if paused is None else paused
+        runs = counter.runs
+        if from_zero:
+            self._context.clock.start_over()
+        steering.put(Restart(), by=_BY)
+        if paused:
+            steering.put(Pause(True), by=_BY)
+        self._wait(None, lambda: counter.runs > runs and self.is_paused == paused, _TAKES_S)
+        if counter.runs == runs:
+            raise ControlError(f"the run did not begin again within {_TAKES_S:g} s")
+
+    def reset_time(self) -> None:
+        """Let the clock begin at 0 now; the run goes on as it is."""
+        self._context.clock.offset -= self._context.clock.now
+        self._context.clock.now = 0.0
+
+    def place(self, pose: Pose2D) -> None:
+        """Put the robot somewhere else, at rest; map frame.
+
+        Raises:
+            ControlError: If it would touch something there, or the simulator cannot do it.
+        """
+        self._do(PlaceRobot(*pose.as_tuple()))
+
+    def _do(self, directive: Directive) -> None:
+        """Give a directive, and wait until it was applied."""
+        done, refused = threading.Event(), list[str]()
+
+        def refuse(why: str) -> None:
+            refused.append(why)
+            done.set()
+
+        self._context.driver.steering.put(directive, by=_BY, refused=refuse, applied=done.set)
+        self._wait(done, lambda: False, _TAKES_S)
+        if not done.is_set():
+            raise ControlError(f"the run did not take it within {_TAKES_S:g} s")
+        if refused:
+            raise ControlError(refused[0])
+
+    def _wait(self, event: threading.Event | None, over: Callable[[], bool], timeout_s: float = math.inf) -> None:
+        """Wait for an event, until something is over, or for so long [s]; handle the topics' messages meanwhile."""
+        wire, event = self._context.wire, threading.Event() if event is None else event
+        until = clock.monotonic() + timeout_s
+        while not (event.wait(_LOOK_S) or over() or wire.is_closing or clock.monotonic() > until):
+            wire.take_topics()
