@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from trundle._core import cast_grid_rays, cast_outline_rays
+from support.moved_points_oracle import find_moved as find_moved_slowly
+from trundle._core import cast_grid_rays, cast_outline_rays, find_moved
 
 WALL = np.array([[2.0, -1.0, 2.0, 1.0]])
 NO_DISCS = np.empty((0, 3))
@@ -25,3 +26,36 @@ def test_a_ray_from_far_away_meets_the_cells_or_nothing(away):
     (found,) = cast_grid_rays(blocked, -away, 2.0, np.array([0.0]), 2.0 * away)
     assert found == pytest.approx(away)
     assert np.isinf(cast_grid_rays(blocked, -away, 2.0, np.array([math.pi]), 2.0 * away)).all()
+
+
+def test_what_has_moved_is_found_as_in_numpy():
+    """Two discs and a wall; one disc has moved."""
+    rim = 0.3 * np.column_stack([np.cos(np.arange(8.0)), np.sin(np.arange(8.0))])
+    wall = np.column_stack([np.full(60, 5.0), np.linspace(-2.0, 2.0, 60)])
+    earlier = np.concatenate([rim + (2.0, 1.5), rim + (2.0, -1.0), wall])
+    points = np.concatenate([rim + (2.0, 0.5), rim + (2.0, -1.0), wall])
+    angles, here = np.linspace(-math.pi, math.pi, 720), np.zeros(3)
+    through = np.where(np.abs(angles) < 0.5, 4.9, 0.0)
+    arguments = (points, here, earlier, here, angles, through, 0.5)
+    velocities, moves, edges = find_moved(*arguments)
+    assert moves
+    assert velocities[:8] == pytest.approx(np.full((8, 2), (0.0, -2.0)))
+    assert not velocities[8:].any()
+    for found, expected in zip((velocities, moves, edges), find_moved_slowly(*arguments), strict=True):
+        assert np.allclose(found, expected)
+
+
+@pytest.mark.parametrize(
+    ("index", "value", "message"),
+    [
+        (0, np.zeros((2, 3)), "points"),
+        (1, np.zeros(2), "poses"),
+        (4, np.zeros(3), "a range for each angle"),
+        (6, 0.0, "one after the other"),
+    ],
+)
+def test_scans_that_cannot_be_compared_are_refused(index, value, message):
+    arguments = [np.zeros((2, 2)), np.zeros(3), np.zeros((2, 2)), np.zeros(3), np.zeros(2), np.zeros(2), 0.25]
+    arguments[index] = value
+    with pytest.raises(ValueError, match=message):
+        find_moved(*arguments)

@@ -153,6 +153,15 @@ def test_what_comes_towards_the_robot_counts_with_its_speed():
     assert coming[-1].time_to_contact == pytest.approx(gap / 1.7, abs=0.06)
 
 
+def test_after_a_scan_without_beams_the_next_ones_are_taken():
+    monitor = CollisionMonitor(CARTER)
+    for time in (0.0, 0.3):
+        full = scan_of(wall_ahead(2.0), time=time)
+        scan = full if time else Scan(full.lidar, 0.0, full.mount, 0.4, np.zeros(0), np.zeros(0), 0.0, 12.0)
+        report = monitor.check(Twist2D(0.5, 0.0), Twist2D(0.5, 0.0), [scan], time, Pose2D(0.0, 0.0))
+    assert report.action == "none"
+
+
 def test_something_that_moves_close_by_stops_the_robot():
     beside = watch_mover((-1.0, 0.7), (0.6, 0.0), command=Twist2D(0.5, 0.0))
     assert beside[-1].action == "stop"

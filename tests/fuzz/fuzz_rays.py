@@ -8,7 +8,8 @@ import random
 import numpy as np
 
 from fuzz.loop import attempt, rng_of, spoil
-from trundle._core import cast_grid_rays, cast_outline_rays
+from support.moved_points_oracle import find_moved as find_moved_slowly
+from trundle._core import cast_grid_rays, cast_outline_rays, find_moved
 from trundle.geometry import FloatArray
 
 CLOSE = 1e-6
@@ -104,5 +105,27 @@ def check_outlines(generator: random.Random) -> None:
     assert near[steady].all()
 
 
+def check_moved(generator: random.Random) -> None:
+    """Clusters that have moved since an earlier scan, among others that have not, and points everywhere."""
+    rng = rng_of(generator)
+    beams, seconds = generator.choice((0, 1, 2, 37, 360)), generator.uniform(0.2, 0.5)
+    angles = np.sort(rng.uniform(-math.pi, math.pi, beams))
+    through = rng.choice([-np.inf, np.inf, 1.0, 5.0], beams) + rng.uniform(0.0, 1.0, beams)
+    middles = rng.uniform(-6.0, 6.0, (generator.choice((0, 1, 8)), 2))
+    shape = rng.uniform(-0.2, 0.2, (generator.choice((1, 4, 60)), 2)).cumsum(axis=0) * 0.3
+    earlier = (middles[:, None] + shape).reshape(-1, 2)
+    points = (middles[:, None] + rng.uniform(-1.0, 1.0, (len(middles), 1, 2)) + shape).reshape(-1, 2)
+    if generator.random() < 0.3:
+        points = rng.uniform(-6.0, 6.0, (generator.choice((0, 1, 5, 900)), 2))
+    sensors = rng.uniform(-2.0, 2.0, (2, 3))
+    arguments = (points, sensors[0], earlier, sensors[1], angles, through, seconds)
+    if generator.random() < 0.3:
+        attempt(find_moved, spoil(generator, arguments))
+        return
+    for found, expected in zip(find_moved(*arguments), find_moved_slowly(*arguments), strict=True):
+        assert np.shape(found) == np.shape(expected)
+        assert np.allclose(found, expected, rtol=1e-9, atol=1e-9)
+
+
 def one_round(generator: random.Random) -> None:
-    generator.choice((check_cells, check_outlines))(generator)
+    generator.choice((check_cells, check_outlines, check_moved))(generator)

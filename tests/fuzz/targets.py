@@ -62,7 +62,7 @@ TARGETS = {
     "components": Target(
         fuzz_components.one_round, ("label_components", "mark_gaps", "flood_free", "flood_largest"), 500
     ),
-    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays"), 1000),
+    "rays": Target(fuzz_rays.one_round, ("cast_grid_rays", "cast_outline_rays", "find_moved"), 1000),
     "tracking": Target(fuzz_tracking.one_round, ("ScanTracker",), 60),
     "layers": Target(fuzz_layers.one_round, ("mark_scan", "paint_marks", "unmark_before", "unmark_within"), 150),
     "raster": Target(

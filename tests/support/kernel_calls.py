@@ -78,6 +78,7 @@ MPPI_STEP = (
     *(COSTS, RNG.random((SIDE, SIDE), np.float32), 0.1, 0.01, np.array([2.0, 2.0, 1.0, 1.0, 0.5, 0.2, 1.0])),
     *(np.array([(1.0, 0.5, 0.1, 0.0, 0.2, 0.01, 0.01)]), np.ones(15), np.ones(5)),
 )
+RIM = 2.0 * np.column_stack([np.cos(np.linspace(-3.0, 3.0, 60)), np.sin(np.linspace(-3.0, 3.0, 60))])
 TURN = (np.arange(60) % 7 + 1.0, np.arange(60) * 0.1, np.zeros((1, 3)), np.array([0.0, 0.0, 0.0, 0.0, 9.0]))
 TRACKER = _core.ScanTracker(np.array([15.0, 3.0, 1.0, 0.07, 0.6, 0.2, 2.0, 0.8]), OUTLINE)
 TRACKER.see(0, 0.0, *TURN)
@@ -162,6 +163,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "ScanTracker": lambda: _core.ScanTracker(np.ones(8), OUTLINE) is not None,
     "ScanTracker.see": lambda: TRACKER.see(0, 0.0, *TURN),
     "ScanTracker.tracks": lambda: TRACKER.tracks(0.5),
+    "find_moved": lambda: _core.find_moved(
+        RIM + 0.3, np.zeros(3), RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0), 0.25
+    ),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),
     "unmark_within": lambda: marked(_core.unmark_within, MARKS, HIT_POINTS, 0, 0, 0.1, OUTLINE + 1.0, 5, 2),

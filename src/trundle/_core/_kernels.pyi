@@ -542,6 +542,22 @@ def cast_outline_rays(
 ) -> npt.NDArray[np.float64]:
     """Distances [m] from (x, y) along evenly spaced rays to the nearest segment or disc, or infinity."""
 
+def find_moved(
+    points: npt.NDArray[np.float64],
+    sensor: npt.NDArray[np.float64],
+    earlier: npt.NDArray[np.float64],
+    earlier_sensor: npt.NDArray[np.float64],
+    angles: npt.NDArray[np.float64],
+    through: npt.NDArray[np.float64],
+    seconds: float,
+) -> tuple[npt.NDArray[np.float64], bool, npt.NDArray[np.float64]]:
+    """What has moved since an earlier scan `seconds` ago, both of one lidar and in the order of its beams.
+
+    Returns:
+        A velocity for each point, 0 for what stands, shape (N, 2); whether anything moves; (x, y, vx, vy) of points
+        that have moved in, shape (M, 4).
+    """
+
 def label_components(
     mask: npt.NDArray[np.uint8], diagonal: bool
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64]]:

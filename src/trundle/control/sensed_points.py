@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,21 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from trundle import _core
 from trundle.footprint import Footprint
 from trundle.geometry import FloatArray, Pose2D
 from trundle.observation import PoseBuffer, Scan
 
 _COMPARE_S = 0.25  # movement is found between scans this far apart [s]
 _KEPT_S = 1.0
-_SAME_M = 0.1  # ranges this close are those of one surface: ten times the noise of a lidar
 _BEAMS_ASIDE = 3
-_APPEARED_SHARE = 0.3
-_GAP_M = 0.3  # between two things
-_LARGEST_M = 3.0  # larger things are walls
-_LEAST_POINTS = 3
-_NEAR_M = 5.0  # from the sensor: farther away, nothing turns into the robot soon
-_AT_ONCE = 200  # points, which bounds the work
-_FASTEST_MPS = 4.0
 _BODY_M = 1e-6
 _AT_ORIGIN = np.zeros((1, 3))
 _NOTHING = np.zeros((0, 2))
@@ -120,9 +112,7 @@ class SensedPoints:
                 del kept[0]
             before = next((old for old in reversed(kept) if old.scan.time <= scan.time - _COMPARE_S + 1e-6), None)
             if before is not None:
-                appeared = _appeared(seen, before)
-                _find_velocities(seen, before, appeared)
-                _find_edges(seen, before, appeared)
+                _find_moved(seen, before)
 
     def around(self, time: float, odometry: Pose2D, reach: float, horizon: float, oldest: float) -> Points:
         """What the latest scans hit within `reach` [m] of base_link, where it is now: base_link, [m].
@@ -206,66 +196,14 @@ def box_around(footprint: Footprint, poses: FloatArray, padding: float) -> tuple
     return corners.min(axis=(0, 1)) - padding, corners.max(axis=(0, 1)) + padding
 
 
-def _find_edges(seen: _Seen, before: _Seen, appeared: npt.NDArray[np.bool_]) -> None:
-    """Set the edges: runs of three points or more near the sensor that have come to where an older scan saw through."""
-    if len(before.points) == 0:
-        return
-    runs = appeared.copy()
-    for shift in (1, -1):
-        runs &= np.roll(appeared, shift) | np.roll(appeared, 2 * shift) & np.roll(appeared, -shift)
-    x, y, _ = seen.sensor.as_tuple()
-    runs &= np.hypot(seen.points[:, 0] - x, seen.points[:, 1] - y) <= _NEAR_M
-    index = np.flatnonzero(runs)
-    if len(index) < _LEAST_POINTS:
-        return
-    points = seen.points[index[:: max(1, math.ceil(len(index) / _AT_ONCE))]]
-    offset = points[:, None] - before.points
-    apart: FloatArray = offset[..., 0] ** 2 + offset[..., 1] ** 2
-    nearest = apart.argmin(axis=1)
-    velocities = offset[np.arange(len(points)), nearest] / (seen.scan.time - before.scan.time)
-    credible = np.hypot(velocities[:, 0], velocities[:, 1]) <= _FASTEST_MPS
-    if np.count_nonzero(credible) >= _LEAST_POINTS:
-        seen.edges = (points[credible], velocities[credible])
-
-
-def _find_velocities(seen: _Seen, before: _Seen, appeared: npt.NDArray[np.bool_]) -> None:
-    """Set the velocities of what has moved since an older scan."""
-    parts = _things(seen.points)
-    if len(parts) == 0:
-        return
-    starts = np.array([part.start for part in parts])
-    counts = np.add.reduceat(appeared, starts, dtype=np.intp)
-    sizes = np.diff([*starts.tolist(), len(appeared)])
-    moved = np.flatnonzero((counts >= _LEAST_POINTS) & (counts >= _APPEARED_SHARE * sizes))
-    old = [_extent(before.points[part]) for part in _things(before.points)] if len(moved) else []
-    small = [(low, high) for low, high in old if math.dist(low, high) <= _LARGEST_M]
-    if len(small) == 0:
-        return
-    middles = np.array([0.5 * (low + high) for low, high in small])
-    for part in (parts[index] for index in moved.tolist()):
-        low, high = _extent(seen.points[part])
-        offsets = 0.5 * (low + high) - middles
-        nearest = offsets[int(np.hypot(offsets[:, 0], offsets[:, 1]).argmin())]
-        velocity = nearest / (seen.scan.time - before.scan.time)
-        if math.dist(low, high) <= _LARGEST_M and math.hypot(*velocity) <= _FASTEST_MPS:
-            seen.velocities[part] = velocity
-            seen.moves = True
-
-
-def _extent(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return points.min(axis=0), points.max(axis=0)
-
-
-def _appeared(seen: _Seen, before: _Seen) -> npt.NDArray[np.bool_]:
-    """Which points are where an older scan saw through, shape (N,)."""
-    x, y, yaw = before.sensor.as_tuple()
-    dx, dy = seen.points[:, 0] - x, seen.points[:, 1] - y
+def _find_moved(seen: _Seen, before: _Seen) -> None:
+    """Set the velocities and the edges of what has moved since an older scan."""
+    seconds = seen.scan.time - before.scan.time
+    own, old = np.array(seen.sensor.as_tuple()), np.array(before.sensor.as_tuple())
     angles, through = before.through
-    # The nearest beam; the ends of a full turn are one direction.
-    bearings: FloatArray = (np.arctan2(dy, dx) - yaw - angles[0]) % math.tau + angles[0]
-    after: npt.NDArray[np.intp] = np.searchsorted(angles, bearings)
-    beyond = bearings - angles[-1] > 2.0 * (angles[-1] - angles[0]) / max(len(angles) - 1, 1)
-    return (np.hypot(dx, dy) + _SAME_M < through[np.minimum(after, len(angles) - 1)]) & ~beyond
+    found = _core.find_moved(seen.points, own, before.points, old, angles, through, seconds)
+    seen.velocities, seen.moves, edges = found
+    seen.edges = (edges[:, :2], edges[:, 2:])
 
 
 def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
@@ -281,12 +219,3 @@ def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
     for shift in range(len(around) - len(ranges) + 1):
         least = np.minimum(least, around[shift : shift + len(ranges)])
     return angles, least
-
-
-def _things(points: FloatArray) -> list[slice]:
-    """Runs of neighbouring points without a gap."""
-    if len(points) == 0:
-        return []
-    steps = np.diff(points, axis=0)
-    ends = [0, *(np.flatnonzero(np.hypot(steps[:, 0], steps[:, 1]) > _GAP_M) + 1).tolist(), len(points)]
-    return [slice(begin, end) for begin, end in itertools.pairwise(ends)]

@@ -1,0 +1,180 @@
+// What moves, by two scans of one lidar alone: hits that are where the earlier scan saw through. A thing that has moved
+// in gets the velocity of the middle of its box; what turns on the spot has none, so hits that have moved in also get
+// one each, from the nearest hit of the earlier scan.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "rays/kernels.hpp"
+
+namespace trundle {
+namespace {
+
+constexpr double kTurn = 6.28318530717958647692;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSame = 0.1;  // ranges this close are those of one surface: ten times the noise of a lidar
+constexpr double kAppearedShare = 0.3;
+constexpr double kGap = 0.3;      // between two things
+constexpr double kLargest = 3.0;  // larger things are walls
+constexpr std::size_t kLeastPoints = 3;
+constexpr double kNear = 5.0;             // from the sensor: farther away, nothing turns into the robot soon
+constexpr std::size_t kAtOnce = 200;      // points, which bounds the work
+constexpr double kFastest = 4.0;
+
+struct Points {
+  const double *xy;
+  std::size_t count;
+
+  double x(std::size_t i) const { return xy[2 * i]; }
+  double y(std::size_t i) const { return xy[2 * i + 1]; }
+};
+
+struct Thing {  // a run of neighbouring points without a gap, and the box around it
+  std::size_t first, end;
+  double low_x, low_y, high_x, high_y;
+
+  double middle_x() const { return 0.5 * (low_x + high_x); }
+  double middle_y() const { return 0.5 * (low_y + high_y); }
+  bool is_small() const { return std::hypot(high_x - low_x, high_y - low_y) <= kLargest; }
+};
+
+std::vector<Thing> things_of(const Points &points) {
+  std::vector<Thing> things;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const double x = points.x(i), y = points.y(i);
+    if (i == 0 || std::hypot(x - points.x(i - 1), y - points.y(i - 1)) > kGap) {
+      things.push_back({i, i, x, y, x, y});
+    }
+    Thing &thing = things.back();
+    thing.end = i + 1;
+    thing.low_x = std::min(thing.low_x, x), thing.low_y = std::min(thing.low_y, y);
+    thing.high_x = std::max(thing.high_x, x), thing.high_y = std::max(thing.high_y, y);
+  }
+  return things;
+}
+
+// Which points are where an earlier scan from (x, y, yaw) saw through.
+std::vector<char> appeared_of(const Points &points, const double *sensor, const double *angles, const double *through,
+                              std::size_t beams) {
+  std::vector<char> appeared(points.count, 0);
+  if (beams == 0) {
+    return appeared;
+  }
+  const double first = angles[0], last = angles[beams - 1];
+  const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(beams - 1, 1));
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const double dx = points.x(i) - sensor[0], dy = points.y(i) - sensor[1];
+    double rest = std::fmod(std::atan2(dy, dx) - sensor[2] - first, kTurn);
+    rest = rest < 0.0 ? rest + kTurn : rest;
+    const double bearing = rest + first;
+    if (bearing - last > 2.0 * spacing) {
+      continue;
+    }
+    const auto after = static_cast<std::size_t>(std::lower_bound(angles, angles + beams, bearing) - angles);
+    appeared[i] = std::hypot(dx, dy) + kSame < through[std::min(after, beams - 1)];
+  }
+  return appeared;
+}
+
+// The velocities of things that have moved since an earlier scan; whether there are any.
+bool move_things(const Points &points, const Points &before, const std::vector<char> &appeared, double seconds,
+                 std::vector<double> &velocities) {
+  bool moves = false, looked = false;
+  std::vector<Thing> old;
+  for (const Thing &thing : things_of(points)) {
+    std::size_t count = 0;
+    for (std::size_t i = thing.first; i < thing.end; ++i) {
+      count += appeared[i] ? 1 : 0;
+    }
+    if (count < kLeastPoints || static_cast<double>(count) < kAppearedShare * static_cast<double>(thing.end - thing.first)) {
+      continue;
+    }
+    if (!looked) {
+      old = things_of(before);
+      old.erase(std::remove_if(old.begin(), old.end(), [](const Thing &one) { return !one.is_small(); }), old.end());
+      looked = true;
+    }
+    double least = kInfinity, vx = 0.0, vy = 0.0;
+    for (const Thing &one : old) {
+      const double dx = thing.middle_x() - one.middle_x(), dy = thing.middle_y() - one.middle_y();
+      const double apart = std::hypot(dx, dy);
+      if (apart < least) {
+        least = apart, vx = dx / seconds, vy = dy / seconds;
+      }
+    }
+    if (least < kInfinity && thing.is_small() && std::hypot(vx, vy) <= kFastest) {
+      moves = true;
+      for (std::size_t i = thing.first; i < thing.end; ++i) {
+        velocities[2 * i] = vx, velocities[2 * i + 1] = vy;
+      }
+    }
+  }
+  return moves;
+}
+
+// Runs of three points or more near the sensor that have appeared: (x, y, vx, vy) of each.
+std::vector<double> edges_of(const Points &points, const double *sensor, const Points &before,
+                             const std::vector<char> &appeared, double seconds) {
+  std::vector<std::size_t> index;
+  const std::size_t count = points.count;
+  for (std::size_t i = 0; i < count && before.count > 0; ++i) {
+    const auto at = [&](std::size_t ahead) { return appeared[(i + ahead) % count] != 0; };
+    const std::size_t back = count - 1, back2 = 2 * count - 2;
+    const bool run = at(0) && (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back)));
+    if (run && std::hypot(points.x(i) - sensor[0], points.y(i) - sensor[1]) <= kNear) {
+      index.push_back(i);
+    }
+  }
+  std::vector<double> edges;
+  if (index.size() < kLeastPoints) {
+    return edges;
+  }
+  const std::size_t step = std::max<std::size_t>(1, (index.size() + kAtOnce - 1) / kAtOnce);
+  for (std::size_t k = 0; k < index.size(); k += step) {
+    const double x = points.x(index[k]), y = points.y(index[k]);
+    double least = kInfinity;
+    std::size_t nearest = 0;
+    for (std::size_t j = 0; j < before.count; ++j) {
+      const double dx = x - before.x(j), dy = y - before.y(j), apart = dx * dx + dy * dy;
+      if (apart < least) {
+        least = apart, nearest = j;
+      }
+    }
+    const double vx = (x - before.x(nearest)) / seconds, vy = (y - before.y(nearest)) / seconds;
+    if (std::hypot(vx, vy) <= kFastest) {
+      edges.insert(edges.end(), {x, y, vx, vy});
+    }
+  }
+  if (edges.size() < 4 * kLeastPoints) {
+    edges.clear();
+  }
+  return edges;
+}
+
+}  // namespace
+
+nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 2> earlier, In<double, 1> earlier_sensor,
+                     In<double, 1> angles, In<double, 1> through, double seconds) {
+  if (points.shape(1) != 2 || earlier.shape(1) != 2) throw nb::value_error("find_moved needs points (x, y)");
+  if (sensor.shape(0) != 3 || earlier_sensor.shape(0) != 3) throw nb::value_error("find_moved needs poses (x, y, yaw)");
+  if (angles.shape(0) != through.shape(0)) throw nb::value_error("find_moved needs a range for each angle");
+  if (!(seconds > 0.0)) throw nb::value_error("find_moved needs scans one after the other");
+  const std::size_t count = points.shape(0);
+  std::vector<double> velocities(2 * count, 0.0), edges;
+  bool moves = false;
+  {
+    nb::gil_scoped_release released;
+    const Points now{points.data(), count}, before{earlier.data(), earlier.shape(0)};
+    const std::vector<char> appeared =
+        appeared_of(now, earlier_sensor.data(), angles.data(), through.data(), angles.shape(0));
+    moves = move_things(now, before, appeared, seconds, velocities);
+    edges = edges_of(now, sensor.data(), before, appeared, seconds);
+  }
+  const std::size_t found = edges.size() / 4;
+  return nb::make_tuple(to_numpy(std::move(velocities), {count, 2}), moves, to_numpy(std::move(edges), {found, 4}));
+}
+
+}  // namespace trundle
