@@ -18,7 +18,7 @@ frames = child.read_frames(sock)
 def send(kind, number, payload):
     sock.sendall(child.HEADER.pack(len(payload), kind, number) + payload)
 def hello(distro="jazzy"):
-    send(child.HELLO, 0, json.dumps({{"distro": distro, "rmw": "rmw_x_cpp", "python": "3.12"}}).encode())
+    send(child.HELLO, 0, json.dumps({{"distro": distro, "rmw": "rmw_x_cpp"}}).encode())
 def answer(value=None):
     kind, number, payload = next(frames)
     send(child.REPLY, number, json.dumps({{"value": value}}).encode())

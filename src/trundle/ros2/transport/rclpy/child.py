@@ -387,7 +387,7 @@ class Relay:
                     self._feed_back(number, payload)
                 elif kind == RESULT:
                     self._end(number, payload)
-        except (OSError, BrokenStreamError) as error:
+        except Exception as error:  # noqa: BLE001 - whatever happened, the node leaves the network in order
             sys.stderr.write(f"trundle's relay stops: {error}\n")
 
     def leave(self):
@@ -458,7 +458,9 @@ class Relay:
     def _do_publisher(self, number, topic, type, qos):
         kind = load_kind(type)
         home = self._home_of(topic, type)
-        self._publishers[number] = home.node.create_publisher(kind, topic, _profile(qos))
+        self._publishers[number] = home.node.create_publisher(
+            kind, topic, _profile(qos), event_callbacks=_no_events("PublisherEventCallbacks")
+        )
 
     def _do_subscription(self, number, topic, type, qos):
         from rclpy.subscription import Subscription
@@ -473,7 +475,9 @@ class Relay:
         # Humble calls it with the message alone; later ones look at the parameters that have no default.
         callback = pass_on if hasattr(Subscription, "CallbackType") else lambda data: pass_on(data, None)
         home = self._home_of(topic, type)
-        subscription = home.node.create_subscription(kind, topic, callback, _profile(qos), raw=True)
+        subscription = home.node.create_subscription(
+            kind, topic, callback, _profile(qos), raw=True, event_callbacks=_no_events("SubscriptionEventCallbacks")
+        )
         self._subscriptions[number], self._streams[number] = subscription, stream
 
     def _do_service(self, number, name, type):
@@ -643,6 +647,15 @@ def _profile(qos):
     )
 
 
+def _no_events(kind):
+    """No callbacks for events: rclpy's own only log, and each costs time whenever anything arrives."""
+    try:
+        module = importlib.import_module("rclpy.event_handler")
+    except ImportError:  # Humble
+        module = importlib.import_module("rclpy.qos_event")
+    return getattr(module, kind)(use_default_callbacks=False)
+
+
 def _source(info):
     """The publisher's id in a message's info; Humble and Jazzy have none there."""
     gid = info.get("publisher_gid") if isinstance(info, dict) else None
@@ -705,9 +718,16 @@ def _die_with(parent):
         os._exit(0)
 
 
-def _exit_later(code):
+def _hang_up_on_sigterm(sock):
+    """Have the relay leave on SIGTERM as if trundle had closed the socket."""
+    signal.sigwait([signal.SIGTERM])
+    with contextlib.suppress(OSError):
+        sock.shutdown(socket.SHUT_RDWR)
+
+
+def _exit_later():
     time.sleep(LEAVING_S)
-    os._exit(code)
+    os._exit(1)
 
 
 def main():
@@ -715,34 +735,30 @@ def main():
     if sys.version_info < (3, 10):  # noqa: UP036 - whichever is called python3 in the user's shell
         raise SystemExit("this Python is too old: ROS 2 has 3.10 or later")
     fd, parent, options = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    sock = socket.socket(fileno=fd)
+    # Not a handler: Python would run it in this thread alone, which may be about to wait for the socket.
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM])
+    threading.Thread(target=_hang_up_on_sigterm, args=(sock,), daemon=True).start()
     _die_with(parent)
     here = pathlib.Path(__file__).resolve().parent
     sys.path[:] = [entry for entry in sys.path if pathlib.Path(entry).resolve() != here]
-    sock = socket.socket(fileno=fd)
-    relay = None
+    distro = _distro()
+    if options["range"]:
+        _set_range(options["range"], distro)
     try:
-        distro = _distro()
-        if options["range"]:
-            _set_range(options["range"], distro)
-        try:
-            import rclpy
+        import rclpy
 
-            relay = Relay(sock, options["node"], options["namespace"])
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with this ROS: trundle reports it
-            text = f"{type(error).__name__}: {error}".encode()
-            sock.sendall(HEADER.pack(len(text), REFUSED, 0) + text)
-            return
-        rmw = rclpy.get_rmw_implementation_identifier()
-        hello = {"distro": distro, "rmw": rmw, "python": sys.version.partition(" ")[0]}
-        relay.outbox.put(HELLO, 0, json.dumps(hello).encode())
-        relay.run()
-    finally:
-        threading.Thread(target=_exit_later, args=(1,), daemon=True).start()
-        if relay is not None:
-            with contextlib.suppress(SystemExit):
-                relay.leave()
+        relay = Relay(sock, options["node"], options["namespace"])
+        hello = {"distro": distro, "rmw": rclpy.get_rmw_implementation_identifier()}
+    except Exception as error:  # noqa: BLE001 - whatever is wrong with this ROS: trundle reports it
+        text = f"{type(error).__name__}: {error}".encode()
+        sock.sendall(HEADER.pack(len(text), REFUSED, 0) + text)
         os._exit(0)
+    relay.outbox.put(HELLO, 0, json.dumps(hello).encode())
+    relay.run()
+    threading.Thread(target=_exit_later, daemon=True).start()
+    relay.leave()
+    os._exit(0)  # at once: threads of rclpy may be waiting
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ class Link:
 
     Attributes:
         outbox: What is sent to the child.
-        hello: What the child says of its ROS: "distro", "rmw" and "python".
+        hello: What the child says of its ROS: "distro" and "rmw".
         lost: Why it is gone; "" while it works.
     """
 
