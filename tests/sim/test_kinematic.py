@@ -5,6 +5,7 @@ import pytest
 from trundle.errors import InputError, SimulationError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.robots import Robot
+from trundle.sim import simulate
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.solids import Box, Solid
 from trundle.worlds import World
@@ -65,3 +66,17 @@ def test_a_closed_one_is_of_no_more_use():
 def test_a_timestep_out_of_range_is_refused():
     with pytest.raises(InputError, match=r"timestep 0\.0 s is out of range"):
         KinematicSimulator(EMPTY, CARTER, timestep=0.0)
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_the_last_physics_step_has_the_wheels_of_the_state(backend):
+    steps = []
+    with simulate(World("empty", ()), Robot.load("nova_carter"), backend=backend) as sim:
+        sim.reset(Pose2D(0.0, 0.0))
+        sim.on_substep = steps.append
+        for _ in range(5):
+            state = sim.step(Twist2D(0.5, 0.3), 0.05)
+    assert len(steps) == 50
+    assert steps[-1].wheel_positions == pytest.approx(state.wheel_positions)
+    assert steps[-1].wheel_speeds == pytest.approx(state.wheel_speeds)
+    assert steps[-1].pose == state.pose

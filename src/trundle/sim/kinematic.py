@@ -148,9 +148,13 @@ class KinematicSimulator:
     def _report_substeps(
         self, report: Callable[[Substep], None], poses: list[tuple[float, float, float]], motions: Sequence[Motion]
     ) -> None:
+        left, right = self._wheels
         for number, ((x, y, yaw), motion) in enumerate(zip(poses, motions, strict=True), self._steps + 1):
             pose = Pose2D(x, y, math.remainder(yaw, math.tau))
-            report(Substep(number * self._timestep, pose, Twist2D(motion.v, motion.w)))
+            left += motion.left * self._timestep
+            right += motion.right * self._timestep
+            positions, speeds = WheelSpeeds(left, right), WheelSpeeds(motion.left, motion.right)
+            report(Substep(number * self._timestep, pose, Twist2D(motion.v, motion.w), positions, speeds))
 
     def close(self) -> None:
         """Close it; closing twice does nothing."""

@@ -70,11 +70,15 @@ class Substep:
         time: Simulated time since the reset [s].
         pose: True pose of base_link in the map frame.
         twist: True twist in base_link.
+        wheel_positions: Angles of the drive wheels since the reset [rad]; None where the simulator says nothing of them.
+        wheel_speeds: Speeds of the drive wheels [rad/s]; likewise.
     """
 
     time: float
     pose: Pose2D
     twist: Twist2D
+    wheel_positions: WheelSpeeds | None = None
+    wheel_speeds: WheelSpeeds | None = None
 
 
 @dataclass(frozen=True, slots=True)

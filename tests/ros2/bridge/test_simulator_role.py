@@ -10,6 +10,7 @@ import pytest
 from ros2.bridge.conftest import LATCHED, wait_for
 from trundle.mission import Outcome
 from trundle.ros2.names import Names
+from trundle.ros2.profile import Profile
 
 CLOCK, TF, ODOM = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry"
 SCAN, CLOUD, JOINTS = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/JointState"
@@ -272,3 +273,17 @@ def test_profiles_have_the_names_of_their_launch_files(serve, profile, robot, to
     assert found >= topics | {"/clock", "/tf"}
     assert ("/tf_static" in found) == (profile != "turtlebot3")
     assert ("/robot_description" in found) == (profile != "turtlebot3")
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_joint_states_above_the_control_rate_come_from_the_physics_steps(serve, peer, backend):
+    profile = Profile.load("plain").model_copy(update={"joint_state_rate": 200.0})
+    peer.read("/joint_states", JOINTS)
+    served = serve(speed=5.0, profile=profile, scenario={"backend": backend})
+    peer.send("/cmd_vel", peer.twist(0.4))
+    wait_for(lambda: len(peer.got("/joint_states")) > 50)
+    served.end()
+    states = peer.got("/joint_states")
+    assert np.diff([seconds(one.header.stamp) for one in states]) == pytest.approx(0.005, abs=1e-6)
+    turned = np.diff([one.position[0] for one in states])
+    assert turned == pytest.approx([0.005 * one.velocity[0] for one in states[1:]], abs=1e-3)

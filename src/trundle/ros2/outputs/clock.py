@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 import time as real_time
 
 from trundle.messages import MessageMaker
 from trundle.messages.qos import CLOCK
 from trundle.mission import Step
+from trundle.ros2.outputs.stencil import Stencil, mark_stamp
 from trundle.ros2.simulation.clock import SimulationClock
 from trundle.ros2.wire import Wire
 
@@ -27,7 +29,11 @@ class ClockOutput:
 
     def __init__(self, wire: Wire, topic: str, clock: SimulationClock, rate: float) -> None:
         self._outlet = wire.outlet(topic, "rosgraph_msgs/msg/Clock", CLOCK)
-        self._make = MessageMaker(wire.types.codec)
+        make = MessageMaker(wire.types.codec)
+        message = make.clock(0.0)
+        mark_stamp(message.clock)
+        self._bytes = Stencil(wire.types.encode(message))
+        self._lock = threading.Lock()
         self._clock, self._period_s = clock, 1.0 / rate
         self._written = -1.0
         self._written_s = 0.0
@@ -46,7 +52,9 @@ class ClockOutput:
     def _write(self, time: float) -> None:
         self._written, self._written_s = time, real_time.monotonic()
         if self._outlet.is_wanted:
-            self._outlet.write(self._make.clock(time))
+            with self._lock:
+                data = self._bytes.fill(time)
+            self._outlet.write_bytes(data)
 
     def _repeat(self) -> None:
         if self._written >= 0.0 and real_time.monotonic() - self._written_s > _REPEAT_S:

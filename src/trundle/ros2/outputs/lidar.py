@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,6 +14,7 @@ from trundle.messages.qos import SENSOR
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.robots import Lidar
+from trundle.ros2.outputs.stencil import Stencil, mark_stamp
 from trundle.ros2.profile import Sensor
 from trundle.ros2.wire import Outlet, Wire
 
@@ -56,9 +60,10 @@ class LidarOutput:
         self._points = self._open(wire, sensor.points, "sensor_msgs/msg/PointCloud2")
         field = wire.types.codec.kind("sensor_msgs/msg/PointField")
         self._fields = [field(name=part, offset=offset, datatype=number, count=1) for part, _, offset, number in _PARTS]
-        self._cloud = wire.types.codec.kind("sensor_msgs/msg/PointCloud2")
-        self._angles: FloatArray | None = None
+        self._angles: FloatArray = np.zeros(0)
         self._directions = np.zeros((2, 0))
+        self._scan_bytes: _Filled | None = None
+        self._cloud_bytes: _Filled | None = None
 
     @staticmethod
     def _open(wire: Wire, topic: str | None, type_name: str) -> Outlet | None:
@@ -72,35 +77,65 @@ class LidarOutput:
 
     def _publish(self, scan: Scan, time: float) -> None:
         scans, points = self._scans, self._points
+        if scan.angles is not self._angles and not np.array_equal(scan.angles, self._angles):
+            self._angles = scan.angles
+            self._directions = np.stack([np.cos(scan.angles), np.sin(scan.angles)])
+            self._scan_bytes = self._cloud_bytes = None
         if scans is not None and scans.is_wanted:
-            message = self._make.scan(scan, self._frame)
-            message.header.stamp = self._make.stamp(time)
-            message.scan_time = self._scan_time
-            scans.write(message)
+            filled = self._scan_bytes = self._scan_bytes or self._prepare_scan(scan)
+            filled.array[:] = scan.ranges
+            scans.write_bytes(filled.stencil.fill(time))
         if points is not None and points.is_wanted:
-            points.write(self._make_cloud(scan, time))
+            filled = self._cloud_bytes = self._cloud_bytes or self._prepare_cloud(scan)
+            self._fill_points(filled.array, scan)
+            points.write_bytes(filled.stencil.fill(time))
 
-    def _make_cloud(self, scan: Scan, time: float) -> object:
+    def _fill_points(self, points: npt.NDArray[np.void], scan: Scan) -> None:
+        """Put the points [m], in the frame of the lidar, into an array; those without a return are NaN."""
+        missed = ~np.isfinite(scan.ranges)
+        points["x"], points["y"] = np.where(missed, np.nan, scan.ranges) * self._directions
+        points["z"] = np.where(missed, np.nan, 0.0)
+
+    def _prepare_scan(self, scan: Scan) -> _Filled:
+        message = self._make.scan(scan, self._frame)
+        mark_stamp(message.header.stamp)
+        message.scan_time = self._scan_time
+        message.ranges = _marks(len(scan.ranges), np.float32)
+        return _Filled.of(self._types.encode(message), message.ranges, "<f4", len(scan.ranges))
+
+    def _prepare_cloud(self, scan: Scan) -> _Filled:
         count = len(scan.ranges)
-        return self._cloud(
-            header=self._make.header(time, self._frame),
+        data = _marks(POINT.itemsize * count, np.uint8)
+        message = self._types.make(
+            "sensor_msgs/msg/PointCloud2",
+            header=self._make.header(0.0, self._frame),
             height=1,
             width=count,
             fields=self._fields,
-            is_bigendian=False,
             point_step=POINT.itemsize,
             row_step=POINT.itemsize * count,
-            data=self._find_points(scan),
-            is_dense=False,
+            data=data,
         )
+        mark_stamp(message.header.stamp)
+        filled = _Filled.of(self._types.encode(message), data, POINT, count)
+        filled.array[:] = np.zeros(count, POINT)
+        return filled
 
-    def _find_points(self, scan: Scan) -> npt.NDArray[np.uint8]:
-        """The bytes of the points [m], in the frame of the lidar; those without a return are NaN."""
-        if scan.angles is not self._angles:
-            self._angles = scan.angles
-            self._directions = np.stack([np.cos(scan.angles), np.sin(scan.angles)])
-        ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.nan)
-        points = np.zeros(len(ranges), POINT)
-        points["x"], points["y"] = ranges * self._directions
-        points["z"] = np.where(np.isnan(ranges), np.nan, 0.0)
-        return points.view(np.uint8)
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Filled:
+    """A stencil, and the array in it."""
+
+    stencil: Stencil
+    array: npt.NDArray[Any]
+
+    @classmethod
+    def of(cls, data: bytes, marks: npt.NDArray[Any], kind: npt.DTypeLike, count: int) -> _Filled:
+        stencil = Stencil(data)
+        return cls(stencil, stencil.array(marks.tobytes(), kind, count))
+
+
+def _marks(count: int, kind: npt.DTypeLike) -> npt.NDArray[Any]:
+    """Elements that nothing else in a message has."""
+    numbers = np.arange(count)
+    return (numbers * 37 % 251 + 1 if kind == np.uint8 else -9.7531e7 * (1.0 + numbers / 1024.0)).astype(kind)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from dataclasses import replace
+from typing import Any
 
+from trundle.geometry import Pose2D, Twist2D
 from trundle.messages import MessageMaker
 from trundle.messages.qos import TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.observation import Observation
 from trundle.robots import WheelSpeeds
+from trundle.ros2.outputs.stencil import Stencil, mark, mark_stamp
 from trundle.ros2.role import BridgeContext
+from trundle.ros2.wire import Wire
 
 ODOMETRY = Qos(10)
 JOINTS = Qos(10)
@@ -31,23 +36,27 @@ class MotionOutput:
         wire, profile = context.wire, context.profile
         names, frames, topics = wire.names, profile.frames, profile.topics
         self._context = context
-        self._make = MessageMaker(wire.types.codec)
-        self._odom, self._base = names.frame(frames.odom), names.frame(frames.base)
+        odom, base = names.frame(frames.odom), names.frame(frames.base)
+        self._tf_bytes = _stencil_of_transform(wire, context.maker, odom, base)
+        self._odometry_bytes = _stencil_of_odometry(wire, context.maker, odom, base)
         self._tf = wire.outlet(topics.tf, "tf2_msgs/msg/TFMessage", TRANSFORMS)
         self._odometry = None if topics.odom is None else wire.outlet(topics.odom, "nav_msgs/msg/Odometry", ODOMETRY)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish both."""
-        tf, odometry, make = self._tf, self._odometry, self._make
+        tf, odometry = self._tf, self._odometry
         wants_odometry = odometry is not None and odometry.is_wanted
         if not (tf.is_wanted or wants_odometry):
             return
         seen = observed(step)
         pose = self._context.odometry(seen)
+        half = 0.5 * pose.yaw
+        place = (pose.x, pose.y, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
         if tf.is_wanted:
-            tf.write(make.transforms([make.transform(time, self._odom, self._base, pose)]))
+            tf.write_bytes(self._tf_bytes.fill(time, place))
         if odometry is not None and wants_odometry:
-            odometry.write(make.odometry(time, self._odom, self._base, pose, seen.twist))
+            twist = seen.twist
+            odometry.write_bytes(self._odometry_bytes.fill(time, place, (twist.v, 0.0, 0.0, 0.0, 0.0, twist.w)))
 
 
 class JointOutput:
@@ -61,12 +70,17 @@ class JointOutput:
     def __init__(self, context: BridgeContext, topic: str) -> None:
         wire = context.wire
         self._outlet = wire.outlet(topic, "sensor_msgs/msg/JointState", JOINTS)
-        self._make = MessageMaker(wire.types.codec)
-        self._kind = wire.types.codec.kind("sensor_msgs/msg/JointState")
         wheels = context.mission.robot.drive.wheels
-        self._names = [wheel.joint for wheel in wheels]
-        self._left = np.array([wheel.side > 0 for wheel in wheels])
-        self._no_effort = np.zeros(0)
+        count = len(wheels)
+        self._sides = [0 if wheel.side > 0 else 1 for wheel in wheels]
+        message = wire.types.make(
+            "sensor_msgs/msg/JointState",
+            name=[wheel.joint for wheel in wheels],
+            position=mark(0, count),
+            velocity=mark(1, count),
+        )
+        mark_stamp(message.header.stamp)
+        self._bytes = Stencil(wire.types.encode(message), (count, count))
         self._period_s = 1.0 / context.profile.joint_state_rate
         self._written = -1.0
 
@@ -80,13 +94,29 @@ class JointOutput:
         if not self._outlet.is_wanted or 0.0 <= time - self._written < self._period_s - 1e-9:
             return
         self._written = time
-        left = self._left
-        self._outlet.write(
-            self._kind(
-                header=self._make.header(time, ""),
-                name=self._names,
-                position=np.where(left, positions.left, positions.right),
-                velocity=np.where(left, speeds.left, speeds.right),
-                effort=self._no_effort,
-            )
-        )
+        sides = self._sides
+        data = self._bytes.fill(time, [positions[side] for side in sides], [speeds[side] for side in sides])
+        self._outlet.write_bytes(data)
+
+
+def _stencil_of_transform(wire: Wire, make: MessageMaker, parent: str, child: str) -> Stencil:
+    transform = make.transform(0.0, parent, child, Pose2D(0.0, 0.0))
+    mark_stamp(transform.header.stamp)
+    _mark_pose(transform.transform.translation, transform.transform.rotation)
+    return Stencil(wire.types.encode(make.transforms([transform])), (7,))
+
+
+def _stencil_of_odometry(wire: Wire, make: MessageMaker, frame: str, child: str) -> Stencil:
+    message = make.odometry(0.0, frame, child, Pose2D(0.0, 0.0), Twist2D())
+    mark_stamp(message.header.stamp)
+    _mark_pose(message.pose.pose.position, message.pose.pose.orientation)
+    twist = message.twist.twist
+    twist.linear, twist.angular = replace(twist.linear), replace(twist.angular)
+    (twist.linear.x, twist.linear.y, twist.linear.z), angular = mark(1, 6)[:3].tolist(), mark(1, 6)[3:].tolist()
+    twist.angular.x, twist.angular.y, twist.angular.z = angular
+    return Stencil(wire.types.encode(message), (7, 6))
+
+
+def _mark_pose(place: Any, turn: Any) -> None:
+    """Put marks into a position and a quaternion."""
+    place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = mark(0, 7).tolist()

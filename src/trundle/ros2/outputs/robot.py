@@ -24,6 +24,7 @@ class RobotOutputs:
         self._context = context
         wire, profile, topics = context.wire, context.profile, context.profile.topics
         robot = context.mission.robot
+        self._ticks_joints = profile.joint_state_rate * profile.control_period_s > 1.0 + 1e-9
         self._clock = (
             None if topics.clock is None else ClockOutput(wire, topics.clock, context.clock, profile.clock_rate)
         )
@@ -55,10 +56,13 @@ class RobotOutputs:
             self._context.periods.add()
 
     def on_substep(self, substep: Substep) -> None:
-        """Publish the time of a physics step."""
+        """Publish the time of a physics step, and joint states that come more often than control periods."""
         time = self._context.clock.set(substep.time)
         if self._clock is not None:
             self._clock.tick(time)
+        positions, speeds = substep.wheel_positions, substep.wheel_speeds
+        if self._ticks_joints and self._joints is not None and positions is not None and speeds is not None:
+            self._joints.tick(time, positions, speeds)
 
     def on_end(self, episode: Episode) -> None:
         """Do nothing: the next run may follow."""

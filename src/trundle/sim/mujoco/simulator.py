@@ -236,7 +236,7 @@ class MujocoSimulator:
             step(model, data)
             done += 1
             if self.on_substep is not None:
-                self.on_substep(Substep(done * timestep, *_planar(qpos[:7].tolist(), qvel[:6].tolist())))
+                self.on_substep(self._substep(done * timestep))
             if movers is not None:
                 movers.advance(done * timestep)
             angles.append((qpos[left_address], qpos[right_address]))
@@ -253,6 +253,14 @@ class MujocoSimulator:
         self._integrate_odometry(angles)
         self._check_sound()
         return self._state(tuple(touched.values()), since)
+
+    def _substep(self, time: float) -> Substep:
+        """What watchers get after a physics step."""
+        positions, speeds = self.data.qpos.tolist(), self.data.qvel.tolist()
+        (left, right), (left_start, right_start) = self._wheel_qpos, self._wheel_start
+        turned = WheelSpeeds(positions[left] - left_start, positions[right] - right_start)
+        left, right = self._wheel_qvel
+        return Substep(time, *_planar(positions, speeds), turned, WheelSpeeds(speeds[left], speeds[right]))
 
     def close(self) -> None:
         """Release the model; closing twice does nothing."""
