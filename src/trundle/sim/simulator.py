@@ -70,7 +70,7 @@ class Substep:
         time: Simulated time since the reset [s].
         pose: True pose of base_link in the map frame.
         twist: True twist in base_link.
-        wheel_positions: Angles of the drive wheels since the reset [rad]; None where the simulator says nothing of them.
+        wheel_positions: Angles of the drive wheels since the reset [rad]; None where they are not reported.
         wheel_speeds: Speeds of the drive wheels [rad/s]; likewise.
     """
 
