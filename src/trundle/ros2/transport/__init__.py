@@ -1,1 +1,4 @@
-"""The network: the seam `Transport` with its implementations, and which domain and range they join."""
+"""The network: the seam `Transport` with its implementations, and which domain and range they join.
+
+`opening.open_transport` opens one, with the settings of `domain.read_settings`.
+"""

@@ -1,0 +1,161 @@
+"""Finds who is on the network: Cyclone's built-in topics, and ROS's ros_discovery_info."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from trundle.messages import Qos
+from trundle.ros2.transport.dds import names
+from trundle.ros2.transport.dds.library import Writing
+from trundle.ros2.transport.dds.participants import INFO_TYPE, NodeEndpoints, Participants, encode_info, gid_size
+from trundle.ros2.transport.dds.qos import read_qos, reader_qos, user_data, writer_qos
+from trundle.ros2.transport.graph import Endpoint, Graph, Offer
+
+if TYPE_CHECKING:
+    from cyclonedds.domain import DomainParticipant
+
+    from trundle.messages import Codec
+    from trundle.ros2.transport.dds.idl import IdlTypes
+
+INFO_QOS = Qos(1, durability="transient_local")
+
+INFOS_KEPT = 500
+"""What other nodes say of themselves waits in a reader of this length until it is read."""
+
+MOST_ENDPOINTS = 10_000
+
+_Kind: TypeAlias = Literal["publisher", "subscription"]
+_KINDS: tuple[_Kind, ...] = ("publisher", "subscription")
+_Found: TypeAlias = tuple[_Kind, Any]
+"""An endpoint as Cyclone's built-in topics have it."""
+
+_SERVICE = re.compile(r"r([qr])(/.+)(Request|Reply)")
+_SERVICE_TYPE = re.compile(r"(.+)_(Request|Response)")
+_SEND_GOAL = "/_action/send_goal"
+
+
+class Discovery:
+    """Tells others our node and its endpoints, and reads theirs. Safe in any thread.
+
+    Args:
+        participant: Ours.
+        idl: Makes types.
+        codec: Of our distribution.
+        namespace: Of our node ("/").
+        node: Its name.
+    """
+
+    def __init__(
+        self, participant: DomainParticipant, idl: IdlTypes, codec: Codec, *, namespace: str, node: str
+    ) -> None:
+        from cyclonedds.builtin import (
+            BuiltinDataReader,
+            BuiltinTopicDcpsParticipant,
+            BuiltinTopicDcpsPublication,
+            BuiltinTopicDcpsSubscription,
+        )
+        from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
+        from cyclonedds.pub import DataWriter
+        from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic
+
+        type_hash = codec.type_hash(INFO_TYPE)
+        topic = Topic(participant, names.DISCOVERY_TOPIC, idl.struct(INFO_TYPE))
+        self._writer = DataWriter(participant, topic, writer_qos(INFO_QOS, type_hash))
+        self._reader = DataReader(participant, topic, reader_qos(INFO_QOS, type_hash, kept=INFOS_KEPT))
+        self._alive = SampleState.Any | ViewState.Any | InstanceState.Alive
+        builtin = {
+            "participant": BuiltinTopicDcpsParticipant,
+            "publisher": BuiltinTopicDcpsPublication,
+            "subscription": BuiltinTopicDcpsSubscription,
+        }
+        self._builtin = {kind: BuiltinDataReader(participant, one) for kind, one in builtin.items()}
+        self._living = {kind: ReadCondition(reader, self._alive) for kind, reader in self._builtin.items()}
+        self._write = Writing()
+        self._lock = threading.Lock()
+        self._gid_size = gid_size(codec.distro)
+        self._participants = Participants(self._gid_size)
+        self._guid = participant.guid.bytes
+        self._node = NodeEndpoints(namespace, node)
+        self._announce()
+
+    @property
+    def node(self) -> str:
+        """Our node, with its namespace."""
+        return self._node.full_name
+
+    def add(self, kind: _Kind, guid: bytes) -> None:
+        """Tell others that an endpoint is our node's."""
+        with self._lock:
+            ours = self._node
+            readers = (*ours.readers, guid) if kind == "subscription" else ours.readers
+            writers = (*ours.writers, guid) if kind == "publisher" else ours.writers
+            self._node = NodeEndpoints(ours.namespace, ours.name, readers, writers)
+            self._announce()
+
+    def drain(self) -> None:
+        """Read what others said of their nodes."""
+        from cyclonedds._clayer import ddspy_take
+        from cyclonedds.core import InstanceState, SampleState, ViewState
+
+        mask = SampleState.Any | ViewState.Any | InstanceState.Any
+        with self._lock:
+            taken = ddspy_take(self._reader._ref, mask, INFOS_KEPT)
+            for data, info in taken if isinstance(taken, list) else ():
+                if info.valid_data:
+                    self._participants.update(data)
+
+    def graph(self) -> Graph:
+        """Who is on the network now."""
+        self.drain()
+        with self._lock:
+            alive = [one.key.bytes for one in self._read("participant")]
+            nodes = [*self._participants.nodes(alive)]
+            ours = self._node
+        if ours.full_name not in {node.full_name for node in nodes}:
+            nodes.append(ours)
+        owners = {guid: node.full_name for node in nodes for guid in (*node.readers, *node.writers)}
+        found: list[_Found] = [(kind, one) for kind in _KINDS for one in self._read(kind)]
+        return Graph(
+            tuple(sorted({node.full_name for node in nodes})),
+            tuple(self._endpoint(kind, one, owners) for kind, one in found if names.ros_topic(one.topic_name)),
+            tuple(sorted(self._offers(found, owners), key=lambda offer: (offer.name, offer.kind, offer.node))),
+        )
+
+    def _announce(self) -> None:
+        self._write(self._writer._ref, encode_info(self._guid, [self._node], self._gid_size))
+
+    def _read(self, kind: str) -> list[Any]:
+        return self._builtin[kind].read(MOST_ENDPOINTS, condition=self._living[kind])
+
+    def _endpoint(self, kind: _Kind, one: Any, owners: dict[bytes, str]) -> Endpoint:
+        guid = one.key.bytes
+        return Endpoint(
+            kind=kind,
+            topic=names.ros_topic(one.topic_name),
+            type_name=names.ros_type(one.type_name),
+            type_hash=user_data(one.qos).get("typehash", ""),
+            qos=read_qos(one.qos),
+            node=owners.get(guid, ""),
+            source=guid.hex(),
+            ours=one.participant_key.bytes == self._guid,
+        )
+
+    def _offers(self, found: list[_Found], owners: dict[bytes, str]) -> Iterator[Offer]:
+        """Services have a topic of requests, which servers read and clients write; of an action, one asks for goals."""
+        for kind, one in found:
+            parts = _SERVICE.fullmatch(one.topic_name)
+            typed = _SERVICE_TYPE.fullmatch(names.ros_type(one.type_name))
+            if not parts or not typed or parts[1] != "q":
+                continue
+            name, type_name, side = parts[2], typed[1], "server" if kind == "subscription" else "client"
+            what: Any = f"service {side}"
+            if name.endswith(_SEND_GOAL):
+                name, type_name = name.removesuffix(_SEND_GOAL), type_name.removesuffix("_SendGoal")
+                what = f"action {side}"
+            elif "/_action/" in name:
+                continue
+            yield Offer(what, name, type_name, owners.get(one.key.bytes, ""), one.participant_key.bytes == self._guid)
