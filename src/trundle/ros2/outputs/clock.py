@@ -6,11 +6,14 @@ import threading
 import time as real_time
 
 from trundle.messages import MessageMaker
-from trundle.messages.qos import CLOCK
+from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.ros2.outputs.stencil import Stencil, mark_stamp
 from trundle.ros2.simulation.clock import SimulationClock
 from trundle.ros2.wire import Wire
+
+CLOCK = Qos(10)
+"""Of /clock: reliable, so that readers who ask for that get it, too; time sources take it as it comes."""
 
 _REPEAT_S = 0.5
 

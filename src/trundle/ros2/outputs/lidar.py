@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from trundle.geometry import FloatArray
 from trundle.messages import MessageMaker
-from trundle.messages.qos import SENSOR
+from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.robots import Lidar
@@ -27,6 +27,9 @@ _PARTS = (
     ("ring", "<u2", 16, _UINT16),
 )
 """Name, numpy's type, offset, and number of the type in sensor_msgs/PointField."""
+
+SCANS = Qos(5)
+"""Of scans and points: reliable, so that readers who ask for that get them, too; others take them as they come."""
 
 POINT = np.dtype(
     {
@@ -67,7 +70,7 @@ class LidarOutput:
 
     @staticmethod
     def _open(wire: Wire, topic: str | None, type_name: str) -> Outlet | None:
-        return None if topic is None else wire.outlet(topic, type_name, SENSOR)
+        return None if topic is None else wire.outlet(topic, type_name, SCANS)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish the scans that arrived in a control period."""
