@@ -172,6 +172,23 @@ def test_something_that_moves_close_by_stops_the_robot():
     assert still[-1].action == "none"
 
 
+@pytest.mark.parametrize(("hold", "held_s"), [(0.5, 0.5), (0.0, 0.0)])
+def test_it_stands_on_for_a_while_after_what_moved_close_by(hold, held_s):
+    stops = [k for k, report in enumerate(stopping_box(MonitorSettings(moving_hold=hold))) if report.action == "stop"]
+    without = [k for k, report in enumerate(stopping_box(MonitorSettings(moving_hold=0.0))) if report.action == "stop"]
+    assert (stops[-1] - without[-1]) * DT == pytest.approx(held_s, abs=0.051)
+    assert stops[-1] < 49
+
+
+def stopping_box(settings):
+    """Reports while a box passes along the robot's side, and stops there after a second."""
+    monitor = CollisionMonitor(CARTER, settings)
+    for tick in range(50):
+        time = tick * DT
+        scan = scan_of(*box(-1.0 + 0.6 * min(time, 1.0), 0.7), (8.0, -5.0, 8.0, 5.0), time=time)
+        yield monitor.check(Twist2D(0.5, 0.0), Twist2D(), [scan], time, Pose2D(0, 0))
+
+
 def test_the_robot_may_drive_away_from_something_that_moves_close_by():
     behind = watch_mover((-1.7, 0.0), (0.6, 0.0), command=Twist2D(0.8, 0.0))
     assert behind[-1].action == "none"

@@ -12,13 +12,14 @@ STILL, STAND = WheelSpeeds(0.0, 0.0), Twist2D()
 HERE = Pose2D(0.0, 0.0)
 
 
-def make_log(*steps):
-    """A log of (what is touched, true speed [m/s], what was sent)."""
+def make_log(*steps, moved_m=0.0):
+    """A log of (what is touched, true speed [m/s], what was sent); the last step is so far [m] from the others."""
     log = RunLog()
     movers = (MoverState("cart", Pose2D(1.0, 0.0)),)
     for index, (names, speed, sent) in enumerate(steps):
         contacts = tuple(Contact("chassis", name, 0.0, 0.0) for name in names)
-        state = RobotState(0.05 * index, HERE, Twist2D(speed, 0.0), STILL, STILL, HERE, contacts, movers=movers)
+        pose = Pose2D(moved_m, 0.0) if index == len(steps) - 1 else HERE
+        state = RobotState(0.05 * index, pose, Twist2D(speed, 0.0), STILL, STILL, HERE, contacts, movers=movers)
         log.add(state, sent, Estimate(0.05 * index, HERE), 0, None)
     return log
 
@@ -49,5 +50,15 @@ def test_what_it_is_pushed_against_at_once_is_spared_too():
     log = make_log(((), 0.0, STAND), (("rack", "cart"), 0.4, STAND))
     assert tuple(log.standing_contacts) == ("rack", "cart")
     assert not log.contacts
-    log = make_log(((), 0.0, STAND), (("rack", "cart"), 0.4, Twist2D(0.1, 0.0)))
-    assert tuple(log.contacts) == ("rack",)
+    drives_off = Twist2D(0.1, 0.0)
+    assert not make_log(((), 0.0, STAND), (("rack", "cart"), 0.4, drives_off)).contacts
+    assert tuple(make_log(((), 0.1, STAND), (("rack", "cart"), 0.4, drives_off)).contacts) == ("rack", "cart")
+
+
+def test_what_it_leans_against_after_a_push_is_the_same_touch_until_it_has_moved():
+    pushed = [((), 0.0, STAND), (("cart", "rack"), 0.4, STAND), *(40 * [((), 0.0, STAND)])]
+    creeps = Twist2D(0.01, 0.0)
+    assert not make_log(*pushed, (("rack",), 0.01, creeps)).contacts
+    assert tuple(make_log(*pushed, (("shelf",), 0.01, creeps)).contacts) == ("shelf",)
+    assert tuple(make_log(*pushed, ((), 0.2, creeps), (("rack",), 0.2, creeps)).contacts) == ("rack",)
+    assert tuple(make_log(*pushed, (("rack",), 0.01, creeps), moved_m=0.1).contacts) == ("rack",)

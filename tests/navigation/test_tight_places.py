@@ -7,7 +7,7 @@ from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
-from trundle.navigation import NavigationStatus, Navigator
+from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
@@ -47,7 +47,8 @@ class Standing:
 
 def back_up(grid, pose):
     """How far a robot drives back before something that its controller does not pass, and its clearances."""
-    navigator = Navigator(grid, CARTER, controller=Standing())
+    settings = NavigatorSettings(recovery=("replan", "back_up"))
+    navigator = Navigator(grid, CARTER, controller=Standing(), settings=settings)
     navigator.set_goal(8.0, 5.0)
     start, twist, poses = pose, Twist2D(), [pose.as_tuple()]
     for _ in range(400):

@@ -57,6 +57,9 @@ class MonitorSettings(Config):
         moving_clearance: A command that takes the robot away passes only if nothing that moves comes nearer than this
             [m]: a robot that is about to be touched anyway stands.
         moving_time: How far ahead that is looked [s].
+        moving_hold: For so long [s] after such a stop the robot stands on, unless the command takes it away: what turns
+            beside the robot seems to stand for a moment, and is about to come round. Commands that a controller's
+            intention begins with are not held.
         simulation_time_step: Between two poses that are tested on the way [s].
         min_points: So many points of scans count as something.
         source_timeout: A lidar that is silent for longer than this [s] stops the robot.
@@ -73,6 +76,7 @@ class MonitorSettings(Config):
     moving_padding: NotNegative = 0.4
     moving_clearance: NotNegative = 0.15
     moving_time: NotNegative = 0.8
+    moving_hold: NotNegative = 0.5
     simulation_time_step: Positive = 0.05
     min_points: Annotated[int, Field(ge=1)] = 3
     source_timeout: Positive = 1.0
@@ -148,6 +152,7 @@ class CollisionMonitor:
         self._points.clear()
         self._delayed.clear()
         self._since: float | None = None
+        self._held_until = -math.inf
 
     def check(
         self, command: Twist2D, twist: Twist2D, scans: Sequence[Scan], time: float, odometry: Pose2D
@@ -186,7 +191,7 @@ class CollisionMonitor:
         points = self._points.around(now + self._delayed.delay_s, there, reach, ahead_s, oldest)
         if len(points.places) < self.settings.min_points:
             return MonitorReport(command)
-        return self._limit(command, twist, points)
+        return self._limit(command, twist, points, now)
 
     def _silent(self, now: float) -> tuple[bool, str | None]:
         """Whether a lidar has sent nothing for too long, and which."""
@@ -206,7 +211,7 @@ class CollisionMonitor:
         padding = max(settings.stop_padding, settings.slowdown_padding)
         return ahead_s, self._robot.circumscribed_radius + padding + fastest * ahead_s + _MARGIN_M
 
-    def _limit(self, command: Twist2D, twist: Twist2D, points: Points) -> MonitorReport:
+    def _limit(self, command: Twist2D, twist: Twist2D, points: Points, now: float) -> MonitorReport:
         settings = self.settings
         near, apart = self._apart(self._braking(command, twist), points)
         if len(near.places) < settings.min_points:
@@ -215,7 +220,7 @@ class CollisionMonitor:
             nearest = np.partition(apart, settings.min_points - 1, axis=1)[:, settings.min_points - 1]
             here, least = float(nearest[0]), float(nearest.min())
         contact = self._look_ahead(command, points)
-        index = self._meets_mover(command, points)
+        index = self._meets_mover(command, points, now)
         if index is not None:
             return _report(_STAND, "stop", points, index, contact.time)
         allowed = min(here, settings.stop_padding)
@@ -231,13 +236,16 @@ class CollisionMonitor:
             return _report(slower, "slow", near, int(apart[0].argmin()), contact.time)
         return MonitorReport(command, time_to_contact=contact.time)
 
-    def _meets_mover(self, command: Twist2D, points: Points) -> int | None:
+    def _meets_mover(self, command: Twist2D, points: Points, now: float) -> int | None:
         """The nearest point of something that moves and comes too close, unless the command keeps it as far away."""
         settings = self.settings
-        moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
-        if settings.moving_padding <= 0.0 or command == _STAND or len(moving) < settings.min_points:
+        if settings.moving_padding <= 0.0 or command == _STAND:
             return None
         intended = self._intends(command)
+        is_held = now < self._held_until and not intended
+        moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
+        if len(moving) < settings.min_points:
+            return self._nearest(points.places) if is_held else None
         ahead_s, steps = (_INTENT_S, _INTENT_STEPS) if intended else (settings.moving_time, _MOVER_STEPS)
         times = np.linspace(0.0, ahead_s, steps)
         driven = self._poses(command, times)
@@ -248,10 +256,17 @@ class CollisionMonitor:
             for poses in (np.zeros_like(driven), driven)
         )
         clearance = min(settings.moving_clearance, settings.moving_padding)
-        escapes = driving > standing + _SAME_M and driving >= clearance
-        if escapes or (driving >= settings.moving_padding and (intended or standing >= settings.moving_padding)):
+        if driving > standing + _SAME_M and driving >= clearance:
             return None
-        return int(moving[self._edges.distances(places, _AT_HERE)[0].argmin()])
+        if driving < settings.moving_padding or not (intended or standing >= settings.moving_padding):
+            self._held_until = now + settings.moving_hold
+        elif not is_held:
+            return None
+        return int(moving[self._nearest(places)])
+
+    def _nearest(self, places: FloatArray) -> int:
+        """Index of the place that is nearest to the footprint."""
+        return int(self._edges.distances(places, _AT_HERE)[0].argmin())
 
     def _braking(self, command: Twist2D, twist: Twist2D) -> FloatArray:
         """Poses of one control period and then braking, from where the robot is, shape (K, 3)."""

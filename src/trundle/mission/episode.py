@@ -81,8 +81,8 @@ class Metrics:
             robot's first costmap then, where unknown cells count as solid; "nothing" where the agent has no costmap
             either, or nothing was measured.
         standing_contacts: Names of moving obstacles that ran into the robot while it stood: its true speeds were below
-            0.05 m/s and 0.05 rad/s when the touch began; and of what they pushed it against while its commands were to
-            stand. They do not end a run.
+            0.05 m/s and 0.05 rad/s when the touch began; and of what they pushed it against while it stood so, or while
+            its commands were to stand, until it has moved on by 0.05 m. They do not end a run.
         unseen_contacts: Those of `contacts` and `standing_contacts` that no lidar could have seen, as the plane of none
             that sent a scan crosses them; empty without scans.
         position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.

@@ -68,6 +68,10 @@ class BehaviorRunner:
         """What ran, in order, with what is running."""
         return (*self._runs, self._describe("running", "")) if self._behavior is not None else tuple(self._runs)
 
+    def helps(self, behavior: Behavior, now: Now) -> bool:
+        """Whether a behavior can help a robot here that makes no progress."""
+        return behavior.helps(self._context(now))
+
     def start(self, behavior: Behavior, reason: str, now: Now, *, recovery: bool) -> Twist2D | None:
         """Start a behavior, and return its first command; None if it has ended already."""
         self._behavior, self._reason, self._recovery = behavior, reason, recovery

@@ -81,7 +81,9 @@ class Recovery:
         drive.progress_checker.reset()
         if self._retries.count <= 1:
             self._next = 0
-        self._untried = [self.steps[(self._next + k) % len(self.steps)] for k in range(len(self.steps))]
+        turn = [self.steps[(self._next + k) % len(self.steps)] for k in range(len(self.steps))]
+        self._untried = [step for step in turn if self._runner.helps(step, now)] or turn
+        self._next += turn.index(self._untried[0])
         self._reason = reason or "no progress"
         return self._run_next(now)
 
@@ -103,8 +105,9 @@ class Recovery:
             return _STAND
         drive.status = NavigationStatus.BLOCKED
         drive.progress_checker.reset()
-        if self._others and drive.error is not None and obstacle.backs_up(now.time):
-            self._untried = [self._others[self._next_other % len(self._others)]]
+        others = [step for step in self._others if self._runner.helps(step, now)]
+        if others and drive.error is not None and obstacle.backs_up(now.time):
+            self._untried = [others[self._next_other % len(others)]]
             self._next_other += 1
             self._reason = drive.message
             return self._run_next(now)

@@ -41,10 +41,11 @@ class NavigatorSettings(Config):
             before it gives up.
         goal_patience_s: How long it stands [s], if that is longer, where what occupies the goal was seen to move:
             it may leave.
-        recovery: What a robot does that makes no progress, in order: `replan`, `back_up`, `spin`, `wait`,
-            `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with a value (`back_up=0.5`) or
-            options (`{back_up: {distance: 0.5}}`). Each time that it is blocked, the next step runs; where one fails,
-            the one after it runs at once. Without any, it gives up.
+        recovery: What a robot does that makes no progress, in order: `replan`, `back_up`, `drive_clear`, `spin`,
+            `wait`, `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with a value (`back_up=0.5`)
+            or options (`{back_up: {distance: 0.5}}`). Each time that it is blocked, the next step runs; where one
+            fails, the one after it runs at once, and `drive_clear` only where the robot touches something, or nearly
+            does. Without any, it gives up.
         recovery_retries: How often it tries that in a row before it gives up (Nav2's `number_of_retries`). The count
             restarts when 0.5 m less of the path is left.
 
@@ -64,7 +65,11 @@ class NavigatorSettings(Config):
     wait_s: NotNegative = 2.0
     patience_s: NotNegative = 20.0
     goal_patience_s: NotNegative = 60.0
-    recovery: BehaviorChoices = (BehaviorChoice(name="replan"), BehaviorChoice(name="back_up"))
+    recovery: BehaviorChoices = (
+        BehaviorChoice(name="replan"),
+        BehaviorChoice(name="back_up"),
+        BehaviorChoice(name="drive_clear"),
+    )
     recovery_retries: Annotated[int, Field(ge=0, le=1000)] = RETRIES
 
     def make_goal_checker(self) -> GoalChecker:

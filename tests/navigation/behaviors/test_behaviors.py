@@ -13,6 +13,7 @@ from trundle.navigation.behaviors import (
     BackUp,
     Behavior,
     ClearCostmap,
+    DriveClear,
     DriveOnHeading,
     Replan,
     ReplanWith,
@@ -104,6 +105,67 @@ def test_a_behavior_stops_before_it_touches_something_and_says_where():
     assert (ran.behavior, ran.reason, ran.result, ran.recovery) == ("back_up", "asked for", "failed", False)
 
 
+def things_at(*boxes):
+    """What puts boxes (x0, y0, x1, y1) into a costmap."""
+
+    def put(costmap):
+        for x0, y0, x1, y1 in boxes:
+            (row, row_end), (col, col_end) = costmap.world_to_cell(np.array([x0, x1]), np.array([y0, y1]))
+            costmap = costmap.update(slice(int(row), int(row_end)), slice(int(col), int(col_end)), 100)
+        return costmap
+
+    return put
+
+
+FRONT, BACK, SIDE = CARTER.outline[:, 0].max(), CARTER.outline[:, 0].min(), CARTER.outline[:, 1].max()
+
+
+@pytest.mark.parametrize(
+    "boxes",
+    [
+        [(4.0 + FRONT - 0.03, 3.0, 5.0, 5.0)],  # pushed against a wall with its front
+        [(3.0, 3.0, 4.0 + BACK + 0.03, 5.0)],
+        [(4.0 + FRONT + 0.01, 3.0, 5.0, 5.0), (2.0, 4.0 + SIDE + 0.01, 6.0, 5.0)],  # in a corner
+    ],
+)
+def test_a_robot_drives_off_what_it_touches(boxes):
+    navigator, pose, _ = run_alone(DriveClear(0.08), start=(4.0, 4.0, 0.0), costmap=things_at(*boxes))
+    assert navigator.status is NavigationStatus.FINISHED, navigator.message
+    assert navigator.costmap.clearance(pose.as_tuple())[0] >= 0.08
+    assert pose.distance_to(Pose2D(4.0, 4.0)) < 1.5
+
+
+def test_a_robot_that_stands_free_does_not_move_to_drive_clear():
+    navigator, pose, seconds = run_alone(DriveClear())
+    assert navigator.status is NavigationStatus.FINISHED
+    assert (pose, seconds) == (Pose2D(4.0, 4.0, 0.5), pytest.approx(0.05))
+
+
+def test_a_robot_that_is_held_on_all_sides_cannot_drive_clear():
+    ahead, behind = (4.0 + FRONT - 0.03, 3.0, 5.0, 5.0), (3.0, 3.0, 4.0 + BACK + 0.03, 5.0)
+    sides = (3.0, 4.0 + SIDE - 0.03, 5.0, 5.0), (3.0, 3.0, 5.0, 4.0 - SIDE + 0.03)
+    navigator, pose, _ = run_alone(DriveClear(), start=(4.0, 4.0, 0.0), costmap=things_at(ahead, behind, *sides))
+    assert navigator.status is NavigationStatus.STUCK
+    assert "no motion takes the robot away" in navigator.message
+    assert pose.distance_to(Pose2D(4.0, 4.0)) < 0.02
+
+
+def test_a_motion_that_is_stopped_is_not_driven_again():
+    """A monitor that sees more than the costmap has stops it."""
+    navigator = Navigator(ROOM, CARTER)
+    navigator.costmap = things_at((4.0 + FRONT + 0.06, 3.0, 5.0, 5.0), (2.0, 4.0 + SIDE + 0.3, 6.0, 5.0))(
+        navigator.costmap
+    )
+    navigator.run(DriveClear(speed=0.1))
+    pose, time, sent = Pose2D(4.0, 4.0), 0.0, set()
+    while navigator.status is NavigationStatus.BEHAVING and time < 20.0:
+        sent.add(navigator.update(pose, Twist2D(), time=time))
+        time += navigator.dt
+    assert navigator.status is NavigationStatus.STUCK
+    assert len(sent - {Twist2D()}) > 2
+    assert time < 15.0
+
+
 def test_a_behavior_that_takes_too_long_fails():
     navigator = Navigator(ROOM, CARTER)
     navigator.run(BackUp(0.3))
@@ -154,7 +216,7 @@ def test_ours_keep_their_promises(make):
 
 def test_they_are_made_by_name():
     assert behavior_names() == sorted(
-        ["back_up", "clear_costmap", "drive_on_heading", "replan", "replan_with", "spin", "wait"]
+        ["back_up", "clear_costmap", "drive_clear", "drive_on_heading", "replan", "replan_with", "spin", "wait"]
     )
     assert create_behavior("drive_on_heading", distance=1.0).name == "drive_on_heading"
     assert create_behavior("spin", angle=1).name == "spin"

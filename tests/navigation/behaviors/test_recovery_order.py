@@ -66,6 +66,19 @@ def names(navigator):
     return [ran.behavior for ran in navigator.behavior_runs]
 
 
+def test_a_robot_drives_clear_only_of_what_it_nearly_touches():
+    cells = np.zeros((160, 240), np.int8)
+    steps = NavigatorSettings(recovery=("drive_clear", "replan"))
+    assert NavigatorSettings().recovery[-1].name == "drive_clear"
+    for gap, expected in ((0.02, "drive_clear"), (0.3, "replan")):
+        front_m = 3.0 + CARTER.outline[:, 0].max()
+        cells[60:90, 64:66] = 100  # from x = 3.2 m
+        navigator = Navigator(OccupancyGrid(cells, 0.05), CARTER, controller=Stubborn(), settings=steps)
+        navigator.set_goal(10.0, 4.0)
+        drive(navigator, Pose2D(3.0 + 3.2 - gap - front_m, 4.0), seconds=6.0)
+        assert names(navigator)[0] == expected
+
+
 def test_the_default_replans_and_backs_up_in_turn():
     navigator = stuck(NavigatorSettings().recovery)
     assert names(navigator) == ["replan", "back_up"] * 3

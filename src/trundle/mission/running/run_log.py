@@ -7,7 +7,7 @@ from collections import deque
 
 import numpy as np
 
-from trundle.geometry import Twist2D
+from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.observers import MonitorReport
 from trundle.mission.trajectory import Trajectory
 from trundle.observation import Estimate
@@ -22,6 +22,8 @@ _STANDING_W = 0.05
 """A robot whose speeds [m/s, rad/s] are below these stands."""
 _PUSH_S = 0.5
 """A robot that something has run into slides on, and is touched again."""
+_SAME_PLACE_M = 0.05
+"""A robot that was pushed against something, and is still within this of there, goes on touching it."""
 
 
 _PATH = Trajectory.columns().index("path")
@@ -57,7 +59,7 @@ class RunLog:
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
         self._pushed_at = -math.inf
-        self._spared_at: dict[str, float] = {}
+        self._spared_at: dict[str, tuple[float, Pose2D]] = {}
         self._twist = Twist2D()
         self._lidars: set[str] = set()
         self._stopped = False
@@ -133,14 +135,14 @@ class RunLog:
         movers = {mover.name for mover in state.movers}
         spared |= {name for name in new if stood and name in movers}
         # A touch that broke off for a moment is the same touch.
-        spared |= {name for name in new if state.time - self._spared_at.get(name, -math.inf) <= _PUSH_S}
+        spared |= {name for name in new if self._touches_again(name, state, stood=stood)}
         # What pushes the robot may press it against something in the same period.
-        if _stands(sent) and (spared & movers or state.time - self._pushed_at <= _PUSH_S):
+        if (stood or _stands(sent)) and (spared & movers or state.time - self._pushed_at <= _PUSH_S):
             spared |= new
         self._spared = frozenset() if self._every_contact else frozenset(spared)
         if self._spared:
             self._pushed_at = state.time
-            self._spared_at.update(dict.fromkeys(self._spared, state.time))
+            self._spared_at.update(dict.fromkeys(self._spared, (state.time, state.pose)))
         self._touching = names
         self.hit = None
         for contact in state.contacts:
@@ -149,6 +151,14 @@ class RunLog:
             else:
                 self.contacts.setdefault(contact.other)
                 self.hit = self.hit or contact
+
+    def _touches_again(self, name: str, state: RobotState, *, stood: bool) -> bool:
+        """Whether the robot touches what it had touched without a fault of its own, and has hardly moved since."""
+        if name not in self._spared_at:
+            return False
+        time, pose = self._spared_at[name]
+        moved = math.hypot(state.pose.x - pose.x, state.pose.y - pose.y)
+        return state.time - time <= _PUSH_S or (stood and moved <= _SAME_PLACE_M)
 
 
 def _stands(twist: Twist2D) -> bool:

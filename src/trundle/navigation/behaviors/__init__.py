@@ -9,6 +9,7 @@ from trundle.navigation.behaviors.behavior import (
     create_behavior,
     describe_behaviors,
 )
+from trundle.navigation.behaviors.drive_clear import DriveClear
 from trundle.navigation.behaviors.map_steps import ClearCostmap, Replan, ReplanWith
 from trundle.navigation.behaviors.motions import BackUp, DriveOnHeading, Spin
 from trundle.navigation.behaviors.waiting import Wait
@@ -20,6 +21,7 @@ __all__ = [
     "BehaviorResult",
     "BehaviorRun",
     "ClearCostmap",
+    "DriveClear",
     "DriveOnHeading",
     "Replan",
     "ReplanWith",

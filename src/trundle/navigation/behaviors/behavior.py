@@ -19,6 +19,7 @@ BEHAVIORS: Registry[Behavior] = Registry(
     {
         "back_up": "trundle.navigation.behaviors.motions:BackUp",
         "clear_costmap": "trundle.navigation.behaviors.map_steps:ClearCostmap",
+        "drive_clear": "trundle.navigation.behaviors.drive_clear:DriveClear",
         "drive_on_heading": "trundle.navigation.behaviors.motions:DriveOnHeading",
         "replan": "trundle.navigation.behaviors.map_steps:Replan",
         "replan_with": "trundle.navigation.behaviors.map_steps:ReplanWith",
@@ -82,6 +83,10 @@ class Behavior(Protocol):
     def time_allowance(self) -> float:
         """Time [s] after which it has failed; 10 s by default, as in Nav2."""
         return 10.0
+
+    def helps(self, context: BehaviorContext) -> bool:
+        """Whether it can help where the robot makes no progress now; recovery leaves it out otherwise."""
+        return True
 
     def start(self, context: BehaviorContext) -> None:
         """Begin here, also where it ran before. The default does nothing."""

@@ -38,9 +38,9 @@ class DriveOnHeading(Behavior):
     def __init__(
         self, distance: float = BACK_UP_M, speed: float = BACK_UP_MPS, *, allowance: float | None = None
     ) -> None:
-        self.distance = _positive("distance", distance)
-        self.speed = _positive("speed", speed)
-        self._allowance = None if allowance is None else _positive("allowance", allowance)
+        self.distance = positive("distance", distance)
+        self.speed = positive("speed", speed)
+        self._allowance = None if allowance is None else positive("allowance", allowance)
         self._driven_m = self._time = 0.0
 
     def __repr__(self) -> str:
@@ -112,8 +112,8 @@ class Spin(Behavior):
             angle = _QUARTER_RAD if angle is None else angle
         self.angle = None if angle is None else _read_angle("angle", angle)
         self.heading = None if heading is None else _read_angle("heading", heading)
-        self.speed = _positive("speed", speed)
-        self._allowance = None if allowance is None else _positive("allowance", allowance)
+        self.speed = positive("speed", speed)
+        self._allowance = None if allowance is None else positive("allowance", allowance)
         self._left_rad = self._time = 0.0
 
     def __repr__(self) -> str:
@@ -147,7 +147,12 @@ def _speed_to_stop(left: float, deceleration: float) -> float:
     return math.sqrt(2.0 * _BRAKING_SHARE * deceleration * left)
 
 
-def _positive(name: str, value: float) -> float:
+def positive(name: str, value: float) -> float:
+    """A positive number of an option.
+
+    Raises:
+        InputError: If it is none.
+    """
     number = check_number(name, value, 0.0, math.inf)
     if not 0.0 < number < math.inf:
         raise InputError(f"{name} must be a positive number, got {value!r}")
