@@ -32,8 +32,8 @@ def test_what_has_moved_is_found_as_in_numpy():
     """Two discs and a wall; one disc has moved."""
     rim = 0.3 * np.column_stack([np.cos(np.arange(8.0)), np.sin(np.arange(8.0))])
     wall = np.column_stack([np.full(60, 5.0), np.linspace(-2.0, 2.0, 60)])
-    earlier = np.concatenate([rim + (2.0, 1.5), rim + (2.0, -1.0), wall])
-    points = np.concatenate([rim + (2.0, 0.5), rim + (2.0, -1.0), wall])
+    earlier = np.concatenate([rim + np.array((2.0, 1.5)), rim + np.array((2.0, -1.0)), wall])
+    points = np.concatenate([rim + np.array((2.0, 0.5)), rim + np.array((2.0, -1.0)), wall])
     angles, here = np.linspace(-math.pi, math.pi, 720), np.zeros(3)
     through = np.where(np.abs(angles) < 0.5, 4.9, 0.0)
     arguments = (points, here, earlier, here, angles, through, 0.5)
