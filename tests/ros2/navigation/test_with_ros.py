@@ -1,0 +1,92 @@
+"""Scripts for Nav2, in a real ROS 2, use trundle."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ros2.conftest import Ros
+from ros2.navigation.conftest import Served
+from trundle.messages import Codec
+from trundle.mission import Scenario
+from trundle.ros2.bridge import Bridge
+from trundle.ros2.names import Names
+from trundle.ros2.transport.domain import read_settings
+from trundle.ros2.transport.rclpy.relay import open_rclpy
+from trundle.ros2.types import Types
+
+HERE = Path(__file__).parent
+STAND_IN, SCRIPTS = HERE / "stand_in", HERE / "scripts"
+ABORTED = 6
+
+pytestmark = pytest.mark.ros2
+
+
+@pytest.fixture
+def serve_ros(ros: Ros, monkeypatch: pytest.MonkeyPatch, room_file: str) -> Iterator[Callable[..., Served]]:
+    """Makes bridges on the network of a real ROS."""
+    for name, value in ros.env.items():
+        monkeypatch.setenv(name, value)
+    made: list[Served] = []
+
+    def serve(**scenario: Any) -> Served:
+        transport = open_rclpy(read_settings(), python=ros.python)
+        said: list[str] = []
+        settings = {
+            "map": room_file,
+            "robot": "nova_carter",
+            "backend": "kinematic",
+            "start": (1.5, 1.5, 0.0),
+            "lidar": False,
+        }
+        types = Types(Codec(transport.distro), transport)
+        scenario = settings | scenario
+        bridge = Bridge(
+            Scenario.make(**scenario), transport, types, Names(), role="navigator", speed=5.0, report=said.append
+        )
+        made.append(Served(bridge, said))
+        return made[-1]
+
+    yield serve
+    for served in made:
+        served.close()
+
+
+def run_script(ros: Ros, script: Path, *args: str) -> list[dict[str, Any]]:
+    process = ros.script(script, *args, PYTHONPATH=str(STAND_IN))
+    output, errors = process.communicate(timeout=180)
+    assert process.returncode == 0, f"{output}\n{errors}"
+    return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+
+
+def test_a_script_for_nav2_runs_unchanged(ros: Ros, serve_ros: Callable[..., Served]) -> None:
+    served = serve_ros()
+    said = {line.pop("what"): line for line in run_script(ros, SCRIPTS / "commander.py")}
+    assert said["path"]["poses"] > 50
+    assert said["path"]["ends"] == pytest.approx([1.5, 4.5], abs=0.05)
+    assert said["wall path"] == {"none": True}
+    assert said["path through"]["poses"] > said["path"]["poses"]
+    assert said["go"] == {"accepted": True}
+    assert 0.0 < said["feedback"]["left"] < 4.0
+    assert said["feedback"]["frame"] == "map"
+    assert said["cancelled"]["result"] == "CANCELED"
+    assert said["arrived"]["result"] == "SUCCEEDED"
+    assert said["arrived"]["at"] == pytest.approx([1.5, 4.5], abs=0.35)
+    assert (said["preempted"]["result"], said["preempted"]["first"]) == ("SUCCEEDED", ABORTED)
+    assert said["wall"] == {"result": "FAILED", "code": 206}
+    for done in ("through", "followed", "spun", "backed up", "driven"):
+        assert said[done]["result"] == "SUCCEEDED", done
+    assert said["spun"]["turned"] == pytest.approx(1.57, abs=0.15)
+    assert said["backed up"]["driven"] == pytest.approx(0.3, abs=0.05)
+    assert said["costmaps"] == {"cells": 160 * 120, "size": 160 * 120, "local": 60 * 60}
+    assert said["map"] == {"changed": False}
+    for refused in ("teleop", "dock", "waypoints"):
+        assert said[refused]["result"] in ("FAILED", "REJECTED"), refused
+    assert said["smooth"] == {"none": True}
+    assert said["shut down"] == {"accepted": False}
+    refusals = [kind for kind in served.counts if kind.endswith(": refused")]
+    assert {"assisted_teleop: refused", "dock_robot: refused", "map_server/load_map: refused"} <= set(refusals)
