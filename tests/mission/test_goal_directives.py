@@ -301,6 +301,17 @@ def test_cancelling_a_behavior_without_a_goal_leaves_the_robot_standing(session,
     assert session.state.twist.w == pytest.approx(0.0, abs=1e-3)
 
 
+def test_a_behavior_that_the_collision_monitor_stops_fails(world, room, carter, start, steering, watch):
+    with simulate(world, carter, backend="kinematic", lidar=True) as sim:
+        session = Session(sim, Navigator(room, carter), start, None, steering=steering)
+        steering.put(RunBehavior("drive_on_heading", {"distance": 5.0, "speed": 0.2}), watcher=watch)
+        drive_until(session, lambda: watch.ended)
+    assert watch.results == ["failed"]
+    assert "by the collision monitor: it would touch something" in watch.ended[0].message
+    assert session.state.contacts == ()
+    assert session.time < 20.0
+
+
 def test_a_goal_replaces_a_behavior(session, steering, watch):
     steering.put(RunBehavior("wait", {"seconds": 30.0}), watcher=watch)
     drive(session, 5)

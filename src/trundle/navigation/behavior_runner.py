@@ -18,6 +18,8 @@ from trundle.values import check_kind
 
 _STAND = Twist2D()
 _MOST_RUNS = 10_000
+_HELD_S = 2.0
+"""A behavior that was asked for fails where the collision monitor stops the robot for so long."""
 
 
 class BehaviorRunner:
@@ -52,6 +54,7 @@ class BehaviorRunner:
         self._runs: deque[BehaviorRun] = deque(maxlen=_MOST_RUNS)
         self._behavior: Behavior | None = None
         self._reason, self._recovery, self._begin_s, self._now_s = "", False, 0.0, 0.0
+        self._held_since: float | None = None
 
     @property
     def is_running(self) -> bool:
@@ -76,6 +79,7 @@ class BehaviorRunner:
         """Start a behavior, and return its first command; None if it has ended already."""
         self._behavior, self._reason, self._recovery = behavior, reason, recovery
         self._begin_s = self._now_s = now.time
+        self._held_since = None
         try:
             behavior.start(self._context(now))
         except BehaviorFailedError as error:
@@ -91,6 +95,9 @@ class BehaviorRunner:
         self._now_s = now.time
         if now.time - self._begin_s > behavior.time_allowance:
             return self._end("failed", f"it took longer than {behavior.time_allowance:.1f} s")
+        if self._held_since is not None and not self._recovery and now.time - self._held_since > _HELD_S:
+            where = f"({now.pose.x:.2f}, {now.pose.y:.2f})"
+            return self._end("failed", f"stopped at {where} by the collision monitor: it would touch something")
         try:
             wish = behavior.update(self._context(now))
         except BehaviorFailedError as error:
@@ -103,6 +110,13 @@ class BehaviorRunner:
         if not can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded):
             return self._end("failed", f"blocked at ({now.pose.x:.2f}, {now.pose.y:.2f}): it would touch something")
         return command
+
+    def hold(self, held: bool, time: float) -> None:
+        """Take whether the last command was stopped on its way to the robot, at this time [s]."""
+        if not held:
+            self._held_since = None
+        elif self._held_since is None:
+            self._held_since = time
 
     def interrupt(self, why: str) -> None:
         """End the behavior that is running, if there is one."""

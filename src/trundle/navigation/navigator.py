@@ -518,8 +518,10 @@ class Navigator(Drive):
 
     def _decide(self, now: Now) -> Twist2D:
         soon = self._when_taking_effect(now)
+        self._runner.hold(self._is_held, now.time)
         command = self._agenda.run_tasks(soon)
         if command is not None:
+            self._is_held = False
             return command
         if self.target is None or self.status in FINAL:
             return _STAND

@@ -133,8 +133,10 @@ class Served:
         self.bridge.context.driver.steering.put(directive)
 
     @property
-    def x(self) -> float:
-        return self.bridge.mission.sim.state.pose.x if hasattr(self.bridge.mission.sim, "state") else math.nan
+    def goals(self) -> tuple[Any, ...]:
+        """The goals of the run now."""
+        report = self.bridge.context.driver.status.steering
+        return () if report is None else report.goals
 
     def end(self) -> Episode:
         if self._thread.is_alive():

@@ -68,7 +68,7 @@ def test_a_second_goal_in_a_wall_ends_the_first_and_the_robot_stands(serve, clie
     assert second.wait().error_code == 206
     assert first.wait() is not None
     assert (first.status, second.status) == ("aborted", "aborted")
-    wait_for(lambda: served.bridge.context.driver.status.steering.goals == ())
+    wait_for(lambda: served.goals == ())
 
 
 def test_a_cancelled_goal_is_canceled_and_the_robot_stands(serve, client):
@@ -78,7 +78,7 @@ def test_a_cancelled_goal_is_canceled_and_the_robot_stands(serve, client):
     goal.cancel()
     goal.wait()
     assert goal.status == "canceled"
-    wait_for(lambda: served.bridge.context.driver.status.steering.goals == ())
+    wait_for(lambda: served.goals == ())
     again = client.go(1.5, 4.5)
     again.wait()
     assert again.status == "succeeded"

@@ -86,10 +86,14 @@ class PoseOutput:
         last, pose = self._last, belief.pose
         turned = math.inf if last is None else abs(wrap_angle(pose.yaw - last.yaw))
         if last is None or pose.distance_to(last) >= MOVED_M or turned >= TURNED_RAD:
-            self.publish_pose()
+            self._publish_pose()
 
-    def publish_pose(self) -> None:
-        """Publish the pose now."""
+    def answer(self) -> None:
+        """Publish the pose now, and after the next control period: the robot was told where it is."""
+        self._publish_pose()
+        self._last = None
+
+    def _publish_pose(self) -> None:
         kit, belief = self._kit, self._kit.beliefs.now
         self._last = belief.pose
         make = kit.types.make

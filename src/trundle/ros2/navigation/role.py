@@ -68,7 +68,7 @@ class NavigatorRole:
             PlanOutput(kit),
             self._markers,
         ]
-        PoseInputs(kit, self._pose_output.publish_pose).open()
+        PoseInputs(kit, self._pose_output.answer).open()
         self._open_actions()
         self.lifecycle.open(self._serve)
         Services(kit).open(self._serve)

@@ -81,7 +81,12 @@ def main():
 
     navigator.clearAllCostmaps()
     costmap, window = navigator.getGlobalCostmap(), navigator.getLocalCostmap()
-    say("costmaps", cells=len(costmap.data), size=costmap.metadata.size_x * costmap.metadata.size_y, local=len(window.data))
+    say(
+        "costmaps",
+        cells=len(costmap.data),
+        size=costmap.metadata.size_x * costmap.metadata.size_y,
+        local=len(window.data),
+    )
 
     say("map", changed=navigator.changeMap("other.yaml"))
     for name, call in (
