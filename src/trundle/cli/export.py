@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import isaac, options, output, sources
+from trundle.cli.shared import isaac, nav2, options, output, scenarios, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
@@ -27,7 +27,8 @@ app = App(
         "  trundle export warehouse --robot nova_carter --to mjcf -o scene.xml\n"
         "  trundle export nova_carter --to urdf -o nova_carter.urdf\n"
         "  trundle export scenario.yaml --to usd --profile isaac -o scene.usd\n"
-        "  trundle export scenario.yaml --to isaac-script -o drive.py"
+        "  trundle export scenario.yaml --to isaac-script -o drive.py\n"
+        "  trundle export scenario.yaml --to nav2 --distro jazzy -o nav2"
     ),
 )
 
@@ -53,8 +54,8 @@ def export(
     robot: Annotated[
         str | None,
         Parameter(
-            help="For a world as mjcf: a robot to include. For a map: the robot that gives the height band. "
-            f"One of {options.ROBOT_CHOICES}."
+            help="For a world as mjcf: a robot to include. For a map: the robot that gives the height band. For nav2: "
+            f"the robot that Nav2 drives. One of {options.ROBOT_CHOICES}."
         ),
     ] = None,
     resolution: float | None = None,
@@ -63,6 +64,8 @@ def export(
     profile: isaac.Profile = None,
     environment: isaac.ScriptEnvironment = None,
     robot_usd: isaac.ScriptRobot = None,
+    distro: options.Distro = None,
+    nav2_params: nav2.Nav2Params = None,
     seed: options.Seed = 0,
     settings: options.Settings = None,
     exclude: options.Exclude = None,
@@ -73,11 +76,14 @@ def export(
 ) -> int:
     """Write a world, a robot or a scenario as a file for another program; worlds load back as the same solids.
 
+    As nav2, a scenario, a map or a world becomes a folder: Nav2's parameters, the map with its masks, a launch file,
+    and a list of what Nav2 has otherwise or not at all.
+
     Args:
         source: A world by name or its file, a robot by name or its YAML or URDF, or the YAML of a scenario.
         to: The format by name: mjcf, sdf, usd, glb or map for a world; mjcf, urdf or usd for a robot; mjcf, usd or
-            isaac-script for a scenario; default: by the suffix of --out.
-        out: The file; default: the source's name, in the current folder.
+            isaac-script for a scenario; nav2 for a scenario, a map or a world; default: by the suffix of --out.
+        out: The file, or nav2's folder; default: the source's name, in the current folder.
         resolution: Cell size of a map [m]; default: 0.05.
         z_min: Lower end of a map's height band [m]; default: 0.10, or the robot's.
         z_max: Upper end of a map's height band [m]; default: 0.62, or the robot's.
@@ -90,10 +96,7 @@ def export(
     from trundle.worlds import World
     from trundle.worlds.floors import lower_world
 
-    check_given(source, WORLD, ROBOT, SCENARIO, MAP)
-    target, form = choose_file(source, to, out)
     given = {
-        "robot": robot,
         "resolution": resolution,
         "z_min": z_min,
         "z_max": z_max,
@@ -102,6 +105,24 @@ def export(
         "robot_usd": robot_usd,
     }
     given = {name: value for name, value in given.items() if value is not None}
+    if to == nav2.FORMAT:
+        _check_uses(given, "scenario", nav2.FORMAT)
+        chosen = scenarios.ScenarioOptions(
+            robot=robot,
+            seed=seed or None,
+            world_options=settings,
+            exclude=exclude,
+            floor_z=floor_z,
+            paths=paths,
+            nav2_params=nav2_params,
+        )
+        return nav2.export(source, chosen, out, distro, json=json, quiet=quiet)
+    if distro is not None or nav2_params is not None:
+        raise InputError("--distro and --nav2-params are for --to nav2")
+    check_given(source, WORLD, ROBOT, SCENARIO, MAP)
+    target, form = choose_file(source, to, out)
+    if robot is not None:
+        given["robot"] = robot
     kept = sources.read_settings(source, settings, exclude, paths)
     thing = load_source(source, form, seed=seed, settings=kept, floor_z=floor_z)
     facts: dict[str, object]
@@ -144,10 +165,10 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
 
     if to is None:
         if out is None:
-            raise InputError(f"give --to FORMAT ({', '.join(sorted(FORMATS))}), or a file with -o")
+            raise InputError(f"give --to FORMAT ({', '.join(sorted([*FORMATS, nav2.FORMAT]))}), or a file with -o")
         to = format_of(out)
     if to not in FORMATS:
-        raise UnknownNameError("format", to, FORMATS)
+        raise UnknownNameError("format", to, [*FORMATS, nav2.FORMAT])
     suffixes = FORMATS[to].suffixes
     name = Path(source).stem + suffixes[0]
     return options.output_file(Path(name) if out is None else out, name, suffixes), to

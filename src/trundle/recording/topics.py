@@ -13,6 +13,7 @@ from trundle.messages.codec import Codec
 from trundle.messages.distros import Distro
 from trundle.messages.makers import MessageMaker
 from trundle.messages.qos import CLOCK, LATCHED, SENSOR, TRANSFORMS, Qos
+from trundle.messages.topic_names import scan_topic
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.recording.bag_writer import BagWriter, Topic
@@ -150,8 +151,3 @@ class RunTopics:
             for rows, cols in windows:
                 self._write(topic, time, make.costmap_update(time, costmap, rows, cols, MAP))
         self._costmap, self._costmap_at, self._costmap_frame = costmap.version, time, frame
-
-
-def scan_topic(lidar: str, robot: Robot) -> str:
-    """Topic of a lidar: /scan where the robot has one alone, else /<its name>/scan."""
-    return "/scan" if list(robot.lidars) == [lidar] else f"/{lidar}/scan"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
+from trundle.control.pursuit_settings import PursuitSettings
 from trundle.nav2.names import DWB, GRACEFUL, MPPI, ROTATION_SHIM, RPP, plain_plugin
 from trundle.nav2.parameters import NodeParameters
 from trundle.nav2.reading.mppi import read_mppi
@@ -9,6 +12,8 @@ from trundle.nav2.reading.notes import Notes
 from trundle.nav2.reading.plugins import choose_plugin
 
 Options = dict[str, object]
+
+_OTHERS = ("min_lookahead_dist", "regulated_linear_scaling_min_radius", "cost_scaling_dist")
 
 SPEED_NAMES = ("max_linear_vel", "desired_linear_vel")
 """Of regulated pure pursuit's speed: Lyrical's name, and the one before."""
@@ -54,7 +59,8 @@ def _read_speeds(block: NodeParameters) -> Options:
     """The top speeds of a controller without counterpart."""
     linear = [name for name in ("max_vel_x", "max_speed_xy", "v_linear_max") if block.has(name)]
     turning = [name for name in ("max_vel_theta", "v_angular_max", "rotate_to_heading_angular_vel") if block.has(name)]
-    options: Options = {}
+    usual = asdict(PursuitSettings())
+    options: Options = {name: usual[name] for name in (*SAME, *_OTHERS)}
     if linear:
         options["desired_linear_vel"] = min(block.number(name, 0.0, least=0.0) for name in linear)
     if turning:

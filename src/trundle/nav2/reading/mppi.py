@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trundle.control.mppi.settings import MOST_STEPS
+from trundle.control.mppi.settings import MOST_STEPS, MppiSettings
 from trundle.nav2.critics import OBSTACLES, WEIGHTS, to_setting
 from trundle.nav2.parameters import NodeParameters
 from trundle.nav2.reading.notes import Notes
@@ -94,7 +94,7 @@ def _read_weights(block: NodeParameters, notes: Notes) -> dict[str, object]:
         if value > _MOST_WEIGHT:
             notes.changed(critic, name, f"trundle's weights are at most {_MOST_WEIGHT:g}")
     if not used & set(OBSTACLES):
-        options["repulsion_weight"] = 0.0
+        options |= {"repulsion_weight": 0.0, "collision_cost": MppiSettings().collision_cost}
     if "GoalAngleCritic" in used:
         near = block.of_plugin("GoalAngleCritic").number("threshold_to_consider", 0.5, above=0.0)
         options["threshold_to_consider"] = near

@@ -21,7 +21,7 @@ _CORNERS = 16
 """Of the polygon that Nav2 makes of a circle."""
 
 _MOST_CORNERS = 64
-_DECIMALS = 9
+DECIMALS = 9
 
 
 def read_outline(node: NodeParameters, notes: Notes) -> FloatArray | None:
@@ -41,8 +41,8 @@ def read_outline(node: NodeParameters, notes: Notes) -> FloatArray | None:
     elif node.has("robot_radius"):
         notes.ignored(node, "robot_radius", "the footprint counts, as in Nav2")
     # As Nav2 pads: each coordinate away from 0, and none that is 0.
-    corners = np.round(np.where(np.abs(corners) < 1e-9, 0.0, corners), _DECIMALS)
-    padded = np.round(corners + np.sign(corners) * padding, _DECIMALS)
+    corners = np.round(np.where(np.abs(corners) < 1e-9, 0.0, corners), DECIMALS)
+    padded = np.round(corners + np.sign(corners) * padding, DECIMALS)
     name = "robot_radius" if node.value("footprint") in (None, "[]", "") else "footprint"
     try:
         return Footprint(padded).outline

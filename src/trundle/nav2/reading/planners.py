@@ -24,6 +24,9 @@ MOST_EXPANSIONS = 10**8
 HIGHEST_COST = 252.0
 """Of a cell that is not blocked."""
 
+_TOLERANCE = 0.25
+"""Of trundle's planners, for Theta*, which has none."""
+
 _MODELS = {"DUBIN": "dubins", "REEDS_SHEPP": "reeds_shepp"}
 
 
@@ -78,7 +81,8 @@ def _read_smac_2d(block: NodeParameters) -> dict[str, object]:
     multiplier = block.number("cost_travel_multiplier", 1.0, least=0.0, most=1e3)
     if multiplier == 0.0:
         return {"name": "astar", "options": options}
-    return {"name": "least_cost", "options": {**options, "cost_weight": cost_weight_of(multiplier)}}
+    weight = cost_weight_of(multiplier)
+    return {"name": "least_cost", "options": options if weight == COST_WEIGHT else {**options, "cost_weight": weight}}
 
 
 def _read_hybrid(block: NodeParameters, notes: Notes) -> Options:
@@ -128,7 +132,7 @@ def _read_theta_star(block: NodeParameters, notes: Notes) -> dict[str, object]:
         2.0,
         "Theta* squares the costs: least_cost, which is any-angle too and adds them up, is used with its own weights",
     )
-    return {"name": "least_cost", "options": {}}
+    return {"name": "least_cost", "options": {"goal_tolerance": _TOLERANCE}}
 
 
 def read_smoother(server: NodeParameters, notes: Notes) -> dict[str, object] | None:

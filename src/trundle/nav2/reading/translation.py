@@ -18,6 +18,7 @@ from trundle.nav2.reading.costmaps import read_costmaps
 from trundle.nav2.reading.filters import read_filters
 from trundle.nav2.reading.monitor import read_monitor
 from trundle.nav2.reading.notes import Notes
+from trundle.nav2.reading.outline import DECIMALS as _DECIMALS
 from trundle.nav2.reading.planners import read_planner, read_smoother, reads_unknown
 from trundle.nav2.reading.reasons import reason_for
 from trundle.nav2.reading.servers import read_checkers, read_limits, read_recovery, read_start
@@ -106,8 +107,8 @@ def _outline_of(settings: dict[str, object]) -> FloatArray | None:
 
 
 def _same_outline(one: FloatArray, other: FloatArray) -> bool:
-    corners = {tuple(corner) for corner in one.tolist()}
-    return corners == {tuple(corner) for corner in other.tolist()}
+    corners = {tuple(corner) for corner in one.round(_DECIMALS).tolist()}
+    return corners == {tuple(corner) for corner in other.round(_DECIMALS).tolist()}
 
 
 def _add_limits(

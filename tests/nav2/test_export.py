@@ -1,0 +1,378 @@
+"""Tests of writing Nav2's parameters, and of the way there and back."""
+
+import ast
+import math
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nav2.make_golden import GOLDEN, SCENARIO, TEXTS
+from support.command_line import room
+from trundle.errors import InputError
+from trundle.maps import KeepoutMask, OccupancyGrid, SpeedMask
+from trundle.mission import Scenario
+from trundle.mission.place import Place, make_place
+from trundle.nav2 import export_nav2, read_nav2_params
+from trundle.nav2.export import draft_params, params_text
+from trundle.robots import Robot
+
+DATA = Path(__file__).parent / "data"
+FILES = ("carter", "humble", "jazzy", "kilted")
+DISTROS = ("humble", "jazzy", "kilted", "lyrical")
+
+
+@pytest.fixture(scope="module")
+def map_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "room.yaml"
+    room().save(path)
+    return path
+
+
+def scenario_of(settings, map_file, robot):
+    return Scenario.make(map=str(map_file), robot=robot, **settings)
+
+
+# There and back -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("robot", ["nova_carter", "turtlebot3_waffle"])
+@pytest.mark.parametrize("distro", DISTROS)
+@pytest.mark.parametrize("name", FILES)
+def test_nav2s_own_files_come_back_as_the_same_scenario(name, distro, robot, map_file, tmp_path):
+    first = scenario_of(read_nav2_params(DATA / f"{name}.yaml", robot).settings, map_file, robot)
+    done = export_nav2(first, tmp_path / "nav2", distro=distro)
+    again = read_nav2_params(done.folder / "nav2_params.yaml", robot)
+    assert scenario_of(again.settings, map_file, robot) == first
+
+
+def number(low, high):
+    return st.floats(low, high).map(lambda value: round(value, 4))
+
+
+PURSUIT = st.fixed_dictionaries(
+    {
+        "desired_linear_vel": number(0.05, 2.0),
+        "lookahead_dist": number(0.5, 2.0),
+        "min_lookahead_dist": number(0.1, 0.5),
+        "rotate_to_heading_min_angle": number(0.1, 3.0),
+        "rotate_to_heading_angular_vel": number(0.1, 3.0),
+        "regulated_linear_scaling_min_radius": st.one_of(st.just(0.0), number(0.1, 2.0)),
+        "regulated_linear_scaling_min_speed": number(0.0, 1.0),
+        "cost_scaling_dist": st.one_of(st.just(0.0), number(0.1, 2.0)),
+        "approach_velocity_scaling_dist": number(0.1, 2.0),
+        "min_approach_linear_velocity": number(0.01, 0.3),
+    }
+).map(lambda options: {"name": "regulated_pure_pursuit", "options": options})
+
+MPPI = st.fixed_dictionaries(
+    {
+        "samples": st.integers(128, 5000),
+        "model_dt": st.sampled_from([0.02, 0.05, 0.1]),
+        "horizon": st.integers(10, 30).map(lambda tenths: tenths / 10.0),
+        "vx_std": number(0.05, 1.0),
+        "wz_std": number(0.05, 1.0),
+        "vx_max": number(0.1, 2.0),
+        "vx_min": number(-1.0, 0.0),
+        "wz_max": number(0.1, 3.0),
+        "ax_max": number(0.1, 5.0),
+        "az_max": number(0.1, 5.0),
+        "goal_weight": number(0.0, 9.0),
+        "goal_angle_weight": number(0.01, 9.0),
+        "threshold_to_consider": number(0.1, 3.0),
+        "path_angle_weight": number(0.0, 9.0),
+        "prefer_forward_weight": number(0.0, 9.0),
+        "twirling_weight": number(0.0, 9.0),
+        "constraint_weight": number(0.0, 99.0),
+        "repulsion_weight": number(0.0, 9.0),
+        "collision_cost": number(1.0, 1000.0),
+    }
+).map(lambda options: {"name": "mppi", "options": options})
+
+PLANNERS = st.one_of(
+    number(0.0, 2.0).map(lambda tolerance: {"name": "least_cost", "options": {"goal_tolerance": tolerance}}),
+    number(0.0, 2.0).map(lambda tolerance: {"name": "astar", "options": {"goal_tolerance": tolerance}}),
+    st.just({"name": "any_angle", "options": {}}),
+    st.fixed_dictionaries(
+        {
+            "motion_model": st.sampled_from(["dubins", "reeds_shepp"]),
+            "minimum_turning_radius": number(0.1, 3.0),
+            "reverse_penalty": number(1.0, 9.0),
+            "cost_weight": number(0.0, 9.0),
+            "goal_tolerance": number(0.0, 1.0),
+            "smooth": st.booleans(),
+            "max_expansions": st.integers(1, 10**8),
+        }
+    ).map(lambda options: {"name": "hybrid_astar", "options": options}),
+)
+
+OBSTACLES = st.fixed_dictionaries(
+    {
+        "hits_to_mark": st.just(1),
+        "misses_to_clear": st.just(1),
+        "obstacle_max_range": number(1.0, 20.0),
+        "obstacle_min_range": number(0.0, 0.9),
+        "raytrace_max_range": number(1.0, 20.0),
+        "raytrace_min_range": number(0.0, 0.9),
+        "observation_persistence": st.one_of(st.none(), number(0.1, 5.0)),
+        "footprint_clearing_enabled": st.booleans(),
+    }
+)
+
+MONITORS = st.one_of(
+    st.just(False),
+    st.fixed_dictionaries(
+        {
+            "stop_padding": number(0.0, 0.5),
+            "slowdown_padding": number(0.01, 1.0),
+            "slowdown_ratio": number(0.1, 1.0),
+            "time_before_collision": number(0.1, 3.0),
+            "simulation_time_step": number(0.01, 0.5),
+            "min_points": st.integers(1, 20),
+            "source_timeout": number(0.1, 9.0),
+        }
+    ),
+)
+
+
+@st.composite
+def outlines(draw):
+    """Convex outlines around base_link: boxes, and corners on an ellipse."""
+    if draw(st.booleans()):
+        back, front, right, left = (draw(number(0.1, 1.0)) for _ in range(4))
+        return [[front, left], [-back, left], [-back, -right], [front, -right]]
+    count, long, wide = draw(st.integers(5, 24)), draw(number(0.2, 1.0)), draw(number(0.2, 1.0))
+    turns = [2.0 * math.pi * (index + 0.37) / count for index in range(count)]
+    return [[round(long * math.cos(turn), 4), round(wide * math.sin(turn), 4)] for turn in turns]
+
+
+SETTINGS = st.fixed_dictionaries(
+    {
+        "controller": st.one_of(PURSUIT, MPPI),
+        "planner": PLANNERS,
+        "smoother": st.one_of(
+            st.none(), number(0.1, 2.0).map(lambda r: {"name": "constrained", "options": {"minimum_turning_radius": r}})
+        ),
+        "assumed": st.fixed_dictionaries(
+            {"footprint": outlines(), "limits": st.fixed_dictionaries({"linear_speed": number(0.1, 0.7)})}
+        ),
+        "inflation_radius": number(0.0, 3.0),
+        "cost_scaling_factor": number(0.0, 20.0),
+        "unknown": st.sampled_from(["blocked", "free"]),
+        "lidar": st.just(True),
+        "layers": st.fixed_dictionaries({"obstacle": OBSTACLES}),
+        "collision_monitor": MONITORS,
+        "goal_tolerance": number(0.0, 2.0),
+        "goal_yaw_tolerance": number(0.0, 3.14),
+        "required_movement_radius": number(0.0, 2.0),
+        "movement_time_allowance": number(0.0, 99.0),
+        "control_frequency": number(1.0, 100.0),
+        "recovery": number(0.1, 2.0).map(
+            lambda speed: [
+                "clear_costmap",
+                {"spin": {"angle": 1.57, "speed": speed}},
+                {"wait": {"seconds": 5.0}},
+                {"back_up": {"distance": 0.3, "speed": 0.15}},
+            ]
+        ),
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def place(map_file):
+    return make_place(Scenario.make(map=str(map_file)))
+
+
+@given(settings=SETTINGS, distro=st.sampled_from(DISTROS))
+def test_what_both_sides_have_comes_back(settings, distro, map_file, place: Place):
+    first = scenario_of(settings, map_file, "nova_carter")
+    path = map_file.parent / "params.yaml"
+    path.write_text(params_text(draft_params(first, place, distro)), encoding="utf-8")
+    again = scenario_of(read_nav2_params(path, "nova_carter").settings, map_file, "nova_carter")
+    assert again == first
+
+
+# What is written ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_the_export_is_as_agreed_on(name, tmp_path):
+    export_nav2(Scenario.make(**SCENARIO), tmp_path, distro="jazzy")
+    written = (tmp_path / name).read_text(encoding="utf-8")
+    assert written == (GOLDEN / name).read_text(encoding="utf-8"), "on purpose? python tests/nav2/make_golden.py"
+
+
+def leaves(node, path=()):
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from leaves(value, (*path, key))
+    else:
+        yield path, node
+
+
+@pytest.mark.parametrize("distro", DISTROS)
+def test_every_value_is_one_that_ros_reads(distro, tmp_path, map_file):
+    """Scalars, or lists of one type: ROS refuses mixed ones, nested ones, and empty ones it cannot type."""
+    for controller in ("mppi", "regulated_pure_pursuit"):
+        scenario = scenario_of({"lidar": True, "controller": controller}, map_file, "nova_carter")
+        done = export_nav2(scenario, tmp_path / controller, distro=distro)
+        text = (done.folder / "nav2_params.yaml").read_text(encoding="utf-8")
+        for path, value in leaves(yaml.safe_load(text)):
+            assert "ros__parameters" in path
+            kinds = {type(item) for item in value} if isinstance(value, list) else {type(value)}
+            assert len(kinds) == 1, path
+            assert kinds <= {bool, int, float, str}, path
+        assert "&id" not in text
+
+
+def test_names_are_those_of_the_distribution(tmp_path, map_file):
+    settings = {"lidar": True, "planner": "hybrid_astar"}
+    texts = {}
+    for distro in DISTROS:
+        done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path / distro, distro=distro)
+        texts[distro] = (done.folder / "nav2_params.yaml").read_text(encoding="utf-8")
+    assert "plugin: nav2_smac_planner/SmacPlannerHybrid" in texts["humble"]
+    assert "plugin: nav2_behaviors/Spin" in texts["humble"]
+    assert "progress_checker_plugin: progress_checker" in texts["humble"]
+    assert "max_points: 2" in texts["humble"]
+    assert "plugin: nav2_smac_planner::SmacPlannerHybrid" in texts["jazzy"]
+    assert "min_points: 3" in texts["jazzy"]
+    assert "desired_linear_vel" in texts["kilted"]
+    assert "max_linear_vel" in texts["lyrical"]
+    assert "desired_linear_vel" not in texts["lyrical"]
+
+
+def test_the_limits_are_the_lower_ones_and_the_outline_the_assumed_one(tmp_path, map_file):
+    assumed = {"footprint": [[0.4, 0.3], [-0.7, 0.3], [-0.7, -0.3], [0.4, -0.3]], "limits": {"angular_speed": 0.5}}
+    done = export_nav2(scenario_of({"assumed": assumed}, map_file, "nova_carter"), tmp_path)
+    nodes = yaml.safe_load((done.folder / "nav2_params.yaml").read_text(encoding="utf-8"))
+    own = Robot.load("nova_carter").limits
+    assert nodes["velocity_smoother"]["ros__parameters"]["max_velocity"] == [own.linear_speed, 0.0, 0.5]
+    local = nodes["local_costmap"]["local_costmap"]["ros__parameters"]
+    assert sorted(map(tuple, yaml.safe_load(local["footprint"]))) == sorted(map(tuple, assumed["footprint"]))
+
+
+def test_the_map_and_the_masks_are_read_back(tmp_path, map_file):
+    cells = np.zeros((50, 80), dtype=np.int8)
+    cells[10:20, 10:20] = 50
+    cells[30:35, 30:35] = 100
+    for name, more in (("keepout", ""), ("speed", "type: 2\nbase: 0.1\nmultiplier: 0.005\n")):
+        OccupancyGrid(cells, 0.1).save(tmp_path / f"{name}_mask.yaml", mode="raw")
+        path = tmp_path / f"{name}_mask.yaml"
+        path.write_text(path.read_text() + more)
+    masks = {"keepout": str(tmp_path / "keepout_mask.yaml"), "speed_mask": str(tmp_path / "speed_mask.yaml")}
+    first = scenario_of(masks, map_file, "nova_carter")
+    done = export_nav2(first, tmp_path / "nav2")
+    assert {"map.yaml", "keepout.yaml", "speed.yaml"} <= set(done.files)
+    grid = OccupancyGrid.load(done.folder / "map.yaml")
+    np.testing.assert_array_equal(grid.data, OccupancyGrid.load(map_file).data)
+    assert (grid.resolution, grid.origin) == (
+        OccupancyGrid.load(map_file).resolution,
+        OccupancyGrid.load(map_file).origin,
+    )
+    np.testing.assert_array_equal(KeepoutMask.load(done.folder / "keepout.yaml").grid.data, cells)
+    speed = SpeedMask.load(done.folder / "speed.yaml")
+    assert (speed.unit, speed.base, speed.multiplier) == ("absolute", 0.1, 0.005)
+    again = read_nav2_params(done.folder / "nav2_params.yaml", "nova_carter").settings
+    assert again["keepout"] == str(done.folder / "keepout.yaml")
+    assert again["speed_mask"] == str(done.folder / "speed.yaml")
+
+
+@pytest.mark.parametrize("settings", [{}, {"lidar": True}, {"lidar": True, "known_map": False}])
+def test_the_launch_file_starts_the_nodes_that_have_parameters(settings, tmp_path, map_file, monkeypatch):
+    done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path)
+    text = (done.folder / "nav2.launch.py").read_text(encoding="utf-8")
+    ast.parse(text)
+    made = launch(text, done.folder / "nav2.launch.py", monkeypatch)
+    names = [node["name"] for node in made if "executable" in node]
+    assert len(set(names)) == len(names)
+    managed = made[-1]["parameters"][0]["node_names"]
+    assert [*managed, "lifecycle_manager_navigation"] == names
+    assert ("collision_monitor" in names) == bool(settings)
+    assert ("map_server" in names) == ("amcl" in names) == (settings.get("known_map", True))
+    nodes = set(yaml.safe_load((done.folder / "nav2_params.yaml").read_text(encoding="utf-8")))
+    costmaps = {"local_costmap", "global_costmap"}  # nodes of the controller and the planner server
+    without = {"lifecycle_manager_navigation", "map_server"}
+    assert set(names) - without <= nodes
+    assert nodes - costmaps - set(names) <= {"collision_monitor", "amcl"}
+
+
+def launch(text, path, monkeypatch):
+    """Run a launch file with stand-ins for ROS's modules; what was made, in order, as keywords."""
+    made = []
+
+    def stand_in(*arguments, **keywords):
+        made.append(keywords)
+        return (arguments, keywords)
+
+    for module, names in {
+        "launch": ["LaunchDescription"],
+        "launch.actions": ["DeclareLaunchArgument"],
+        "launch.substitutions": ["LaunchConfiguration"],
+        "launch_ros": [],
+        "launch_ros.actions": ["Node"],
+        "launch_ros.parameter_descriptions": ["ParameterValue"],
+    }.items():
+        fake = types.ModuleType(module)
+        for name in names:
+            setattr(fake, name, stand_in)
+        monkeypatch.setitem(sys.modules, module, fake)
+    scope = {"__file__": str(path), "__name__": "launch_file"}
+    exec(compile(text, str(path), "exec"), scope)
+    scope["generate_launch_description"]()
+    return [keywords for keywords in made if "executable" in keywords]
+
+
+# What has no counterpart --------------------------------------------------------------------------------------
+
+
+def test_each_setting_without_counterpart_is_listed(tmp_path, map_file):
+    settings = {
+        "lidar": True,
+        "replan_interval_s": 1.0,
+        "recovery": ["spin=1.0"],
+        "layers": {"obstacle": {"hits_to_mark": 3, "clear_static": True}},
+        "controller": {"name": "mppi", "options": {"best_share": 0.2, "mover_margin": 0.7, "samples": 500}},
+        "planner": {"name": "least_cost", "options": {"max_replans": 3}},
+        "unknown": "costly",
+        "localizer": "odometry",
+    }
+    done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path)
+    names = {remark.name for remark in done.remarks}
+    assert names >= {
+        "replan_interval_s",
+        "recovery",
+        "layers.obstacle.hits_to_mark",
+        "layers.obstacle.clear_static",
+        "controller.best_share",
+        "controller.mover_margin",
+        "planner.max_replans",
+        "unknown_cost",
+        "localizer",
+        "collision_monitor.moving_padding",
+    }
+    assert "controller.samples" not in names
+    text = (tmp_path / "no_counterpart.txt").read_text(encoding="utf-8")
+    assert all(name in text for name in names)
+
+
+@pytest.mark.parametrize("planner", ["auto", "manhattan_astar"])
+def test_planners_and_controllers_that_nav2_lacks_are_named(planner, tmp_path, map_file):
+    settings = {"planner": planner, "controller": "lookahead"}
+    done = export_nav2(scenario_of(settings, map_file, "nova_carter"), tmp_path)
+    changed = {remark.name: remark for remark in done.remarks if remark.kind == "changed"}
+    assert changed["planner"].value == planner
+    assert changed["controller"].value == "lookahead"
+
+
+def test_what_cannot_be_exported_is_refused(tmp_path, map_file):
+    with pytest.raises(InputError, match="distro is one of humble, jazzy"):
+        export_nav2(scenario_of({}, map_file, "nova_carter"), tmp_path, distro="foxy")
+    with pytest.raises(InputError, match="nova_carter has no lidar 'top'; it has: front, back"):
+        export_nav2(scenario_of({"lidar": ["top"]}, map_file, "nova_carter"), tmp_path)
