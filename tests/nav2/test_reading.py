@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from trundle.control.pursuit_settings import PursuitSettings
 from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
@@ -89,10 +90,9 @@ def test_carters_outline_is_the_local_costmaps_and_its_pose_is_the_start():
     assert "limits" not in found.settings["assumed"], "they are all above the robot's own"
     assert found.settings["start"] == [-6.0, -1.0, 3.14159]
     assert found.settings["unknown"] == "free", "Nav2 does not track unknown space unless it is told to"
-    assert found.settings["controller"]["options"] == {
-        "desired_linear_vel": 1.0,
-        "rotate_to_heading_angular_vel": 1.0,
-    }
+    options = found.settings["controller"]["options"]
+    assert (options["desired_linear_vel"], options["rotate_to_heading_angular_vel"]) == (1.0, 1.0)
+    assert options["lookahead_dist"] == PursuitSettings().lookahead_dist
     assert any("DWB has no counterpart" in text for text in texts_of(found, "FollowPath.plugin"))
     assert any("above the robot's own 0.8" in text for text in texts_of(found, "max_velocity"))
 
@@ -193,7 +193,8 @@ desired_linear_vel: 0.3""",
 )
 def test_controllers_without_counterpart_are_named(write, plugin, text):
     choice, found = controller(write, f"plugin: {plugin}\nv_linear_max: 0.4")
-    assert choice == {"name": "regulated_pure_pursuit", "options": {"desired_linear_vel": 0.4}}
+    assert choice["name"] == "regulated_pure_pursuit"
+    assert PursuitSettings(**choice["options"]) == PursuitSettings(desired_linear_vel=0.4)
     assert any(text in given for given in texts_of(found, "FollowPath.plugin"))
 
 
