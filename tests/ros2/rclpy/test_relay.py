@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -32,8 +33,8 @@ def wait_until_lost(transport: RclpyTransport) -> str:
     raise AssertionError("the transport was not lost")
 
 
-def open_stand_in(python: str, settings: Settings | None = None) -> RclpyTransport:
-    return open_rclpy(settings or Settings(domain=7), python=python)
+def open_stand_in(python: str, settings: Settings | None = None, **options: Any) -> RclpyTransport:
+    return open_rclpy(settings or Settings(domain=7), python=python, **{"retry_s": (), **options})
 
 
 @pytest.mark.parametrize(
@@ -148,6 +149,51 @@ os.kill(os.getpid(), 9)
     assert (first[1], second[1]) == ("map", "newer map")
     with pytest.raises(TransportError, match="was closed"):
         transport.restart()
+
+
+def test_a_lost_child_is_started_again_until_it_works(stand_in: StandIn, tmp_path: Path) -> None:
+    starts = tmp_path / "starts"
+    text = f"""
+with open({str(starts)!r}, "a+") as file:
+    file.write("x")
+    file.seek(0)
+    start = len(file.read())
+if start == 2:
+    sys.exit("not yet")
+hello()
+answer()
+send(child.COUNTS, 0, json.dumps({{"publishers": {{"1": start}}, "subscriptions": {{}}, "dropped": {{}}}}).encode())
+if start == 1:
+    os.kill(os.getpid(), 9)
+for _ in frames: pass
+"""
+    transport = open_stand_in(stand_in(text), retry_s=(0.2, 0.0))
+    publisher = transport.publisher("/clock", "rosgraph_msgs/msg/Clock", Qos())
+    lost = wait_until_lost(transport)
+    assert "SIGKILL killed it" in lost
+    while publisher.matched != 3 or transport.lost:
+        assert not transport.lost or transport.lost == lost
+        transport.wait(0.05)
+    assert len(starts.read_text()) == 3
+    transport.close()
+    assert not is_alive(transport.pid)
+
+
+def test_closing_does_not_wait_for_a_child_that_is_being_started_again(stand_in: StandIn, tmp_path: Path) -> None:
+    mark = tmp_path / "mark"
+    text = f"""
+if os.path.exists({str(mark)!r}):
+    for _ in frames: pass  # never says hello
+open({str(mark)!r}, "w").close()
+hello()
+sys.exit(0)
+"""
+    transport = open_stand_in(stand_in(text), retry_s=(0.0,))
+    first = transport.pid
+    while transport.pid == first:
+        transport.wait(0.01)
+    transport.close()
+    assert not is_alive(transport.pid)
 
 
 def test_requests_are_answered_in_dispatch_and_a_handler_that_fails_is_answered_too(

@@ -38,7 +38,7 @@ class Link:
         on_lost: Called in that thread once `lost` is set.
 
     Raises:
-        TransportError: If the child cannot be started or cannot use ROS.
+        TransportError: If the child cannot be started.
 
     Attributes:
         outbox: What is sent to the child.
@@ -65,17 +65,22 @@ class Link:
         self.outbox = child.Outbox(self._process.socket)
         self._reader = threading.Thread(target=self._read, name="ros2 link", daemon=True)
         self._reader.start()
-        if not self._said_hello.wait(_START_S):
-            self.close()
-            raise TransportError(f"it did not start within {_START_S:.0f} s")
-        if not self.hello:
-            self.close()
-            raise TransportError(self.lost)
 
     @property
     def pid(self) -> int:
         """Of the child."""
         return self._process.pid
+
+    def wait_until_ready(self) -> None:
+        """Wait for the child's ROS.
+
+        Raises:
+            TransportError: If the child cannot use ROS, or the link is closed meanwhile; it is closed then.
+        """
+        has_answered = self._said_hello.wait(_START_S)
+        if not has_answered or not self.hello:
+            self.close()
+            raise TransportError(self.lost if has_answered else f"it did not start within {_START_S:.0f} s")
 
     def call(self, do: str, **arguments: object) -> Any:
         """Have the child do something, and wait for its answer.

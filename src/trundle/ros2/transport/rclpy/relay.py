@@ -7,10 +7,11 @@ import json
 import logging
 import os
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from trundle.errors import InputError, TransportError
+from trundle.errors import InputError, TransportError, TrundleError
 from trundle.messages import DISTROS, Distro, Qos
 from trundle.ros2.transport.domain import Settings
 from trundle.ros2.transport.graph import Graph
@@ -24,12 +25,20 @@ from trundle.ros2.transport.transport import ActionHandler, Handler
 
 _logger = logging.getLogger(__name__)
 
+RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
+"""How long to wait before each try to start a lost child again; the last goes on."""
+
 _NEAREST: dict[str, Distro] = {"iron": "jazzy", "rolling": "lyrical"}
 """Distributions that trundle does not know, and whose messages are most like theirs."""
 
 
 def open_rclpy(
-    settings: Settings, *, node: str = "trundle", namespace: str = "", python: str | None = None
+    settings: Settings,
+    *,
+    node: str = "trundle",
+    namespace: str = "",
+    python: str | None = None,
+    retry_s: Sequence[float] = RETRY_S,
 ) -> RclpyTransport:
     """Join the network with the user's own ROS.
 
@@ -38,6 +47,7 @@ def open_rclpy(
         node: Name of our node.
         namespace: Its namespace ("/robot"); "" or "/" for none.
         python: The Python that imports rclpy; otherwise it is looked for, see `find.candidates`.
+        retry_s: When to start a lost child again, see `RclpyTransport`.
 
     Raises:
         TransportError: If no Python can be used; the message has the reason for each.
@@ -46,7 +56,7 @@ def open_rclpy(
     tried: list[tuple[str, str]] = []
     for candidate in candidates(python):
         try:
-            return RclpyTransport(candidate, settings, node, namespace)
+            return RclpyTransport(candidate, settings, node, namespace, retry_s=retry_s)
         except TransportError as error:
             tried.append((candidate, str(error)))
     raise TransportError(describe(tried))
@@ -60,6 +70,8 @@ class RclpyTransport:
         settings: Domain and range.
         node: Name of our node.
         namespace: Its namespace.
+        retry_s: How long to wait before each try to start the child again once it is lost; none: it is left to
+            `restart`.
 
     Raises:
         TransportError: If this Python cannot be used.
@@ -74,7 +86,9 @@ class RclpyTransport:
     name = "rclpy"
     has_services = True
 
-    def __init__(self, python: str, settings: Settings, node: str, namespace: str) -> None:
+    def __init__(
+        self, python: str, settings: Settings, node: str, namespace: str, *, retry_s: Sequence[float] = RETRY_S
+    ) -> None:
         self.python = python
         self.node = full_name(node, namespace)
         self._options = {"node": node, "namespace": namespace or "/", "range": settings.range}
@@ -85,10 +99,15 @@ class RclpyTransport:
         self._subscriptions: dict[int, RelayedSubscription] = {}
         self._requests = Requests()
         self._arrived = threading.Event()
-        self._lock = threading.Lock()
-        self._is_closed = False
+        self._outage = ""
+        self._retry_s = tuple(retry_s)
+        self._lock, self._restarts = threading.Lock(), threading.Lock()
+        self._has_lost, self._is_closed = threading.Event(), threading.Event()
         self._link = self._open_link()
+        self._link.wait_until_ready()
         self.settings, self.notes = self._adopt(settings)
+        if retry_s:
+            threading.Thread(target=self._reconnect, name="ros2 reconnect", daemon=True).start()
 
     @property
     def distro(self) -> Distro:
@@ -108,7 +127,9 @@ class RclpyTransport:
     @property
     def lost(self) -> str:
         """Why nothing is sent or received any more; "" while all is well."""
-        return self._link.lost and f"the ROS side of the bridge ({self.python}) is gone: {self._link.lost}"
+        return self._outage or (
+            self._link.lost and f"the ROS side of the bridge ({self.python}) is gone: {self._link.lost}"
+        )
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> RelayedPublisher:
         """Offer a topic.
@@ -192,34 +213,62 @@ class RclpyTransport:
     def restart(self) -> None:
         """Start the child again, with all topics, services and actions; late subscribers get what they would have.
 
-        Goals that were under way are over.
+        A child that is lost is started again without this, unless `retry_s` is empty. Goals that were under way are
+        over.
 
         Raises:
             TransportError: If it cannot be started, or the transport was closed.
             InputError: If it refuses what it did not refuse before.
         """
-        with self._lock:
-            if self._is_closed:
-                raise TransportError("this transport was closed; open another one")
-            self._link.close()
-            self._requests.forget()
-            for end in (*self._publishers.values(), *self._subscriptions.values()):
-                end.matched = 0
-            self._link = self._open_link()
-            for do, arguments in self._made:
-                self._link.call(do, **arguments)
+        with self._restarts:
+            with self._lock:
+                if self._is_closed.is_set():
+                    raise TransportError("this transport was closed; open another one")
+                self._outage = self.lost or "the ROS side of the bridge is started again"
+                self._link.close()
+                self._requests.forget()
+                for end in (*self._publishers.values(), *self._subscriptions.values()):
+                    end.matched = 0
+                self._link = link = self._open_link()
+            try:
+                link.wait_until_ready()
+                for do, arguments in self._made:
+                    link.call(do, **arguments)
+            except TrundleError:
+                link.close()
+                raise
             for publisher in self._publishers.values():
-                publisher.attach(self._link.outbox)
+                publisher.attach(link.outbox)
+            self._outage = ""
 
     def close(self) -> None:
         """Leave the network and end the child; a second call does nothing."""
         with self._lock:
-            if not self._is_closed:
-                self._is_closed = True
-                self._link.close()
+            if self._is_closed.is_set():
+                return
+            self._is_closed.set()
+            self._has_lost.set()
+        self._link.close()
 
     def _open_link(self) -> Link:
-        return Link(self.python, self._environ, self._options, self._receive, self._arrived.set)
+        return Link(self.python, self._environ, self._options, self._receive, self._on_lost)
+
+    def _on_lost(self) -> None:
+        self._has_lost.set()
+        self._arrived.set()
+
+    def _reconnect(self) -> None:
+        while True:
+            self._has_lost.wait()
+            self._has_lost.clear()
+            for delay in itertools.chain(self._retry_s, itertools.repeat(self._retry_s[-1])):
+                if self._is_closed.wait(delay):
+                    return
+                try:
+                    self.restart()
+                    break
+                except TrundleError as error:
+                    _logger.warning("the ROS side of the bridge could not be started again: %s", error)
 
     def _adopt(self, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
         found = self._link.hello["distro"]
