@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
@@ -68,11 +68,14 @@ class Sensor(Config):
         frame: Its frame; none means its name, as the exported URDF has it.
         scan: Topic of its scans; none is not published.
         points: Topic of its points; none is not published.
+        rings: Elevation of each ring of the points [deg], the lowest first; none means the level ring of the scans.
+            Each ring has the beams of the lidar, and costs 3 µs for each of them.
     """
 
     frame: str | None = None
     scan: OptionalName = None
     points: OptionalName = None
+    rings: tuple[Annotated[float, Field(ge=-85.0, le=85.0)], ...] = ()
 
 
 class StaticFrame(Config):
@@ -126,12 +129,15 @@ class Profile(Config):
 
     @classmethod
     def load(cls, name: str) -> Profile:
-        """A profile by its name.
+        """A profile by its name, or from a YAML file.
 
         Raises:
             UnknownNameError: If there is none of that name.
+            InputError: If the file cannot be used; every mistake is listed as file:line:column.
         """
         found = _files()
+        if Path(name).suffix in (".yaml", ".yml"):
+            return load_config(name, cls)
         if name not in found:
             raise UnknownNameError("profile", name, found)
         return load_config(found[name], cls)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ros2.bridge.conftest import LATCHED, wait_for
+from trundle.errors import InputError
 from trundle.mission import Outcome
 from trundle.ros2.names import Names
 from trundle.ros2.profile import Profile
@@ -287,3 +288,46 @@ def test_joint_states_above_the_control_rate_come_from_the_physics_steps(serve, 
     assert np.diff([seconds(one.header.stamp) for one in states]) == pytest.approx(0.005, abs=1e-6)
     turned = np.diff([one.position[0] for one in states])
     assert turned == pytest.approx([0.005 * one.velocity[0] for one in states[1:]], abs=1e-3)
+
+
+def test_points_of_several_rings_are_rows_of_the_cloud(serve, peer):
+    sensor = {"front": {"frame": "lidar_front", "points": "lidar_points", "rings": [-20.0, 0.0, 5.0]}}
+    profile = Profile(sensors=sensor, only_listed=True)
+    peer.read("/lidar_points", CLOUD)
+    served = serve(speed=1.0, profile=profile, scenario={"robot": "jackal", "lidar": ["front"]})
+    wait_for(lambda: peer.got("/lidar_points"))
+    served.end()
+    cloud = peer.got("/lidar_points")[-1]
+    assert (cloud.height, cloud.width, cloud.row_step) == (3, 720, 720 * 20)
+    values = cloud.data.reshape(3, 720, 20)
+    points = values[..., :12].copy().view("<f4")
+    assert values[..., 16:18].copy().view("<u2")[:, :, 0].tolist() == [[row] * 720 for row in range(3)]
+    low, level, high = points
+    floor = low[np.abs(low[:, 2] + 0.297) < 1e-3]
+    assert len(floor) > 50
+    assert np.hypot(floor[:, 0], floor[:, 1]) == pytest.approx(0.297 / math.tan(math.radians(20.0)), abs=0.01)
+    assert np.nanmax(np.abs(level[:, 2])) < 1e-6
+    assert np.nanmin(high[:, 2]) > 0.0
+
+
+def test_a_run_that_is_much_faster_than_real_time_has_the_clock_once_in_a_period(serve, peer):
+    peer.read("/clock", CLOCK)
+    served = serve(speed=math.inf)
+    clock = served.bridge.context.clock
+    wait_for(lambda: served.bridge.context.driver.status.factor > 11.0)
+    wait_for(lambda later=clock.now + 10.0: clock.now > later)
+    served.end()
+    times = np.array([seconds(message.clock) for message in peer.got("/clock")])
+    assert np.diff(times)[-5:] == pytest.approx(0.02, abs=1e-6)
+
+
+def test_a_profile_is_read_from_a_file(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("topics: {odom: wheel/odom}\nsensors: {front: {scan: scan, rings: [0, 2]}}\n")
+    profile = Profile.load(str(path))
+    assert (profile.topics.odom, profile.sensors["front"].rings) == ("wheel/odom", (0.0, 2.0))
+    path.write_text("topic: {}\n")
+    with pytest.raises(InputError, match=r"mine\.yaml:1"):
+        Profile.load(str(path))
+    with pytest.raises(InputError, match="carter_navigation"):
+        Profile.load("carter")

@@ -14,9 +14,12 @@ from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.observation import Scan
 from trundle.robots import Lidar
+from trundle.ros2.outputs.rings import RingPoints
 from trundle.ros2.outputs.stencil import Stencil, mark_stamp
 from trundle.ros2.profile import Sensor
+from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Outlet, Wire
+from trundle.sim import RobotState
 
 _FLOAT32, _UINT16 = 7, 4
 _PARTS = (
@@ -45,17 +48,20 @@ POINT = np.dtype(
 class LidarOutput:
     """Publishes the scans of a lidar as LaserScan, and as PointCloud2 in rows of one ring each.
 
-    A beam without a return is infinite in a scan, and NaN in a cloud.
+    Where the sensor has rings, the points are measured along them instead. A beam without a return is infinite in a
+    scan, and NaN in a cloud.
 
     Args:
-        wire: The network.
+        context: The bridge.
         name: Of the lidar.
         lidar: The lidar.
         sensor: Its topics and its frame.
     """
 
-    def __init__(self, wire: Wire, name: str, lidar: Lidar, sensor: Sensor) -> None:
-        self.name = name
+    def __init__(self, context: BridgeContext, name: str, lidar: Lidar, sensor: Sensor) -> None:
+        self.name, wire = name, context.wire
+        self._rings = RingPoints(context, lidar, sensor.rings) if sensor.rings else None
+        self._rows = len(sensor.rings) or 1
         self._make, self._types = MessageMaker(wire.types.codec), wire.types
         self._frame = wire.names.frame(sensor.frame or name)
         self._scan_time = 1.0 / lidar.rate
@@ -76,9 +82,9 @@ class LidarOutput:
         """Publish the scans that arrived in a control period."""
         for scan in step.scans:
             if scan.lidar == self.name:
-                self._publish(scan, time - step.state.time + scan.time)
+                self._publish(scan, time - step.state.time + scan.time, step.state, time)
 
-    def _publish(self, scan: Scan, time: float) -> None:
+    def _publish(self, scan: Scan, time: float, state: RobotState, now: float) -> None:
         scans, points = self._scans, self._points
         if scan.angles is not self._angles and not np.array_equal(scan.angles, self._angles):
             self._angles = scan.angles
@@ -90,8 +96,13 @@ class LidarOutput:
             scans.write_bytes(filled.stencil.fill(time))
         if points is not None and points.is_wanted:
             filled = self._cloud_bytes = self._cloud_bytes or self._prepare_cloud(scan)
-            self._fill_points(filled.array, scan)
-            points.write_bytes(filled.stencil.fill(time))
+            if self._rings is None:
+                self._fill_points(filled.array, scan)
+                points.write_bytes(filled.stencil.fill(time))
+            else:
+                found = self._rings.measure(state)
+                filled.array["x"], filled.array["y"], filled.array["z"] = found.T
+                points.write_bytes(filled.stencil.fill(now))
 
     def _fill_points(self, points: npt.NDArray[np.void], scan: Scan) -> None:
         """Put the points [m], in the frame of the lidar, into an array; those without a return are NaN."""
@@ -107,21 +118,23 @@ class LidarOutput:
         return _Filled.of(self._types.encode(message), message.ranges, "<f4", len(scan.ranges))
 
     def _prepare_cloud(self, scan: Scan) -> _Filled:
-        count = len(scan.ranges)
+        width = len(scan.ranges)
+        count = self._rows * width
         data = _marks(POINT.itemsize * count, np.uint8)
         message = self._types.make(
             "sensor_msgs/msg/PointCloud2",
             header=self._make.header(0.0, self._frame),
-            height=1,
-            width=count,
+            height=self._rows,
+            width=width,
             fields=self._fields,
             point_step=POINT.itemsize,
-            row_step=POINT.itemsize * count,
+            row_step=POINT.itemsize * width,
             data=data,
         )
         mark_stamp(message.header.stamp)
         filled = _Filled.of(self._types.encode(message), data, POINT, count)
         filled.array[:] = np.zeros(count, POINT)
+        filled.array["ring"] = np.repeat(np.arange(self._rows), width)
         return filled
 
 

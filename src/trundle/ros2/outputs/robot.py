@@ -12,9 +12,15 @@ from trundle.ros2.outputs.output import Output
 from trundle.ros2.role import BridgeContext
 from trundle.sim import Substep
 
+FASTEST = 10.0
+"""How fast a run may pass, relative to real time, for /clock to come from its physics steps."""
+
 
 class RobotOutputs:
     """Publishes what a simulator of the robot publishes; only what is wanted is made.
+
+    A run that passes more than ten times as fast as real time has /clock once in each control period, which is 500
+    times a second at least: more helps nobody, and slows the run.
 
     Args:
         context: The bridge.
@@ -22,6 +28,7 @@ class RobotOutputs:
 
     def __init__(self, context: BridgeContext) -> None:
         self._context = context
+        self._is_fast = False
         wire, profile, topics = context.wire, context.profile, context.profile.topics
         robot = context.mission.robot
         self._ticks_joints = profile.joint_state_rate * profile.control_period_s > 1.0 + 1e-9
@@ -31,7 +38,7 @@ class RobotOutputs:
         self._joints = None if topics.joint_states is None else JointOutput(context, topics.joint_states)
         outputs: list[Output | None] = [self._clock, MotionOutput(context), self._joints]
         outputs += [
-            LidarOutput(wire, name, robot.lidars[name], sensor) for name, sensor in profile.sensors_of(robot).items()
+            LidarOutput(context, name, robot.lidars[name], sensor) for name, sensor in profile.sensors_of(robot).items()
         ]
         if topics.contacts is not None:
             outputs.append(ContactOutput(context, topics.contacts))
@@ -50,6 +57,7 @@ class RobotOutputs:
     def on_step(self, step: Step) -> None:
         """Publish a control period."""
         time = self._context.clock.set(step.state.time)
+        self._is_fast = self._context.driver.status.factor > FASTEST
         for output in self._outputs:
             output.publish(step, time)
         if step.index:
@@ -58,7 +66,7 @@ class RobotOutputs:
     def on_substep(self, substep: Substep) -> None:
         """Publish the time of a physics step, and joint states that come more often than control periods."""
         time = self._context.clock.set(substep.time)
-        if self._clock is not None:
+        if self._clock is not None and not self._is_fast:
             self._clock.tick(time)
         positions, speeds = substep.wheel_positions, substep.wheel_speeds
         if self._ticks_joints and self._joints is not None and positions is not None and speeds is not None:

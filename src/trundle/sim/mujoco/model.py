@@ -49,6 +49,19 @@ def build_spec(world: World, robot: Robot, *, timestep: float = TIMESTEP, looks:
     return spec
 
 
+def world_spec(world: World) -> mujoco.MjSpec:
+    """Compose a world alone, with all that is in it, as high as it is.
+
+    Raises:
+        WorldError: If a solid cannot be modelled.
+    """
+    spec = _empty_spec(world.name, TIMESTEP)
+    add_floor(spec)
+    add_solids(spec, world)
+    add_movers(spec, world)
+    return spec
+
+
 def robot_spec(robot: Robot, *, floor: bool = False, timestep: float = TIMESTEP, looks: bool = True) -> mujoco.MjSpec:
     """Model a robot alone, with or without a floor under it; see `build_spec`."""
     spec = _empty_spec(robot.name, timestep)
