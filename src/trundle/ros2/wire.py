@@ -299,8 +299,9 @@ class Wire:
         """Begin to listen."""
         for outlet in self.outlets:
             outlet.look()
-        self._thread = threading.Thread(target=self._listen, name="trundle-ros2", daemon=True)
-        self._thread.start()
+        thread = threading.Thread(target=self._listen, name="trundle-ros2", daemon=True)
+        thread.start()
+        self._thread = thread  # set once it runs: Ctrl-C may come in between
 
     def close(self) -> None:
         """Stop listening and close the transport; closing twice does nothing."""
