@@ -1,13 +1,18 @@
 import sys
+import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from support.command_line import Done, Trundle, room
 from support.fake_isaac.fixtures import assets, fake, make_fake
+from support.page_visitor import OpenPage, Visitor
 from trundle.cli.entry import run_command
+from trundle.cli.shared import browser
+from trundle.serve.server import PageServer
 
-__all__ = ["assets", "fake", "make_fake", "room_map", "trundle"]
+__all__ = ["assets", "fake", "make_fake", "play", "room_map", "trundle"]
 
 
 @pytest.fixture
@@ -32,3 +37,34 @@ def room_map(tmp_path: Path) -> Path:
     folder.mkdir()
     room().save(folder / "room.yaml")
     return folder / "room.yaml"
+
+
+@pytest.fixture
+def play(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[OpenPage], None]], list[Exception]]:
+    """Play a page in a thread as soon as a server's address is announced; returns the errors it met."""
+    monkeypatch.setattr(browser, "open_browser", lambda address: True)
+    monkeypatch.setattr(browser, "CLOSED_S", 0.0)
+    monkeypatch.setattr(browser, "NEVER_OPENED_S", 0.0)
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
+    monkeypatch.delenv("SSH_TTY", raising=False)
+
+    def prepare(part: Callable[[OpenPage], None]) -> list[Exception]:
+        errors: list[Exception] = []
+
+        def run(server: PageServer) -> None:
+            try:
+                with Visitor(server).open() as page:
+                    part(page)
+            except Exception as error:  # noqa: BLE001 - reported by the test
+                errors.append(error)
+
+        before = browser.advise
+
+        def advise(page: browser.ServedPage, **options: bool) -> None:
+            before(page, **options)
+            threading.Thread(target=run, args=(page.server,)).start()
+
+        monkeypatch.setattr(browser, "advise", advise)
+        return errors
+
+    return prepare

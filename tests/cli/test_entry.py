@@ -49,7 +49,9 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "verb", [[verb] for verb in VERBS if verb not in ("map", "robot", "record")] + [["map", "build"], ["robot", "new"]]
+    "verb",
+    [[verb] for verb in VERBS if verb not in ("map", "robot", "record", "ros2")]
+    + [["map", "build"], ["robot", "new"], ["ros2", "serve"], ["ros2", "check"]],
 )
 def test_every_verb_explains_itself_with_an_example_and_json(
     verb: list[str], capsys: pytest.CaptureFixture[str]

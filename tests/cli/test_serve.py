@@ -5,7 +5,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,38 +13,6 @@ import pytest
 from support.command_line import Trundle
 from support.page_visitor import OpenPage, Visitor
 from trundle.cli.shared import browser
-from trundle.serve.server import PageServer
-
-
-@pytest.fixture
-def play(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[OpenPage], None]], list[Exception]]:
-    """Play a page in a thread as soon as a server's address is announced; returns the errors it met."""
-    monkeypatch.setattr(browser, "open_browser", lambda address: True)
-    monkeypatch.setattr(browser, "CLOSED_S", 0.0)
-    monkeypatch.setattr(browser, "NEVER_OPENED_S", 0.0)
-    monkeypatch.delenv("SSH_CONNECTION", raising=False)
-    monkeypatch.delenv("SSH_TTY", raising=False)
-
-    def prepare(part: Callable[[OpenPage], None]) -> list[Exception]:
-        errors: list[Exception] = []
-
-        def run(server: PageServer) -> None:
-            try:
-                with Visitor(server).open() as page:
-                    part(page)
-            except Exception as error:  # noqa: BLE001 - reported by the test
-                errors.append(error)
-
-        before = browser.advise
-
-        def advise(page: browser.ServedPage, **options: bool) -> None:
-            before(page, **options)
-            threading.Thread(target=run, args=(page.server,)).start()
-
-        monkeypatch.setattr(browser, "advise", advise)
-        return errors
-
-    return prepare
 
 
 def test_a_run_is_shown_and_steered_in_the_browser(trundle: Trundle, room_map: Path, play: Callable[..., list]) -> None:

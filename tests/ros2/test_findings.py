@@ -68,6 +68,7 @@ def test_a_moving_clock_has_its_rate_and_its_factor():
         (ClockSeen(0, 0.0, 0.0, 0.0), "problem", "no message came"),
         (ClockSeen(40, 7.0, 7.0, 3.0), "problem", "does not move (at 7.00 s)"),
         (ClockSeen(40, 7.0, 0.5, 3.0, went_back=True), "note", "went back to 0.50 s"),
+        (ClockSeen(0, 0.0, 0.0, 0.0, unreadable=4), "problem", "4 messages on /clock of /sim are not"),
     ],
 )
 def test_a_clock_that_does_not_run_is_reported(seen, status, text):

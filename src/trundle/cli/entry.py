@@ -47,6 +47,7 @@ VERBS = {
     "robot": ("trundle.cli.robot:app", "Write a robot file to edit."),
     "record": ("trundle.cli.record:app", "Look into recordings, complete them, and make runs of them."),
     "compare": ("trundle.cli.compare:app", "Compare two runs of the same commands, e.g. in two simulators."),
+    "ros2": ("trundle.cli.ros2:app", "Put a robot on the network of ROS 2, and look at that network."),
     "doctor": ("trundle.cli.doctor:app", "Check this machine, a simulator, or a robot's wheels."),
 }
 

@@ -83,7 +83,11 @@ def _with_lidars(base: Scenario, source: str, given: scenarios.ScenarioOptions) 
     """The scenario with the robot's lidars, unless it says otherwise: without them nothing that is dropped is seen."""
     from trundle.robots import Robot
 
-    is_written = sources.is_yaml(source) and sources.is_scenario(Path(source)) and not sources.is_map(Path(source))
-    if given.lidar is not None or is_written or "lidar" in base.backend.options or not Robot.load(base.robot).lidars:
+    if (
+        given.lidar is not None
+        or sources.is_written(source)
+        or "lidar" in base.backend.options
+        or not Robot.load(base.robot).lidars
+    ):
         return base
     return base.model_copy(update={"lidar": True})

@@ -60,6 +60,7 @@ class ClockSeen:
         seconds: Real time [s] between these two.
         went_back: Whether a stamp was smaller than the one before it.
         sources: How many publishers they came from, as far as that is known.
+        unreadable: Messages that were no times.
     """
 
     count: int
@@ -68,6 +69,7 @@ class ClockSeen:
     seconds: float
     went_back: bool = False
     sources: int = 1
+    unreadable: int = 0
 
 
 def find_nodes(graph: Graph) -> Iterator[Finding]:
@@ -126,6 +128,13 @@ def _judge_clock(sources: Sequence[Endpoint], seen: ClockSeen) -> Finding:
             "problem",
             f"/clock comes from {seen.sources} of the publishers {names}; time jumps between them",
             "End all but one simulator, or give each its own ROS_DOMAIN_ID",
+        )
+    if seen.unreadable:
+        return Finding(
+            "clock",
+            "problem",
+            f"{seen.unreadable} messages on /clock of {names} are not a rosgraph_msgs/msg/Clock",
+            "Find out which program sends them: ros2 topic info --verbose /clock",
         )
     if seen.went_back:
         return Finding(

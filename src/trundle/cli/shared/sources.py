@@ -49,6 +49,15 @@ def is_scenario(path: Path) -> bool:
     return isinstance(node, yaml.MappingNode) and any(key.value in ("world", "map") for key, _ in node.value)
 
 
+def is_written(source: str) -> bool:
+    """Whether an argument is the file of a scenario, which says itself what it does not leave to defaults.
+
+    Raises:
+        InputError: If it cannot be read as YAML.
+    """
+    return is_yaml(source) and is_scenario(Path(source)) and not is_map(Path(source))
+
+
 def is_usd(text: str) -> bool:
     """Whether an argument is a USD file."""
     return text.lower().endswith((".usd", ".usda", ".usdc", ".usdz"))

@@ -1,0 +1,333 @@
+"""`trundle ros2 serve|check` on a network in memory."""
+
+import importlib.util
+import json
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from rosbags.highlevel import AnyReader
+
+from ros2.fake_transport import FakeNetwork, FakeTransport
+from support.command_line import Trundle
+from support.page_visitor import OpenPage
+from trundle.errors import MissingExtraError, SimulationError
+from trundle.messages.codec import Codec
+from trundle.messages.qos import CLOCK, SENSOR, Qos
+from trundle.ros2.bridge import Bridge
+
+ROBOT = ("--robot", "turtlebot3_burger", "--backend", "kinematic")
+
+
+@pytest.fixture
+def network(monkeypatch: pytest.MonkeyPatch) -> FakeNetwork:
+    """The network that `trundle ros2` joins."""
+    network = FakeNetwork()
+
+    def join(_kind: str, *, node: str, namespace: str, **_: object) -> FakeTransport:
+        full = node if namespace in ("", "/") else f"{namespace.strip('/')}/{node}"
+        return network.transport(full)
+
+    monkeypatch.setattr("trundle.ros2.transport.opening.open_transport", join)
+    monkeypatch.setattr("trundle.ros2.check.why_not", lambda *_, **__: "")
+    for name in ("ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.delenv(name, raising=False)
+    return network
+
+
+@pytest.fixture
+def meanwhile() -> Iterator[Callable[[Callable[[], None]], list[Exception]]]:
+    """Play a part in a thread while a command runs, and then press Ctrl-C; returns the errors it met."""
+    threads: list[threading.Thread] = []
+
+    def prepare(part: Callable[[], None]) -> list[Exception]:
+        errors: list[Exception] = []
+
+        def run() -> None:
+            try:
+                part()
+            except Exception as error:  # noqa: BLE001 - reported by the test
+                errors.append(error)
+            finally:
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+        threads.append(threading.Thread(target=run))
+        threads[-1].start()
+        return errors
+
+    yield prepare
+    for thread in threads:
+        thread.join()
+
+
+def wait_for(is_so: Callable[[], object]) -> None:
+    """Wait until this is true."""
+    end = time.monotonic() + 60.0
+    while not is_so():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def wait_for_messages(network: FakeNetwork, topic: str = "/clock", least: int = 1) -> None:
+    """Read a topic until as much was published on it."""
+    kind, qos = {"/clock": ("rosgraph_msgs/msg/Clock", CLOCK), "/scan": ("sensor_msgs/msg/LaserScan", SENSOR)}[topic]
+    reader = network.transport("reader")
+    reader.subscription(topic, kind, qos)
+    wait_for(lambda: len(network.sent.get(topic, ())) >= least)
+    reader.close()
+
+
+def test_serve_publishes_the_robot_and_drives_it_by_commands(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    codec = Codec("jazzy")
+    moved: list[float] = []
+
+    def part() -> None:
+        client = network.transport("client")
+        odometry = client.subscription("/odom", "nav_msgs/msg/Odometry", Qos())
+        commands = client.publisher("/cmd_vel", "geometry_msgs/msg/Twist", Qos())
+        wait_for_messages(network, least=10)
+        twist = codec.kind("geometry_msgs/msg/Twist")
+        vector = codec.kind("geometry_msgs/msg/Vector3")
+        command = codec.encode(twist(linear=vector(0.2, 0.0, 0.0), angular=vector(0.0, 0.0, 0.0)))
+
+        def has_moved() -> bool:
+            commands.write(command)
+            moved.extend(
+                codec.decode("nav_msgs/msg/Odometry", one.data).pose.pose.position.x for one in odometry.take()
+            )
+            return bool(moved) and moved[-1] > 0.02
+
+        wait_for(has_moved)
+
+    errors = meanwhile(part)
+    done = trundle("ros2", "serve", room_map, "--start", "0.5,0.5,0", *ROBOT, "--json")
+    assert (done.code, errors) == (0, []), done.err
+    offer, end = map(json.loads, done.out.splitlines())
+    assert (offer["role"], offer["profile"], offer["node"], offer["domain"]) == ("simulator", "plain", "/trundle", 0)
+    published = {row["topic"]: row["type"] for row in offer["publishes"]}
+    assert published["/clock"] == "rosgraph_msgs/msg/Clock"
+    assert published["/scan"] == "sensor_msgs/msg/LaserScan"
+    assert {row["type"] for row in offer["reads"]} >= {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}
+    assert end["outcome"] == "aborted"
+    assert end["distance_m"] > 0.01
+    assert not network.transports or all(transport.node == "/client" for transport in network.transports)
+
+
+def test_ctrl_c_before_the_run_begins_ends_it_as_well(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch, room_map: Path
+) -> None:
+    def interrupt(_: Bridge) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Bridge, "run", interrupt)
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--json")
+    assert done.code == 0, done.err
+    assert json.loads(done.out.splitlines()[-1])["message"] == "stopped by Ctrl-C"
+    assert not network.transports
+
+
+def test_a_simulator_that_fails_has_exit_code_1(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch, room_map: Path
+) -> None:
+    def fail(*_: object) -> None:
+        raise SimulationError("the physics broke down")
+
+    monkeypatch.setattr("trundle.sim.kinematic.KinematicSimulator.step", fail)
+    done = trundle("ros2", "serve", room_map, *ROBOT)
+    assert done.code == 1, done.err
+    assert "the physics broke down" in done.out
+
+
+def test_names_are_those_of_the_namespace_and_the_remaps(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    errors = meanwhile(lambda: wait_for_messages(network))
+    given = ("--namespace", "robot1", "--remap", "scan:=lidar", "--remap", "__node:=carter")
+    done = trundle("ros2", "serve", room_map, *ROBOT, *given, "--json")
+    assert (done.code, errors) == (0, []), done.err
+    offer = json.loads(done.out.splitlines()[0])
+    assert offer["node"] == "/robot1/carter"
+    topics = {row["topic"] for row in offer["publishes"]}
+    assert {"/clock", "/tf", "/robot1/odom", "/robot1/lidar"} <= topics
+    assert "/robot1/cmd_vel" in {row["topic"] for row in offer["reads"]}
+
+
+def test_what_is_offered_is_printed_for_people(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    errors = meanwhile(lambda: wait_for_messages(network))
+    done = trundle("ros2", "serve", room_map, "--profile", "turtlebot3", "--backend", "kinematic")
+    assert (done.code, errors) == (0, []), done.err
+    assert "simulator, profile turtlebot3" in done.out
+    assert "0, distribution jazzy, localhost" in done.out
+    assert "/scan" in done.out
+    assert "reliable" in done.out
+    assert "Ctrl-C ends it" in done.err
+    assert "real time" in done.out
+
+
+def test_the_profile_brings_its_robot_unless_another_one_is_given(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    def part() -> None:
+        client = network.transport("client")
+        described = client.subscription(
+            "/robot_description", "std_msgs/msg/String", Qos(1, durability="transient_local")
+        )
+        wait_for_messages(network)
+        wait_for(lambda: [text.append(one.data) for one in described.take()] or text)
+
+    text: list[bytes] = []
+    errors = meanwhile(part)
+    done = trundle("ros2", "serve", room_map, "--profile", "carter_navigation", *ROBOT, "--json")
+    assert (done.code, errors) == (0, []), done.err
+    assert b"turtlebot3_burger" in text[0]
+
+
+def test_the_recording_is_what_went_over_the_wire(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    codec = Codec("jazzy")
+
+    def part() -> None:
+        client = network.transport("client")
+        commands = client.publisher("/cmd_vel", "geometry_msgs/msg/Twist", Qos())
+        wait_for_messages(network, least=5)
+        still = codec.kind("geometry_msgs/msg/Vector3")(0.0, 0.0, 0.0)
+        commands.write(codec.encode(codec.kind("geometry_msgs/msg/Twist")(still, still)))
+        wait_for_messages(network, "/scan", 3)
+
+    errors = meanwhile(part)
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--record", "-o", "bag", "--json")
+    assert (done.code, errors) == (0, []), done.err
+    end = json.loads(done.out.splitlines()[-1])
+    assert Path(end["recording"]) == Path("bag/wire.mcap")
+    recorded: dict[str, list[bytes]] = {}
+    with AnyReader([Path("bag/wire.mcap")]) as reader:
+        for connection, _, data in reader.messages():
+            recorded.setdefault(connection.topic, []).append(bytes(data))
+    assert sum(map(len, recorded.values())) == end["messages"]
+    assert recorded == network.sent
+
+
+def test_it_is_shown_and_ended_in_the_browser(
+    trundle: Trundle, network: FakeNetwork, play: Callable[..., list], room_map: Path
+) -> None:
+    seen: list[dict] = []
+
+    def part(page: OpenPage) -> None:
+        seen.append(page.wait("run"))
+        page.wait("frame")
+        page.send("end")
+
+    errors = play(part)
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--browser", "--json")
+    assert (done.code, errors) == (0, []), done.err
+    assert "The page: http://127.0.0.1:" in done.err
+    assert seen[0]["n"] == 1
+    assert "ended by" in json.loads(done.out.splitlines()[-1])["message"]
+
+
+def test_recordings_get_a_folder_of_their_own(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    meanwhile(lambda: wait_for_messages(network))
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--record", "--json")
+    assert done.code == 0, done.err
+    (path,) = Path("runs").glob("*/wire.mcap")
+    assert json.loads(done.out.splitlines()[-1])["recording"] == str(path)
+    refused = trundle("ros2", "serve", room_map, *ROBOT, "--record", "-o", path)
+    assert refused.code == 2
+    assert "already exists" in refused.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--speed", "0"), "--speed '0'"),
+        (("--remap", "scan=lidar"), "FROM:=TO"),
+        (("--remap", "1scan:=lidar"), "1scan"),
+        (("--namespace", "robot-1"), "robot-1"),
+        (("--domain", "233"), "--domain 233"),
+        (("--domain", "1.5"), "--domain 1.5"),
+        (("--range", "world"), "--range"),
+        (("--profile", "turtlebot4"), "--profile"),
+        (("--role", "driver"), "--role"),
+        (("--transport", "zenoh"), "--transport"),
+        (("--distro", "iron"), "--distro"),
+        (("-o", "wire.mcap"), "give --record with it"),
+        (("--record", "-o", "wire.bag"), ".mcap"),
+    ],
+)
+def test_what_cannot_be_served_is_named(
+    trundle: Trundle, network: FakeNetwork, arguments: tuple[str, ...], message: str
+) -> None:
+    done = trundle("ros2", "serve", "office", *arguments)
+    assert done.code == 2
+    assert message in done.err
+    assert not network.transports
+
+
+def test_an_unknown_world_is_named_before_the_network_is_joined(trundle: Trundle, network: FakeNetwork) -> None:
+    done = trundle("ros2", "serve", "ofice")
+    assert done.code == 2
+    assert "office" in done.err
+    assert not network.transports
+
+
+def test_without_the_extra_the_install_line_is_printed(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise MissingExtraError("ROS 2", "cyclonedds", 'pip install "trundle[ros2]"')
+
+    monkeypatch.setattr("trundle.ros2.transport.opening.open_transport", refuse)
+    done = trundle("ros2", "serve", "office", *ROBOT)
+    assert done.code == 2
+    assert 'pip install "trundle[ros2]"' in done.err
+    checked = trundle("ros2", "check", "--wait", "0.1", "--json")
+    assert checked.code == 1
+    assert any('pip install "trundle[ros2]"' in one["detail"] for one in checked.json["findings"])
+
+
+@pytest.mark.parametrize("verb", ["serve", "check"])
+def test_without_the_messages_the_install_line_is_printed(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch, verb: str
+) -> None:
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "rosbags" else found(name))
+    done = trundle("ros2", verb)
+    assert done.code == 2
+    assert 'pip install "trundle[ros2]"' in done.err
+
+
+def test_check_reports_a_network_without_problems(trundle: Trundle, network: FakeNetwork) -> None:
+    network.transport("rviz")
+    done = trundle("ros2", "check", "--wait", "0.1")
+    assert done.code == 0, done.out
+    assert "1: /rviz" in done.out
+    assert not network.transports[1:]
+
+
+def test_check_has_exit_code_1_and_advice_for_a_problem(trundle: Trundle, network: FakeNetwork) -> None:
+    network.transport("amcl").subscription("/scan", "sensor_msgs/msg/LaserScan", SENSOR)
+    done = trundle("ros2", "check", "--wait", "0.1", "--json")
+    assert done.code == 1
+    assert not done.json["passed"]
+    (problem,) = (one for one in done.json["findings"] if one["status"] == "problem")
+    assert (problem["about"], bool(problem["advice"])) == ("/scan", True)
+    quiet = trundle("ros2", "check", "--wait", "0.1", "--quiet")
+    assert quiet.code == 1
+    assert [line.split()[0] for line in quiet.out.splitlines()] == ["problem", "->"]
+
+
+@pytest.mark.parametrize("wait", ["0", "-1", "nan", "1e9"])
+def test_a_check_listens_for_a_sensible_time(trundle: Trundle, network: FakeNetwork, wait: str) -> None:
+    done = trundle("ros2", "check", "--wait", wait)
+    assert done.code == 2
+    assert "--wait" in done.err
