@@ -28,7 +28,6 @@ MOST_A_SECOND = 500
 
 _FLOOD_PAUSE_S = 0.02
 _ENDS_S = 1.0
-_RESTART_S, _RESTARTS_AT_MOST_S = 0.5, 30.0
 
 
 class Record(Protocol):
@@ -197,7 +196,6 @@ class Wire:
         self._rounds: list[Callable[[], None]] = []
         self._lost: list[Callable[[str], None]] = []
         self._was_lost = ""
-        self._restart_s, self._restart_at = _RESTART_S, 0.0
         self._ends = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -364,27 +362,10 @@ class Wire:
             self._ends.wait(_FLOOD_PAUSE_S)
 
     def _look_for_loss(self) -> None:
-        lost = self._restart() if self._was_lost else self.transport.lost
+        lost = self.transport.lost
         if lost == self._was_lost:
             return
         self._was_lost = lost
         self.warnings.note(f"the other side is lost: {lost}" if lost else "the other side is back")
         for call in tuple(self._lost):
             call(lost)
-
-    def _restart(self) -> str:
-        """Start a transport that is lost again, where it can, more and more seldom; why it is lost still."""
-        self._ends.wait(ROUND_S)  # a lost transport waits for nothing
-        restart = getattr(self.transport, "restart", None)
-        now = clock.monotonic()
-        if not self.transport.lost or not callable(restart) or now < self._restart_at or self._ends.is_set():
-            return self.transport.lost
-        self._restart_s = min(2.0 * self._restart_s, _RESTARTS_AT_MOST_S)
-        self._restart_at = now + self._restart_s
-        try:
-            restart()
-        except TrundleError as error:
-            self.warn("the other side cannot be started again", f"the other side cannot be started again: {error}")
-            return self._was_lost
-        self._restart_s = _RESTART_S
-        return self.transport.lost
