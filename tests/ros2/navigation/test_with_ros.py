@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,7 @@ from typing import Any
 import pytest
 
 from ros2.conftest import Ros
-from ros2.navigation.conftest import Served
+from ros2.navigation.conftest import Served, wait_for
 from trundle.messages import Codec
 from trundle.mission import Scenario
 from trundle.ros2.bridge import Bridge
@@ -21,7 +23,7 @@ from trundle.ros2.types import Types
 
 HERE = Path(__file__).parent
 STAND_IN, SCRIPTS = HERE / "stand_in", HERE / "scripts"
-ABORTED = 6
+SUCCEEDED, ABORTED = 4, 6
 
 pytestmark = pytest.mark.ros2
 
@@ -90,3 +92,27 @@ def test_a_script_for_nav2_runs_unchanged(ros: Ros, serve_ros: Callable[..., Ser
     assert said["shut down"] == {"accepted": False}
     refusals = [kind for kind in served.counts if kind.endswith(": refused")]
     assert {"assisted_teleop: refused", "dock_robot: refused", "map_server/load_map: refused"} <= set(refusals)
+
+
+def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, serve_ros: Callable[..., Served]) -> None:
+    served = serve_ros()
+    script = ros.script(SCRIPTS / "survivor.py")
+
+    def read() -> dict[str, Any]:
+        assert script.stdout is not None
+        assert script.stderr is not None
+        line = script.stdout.readline()
+        assert line, script.stderr.read()
+        return json.loads(line)
+
+    assert read() == {"accepted": True}
+    wait_for(lambda: served.goals)
+    os.kill(served.bridge.wire.transport.pid, signal.SIGKILL)  # pyright: ignore[reportAttributeAccessIssue]
+    wait_for(lambda: served.goals == ())
+    assert any("lost" in line for line in served.said)
+    wait_for(lambda: any("back" in line for line in served.said))
+    assert script.stdin is not None
+    script.stdin.write("go on\n")
+    script.stdin.flush()
+    assert read() == {"done": False}
+    assert read() == {"status": SUCCEEDED}

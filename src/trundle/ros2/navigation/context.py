@@ -8,7 +8,7 @@ from typing import Any
 from trundle.costmap import Costmap
 from trundle.errors import TrundleError
 from trundle.geometry import Pose2D
-from trundle.mission import Session, Step
+from trundle.mission import Step
 from trundle.ros2.inputs.checks import BadInputError, check_pose
 from trundle.ros2.role import BridgeContext
 
@@ -58,12 +58,6 @@ class Beliefs:
         pose = step.state.pose if step.estimate is None else step.estimate.pose
         costmap = self.now.costmap if step.costmap is None else step.costmap
         self.now = Belief(time, pose, pose @ self._context.odometry(observation).inverse(), costmap)
-
-    def take_session(self, session: Session) -> None:
-        """Take the estimate of a session whose localizer was told its pose, before the next control period."""
-        pose = session.estimate.pose
-        odometry = self._context.odometry(session.state.observation)
-        self.now = Belief(self.now.time, pose, pose @ odometry.inverse(), self.now.costmap)
 
     def read(self, stamped: Any, what: str) -> Pose2D:
         """The pose of a geometry_msgs/PoseStamped in the map frame; an empty frame means the map.

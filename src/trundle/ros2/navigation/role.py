@@ -97,8 +97,8 @@ class NavigatorRole:
     def lost(self, why: str) -> None:
         """Stop the robot: who asked it to drive is out of reach."""
         if why:
-            self._kit.tasks.end(f"the other side is lost: {why}")
             self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
+            self._kit.tasks.end(f"the other side is lost: {why}")
 
     def close(self) -> None:
         """End what runs, and tell its clients."""
@@ -110,8 +110,8 @@ class NavigatorRole:
         tasks = self._kit.tasks
         tasks.refuses = refuses
         if refuses:
-            tasks.end(refuses)
             self._context.driver.steering.put(Cancel(), by=NAVIGATOR)
+            tasks.end(refuses)
 
     # Opening --------------------------------------------------------------------------------------------------------
 
@@ -139,7 +139,7 @@ class NavigatorRole:
     def _act(self, name: str, action: str, served: Action, *, optional: bool = False) -> None:
         """Serve an action, if the other side knows its type; that it does not is reported, unless it may lack it."""
         wire, type_name = self._context.wire, action_type(action)
-        if not wire.transport.has_services or self._knows(f"{type_name}_Goal"):
+        if not wire.transport.has_services or self._knows(type_name, "Goal", "Result", "Feedback"):
             wire.act(name, type_name, served)
         elif not optional:
             self._warn_of_type(type_name)
@@ -147,15 +147,15 @@ class NavigatorRole:
     def _serve(self, name: str, type_name: str, handler: Callable[[Any], Any]) -> None:
         """Serve a service, likewise."""
         wire = self._context.wire
-        if not wire.transport.has_services or self._knows(f"{type_name}_Request"):
+        if not wire.transport.has_services or self._knows(type_name, "Request", "Response"):
             wire.serve(name, type_name, handler)
         elif type_name not in OPTIONAL:
             self._warn_of_type(type_name)
 
-    def _knows(self, type_name: str) -> bool:
-        """Whether the other side has a type, and its text can be read."""
+    def _knows(self, type_name: str, *parts: str) -> bool:
+        """Whether the other side has a type, and its text can be read; later it may be too late to ask."""
         try:
-            return self._context.wire.types.knows(type_name)
+            return all(self._context.wire.types.knows(f"{type_name}_{part}") for part in parts)
         except InputError:
             return False
 

@@ -123,11 +123,6 @@ class Slot:
         self._status = lambda: context.mission.navigator.status
         self._current: Task | None = None
 
-    @property
-    def is_busy(self) -> bool:
-        """Whether something runs."""
-        return self._current is not None and not self._current.is_over
-
     def start(self, goal: ActionGoal, report: Report, directive: Directive, by: str) -> None:
         """Do this from now on; what runs is aborted."""
         self.preempt("another goal has come")

@@ -16,7 +16,7 @@ from trundle.geometry import FloatArray, Pose2D
 from trundle.navigation.inputs import split_choice
 from trundle.navigation.joined_path import join_legs
 from trundle.path import Path
-from trundle.planning import Planner, create_planner, planner_names
+from trundle.planning import Planner, create_planner
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.motions import sample_between
 from trundle.ros2.actions import ActionGoal
@@ -219,11 +219,6 @@ class ComputePath:
 def ends_of(request: Any, through: bool) -> list[Any]:
     """The poses that a goal asks for a path to."""
     return poses_of(request.goals) if through else [request.goal]
-
-
-def planner_ids() -> list[str]:
-    """What planner_id may be."""
-    return [*_PLUGINS, *planner_names()]
 
 
 def dense(path: Path, step_m: float) -> FloatArray:
