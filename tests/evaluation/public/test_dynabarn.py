@@ -40,6 +40,13 @@ def test_the_seed_draws_how_far_the_motions_are(dynabarn):
     assert len({suite.spec(index).content for index in range(4)}) == 4
 
 
+def test_marks_that_no_scan_hits_disappear_soon_but_not_before_the_scans_are_there(dynabarn):
+    late = Conditions(seeds=1, backends=["kinematic"], drift=False, scan_age_s=0.2)
+    for conditions, expected in ((KINEMATIC, 0.3), (late, 0.5)):
+        layers = dynabarn_suite(dynabarn, conditions).spec(0).scenario.layers
+        assert layers.obstacle.observation_persistence == pytest.approx(expected)
+
+
 def test_an_episode_among_distant_obstacles_arrives(dynabarn):
     row = EpisodeTask(dynabarn_suite(dynabarn, KINEMATIC))(0)
     assert (row.outcome, row.world, row.seed) == ("arrived", "easy/world_0", 0)
