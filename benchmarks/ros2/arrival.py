@@ -23,12 +23,11 @@ SCAN = "sensor_msgs/msg/LaserScan"
 
 def first(given: argparse.Namespace) -> list[float]:
     """From when both sides are up to the first scan: first the client starts later, then the bridge."""
-    arguments = ("warehouse", "--profile", "turtlebot3", "--distro", given.distro, "--transport", given.transport)
-    with served(*arguments), peer(given.distro, "first", "/scan", SCAN) as reader:
+    with served(given.transport, given.distro), peer(given.distro, "first", "/scan", SCAN) as reader:
         after = -reader.read()["ready"] + reader.read()["first"]
     with peer(given.distro, "first", "/scan", SCAN) as reader:
         reader.read()
-        with served(*arguments):
+        with served(given.transport, given.distro):
             up = time.monotonic()
             before = reader.read()["first"] - up
     print(f"client later {after:.2f} s, bridge later {before:.2f} s; {load()}", flush=True)

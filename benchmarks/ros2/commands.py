@@ -49,7 +49,7 @@ def gone(given: argparse.Namespace) -> None:
     """Time from Ctrl-C to the end of the process, in which none of its children may be left."""
     times = []
     for _ in range(given.rounds):
-        with served("warehouse", "--profile", "turtlebot3", "--transport", given.transport) as (process, _offer):
+        with served(given.transport, given.distro) as (process, _offer):
             time.sleep(2.0)
             started = children(process.pid)
             began = time.monotonic()

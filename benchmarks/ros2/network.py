@@ -80,13 +80,19 @@ def peer(distro: str, *arguments: object) -> Iterator[Peer]:
 
 
 @contextmanager
-def served(*arguments: str, out: Sequence[str] = ()) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
-    """`trundle ros2 serve --json` with these arguments, and the line with which it says what it offers."""
-    command = [sys.executable, "-m", "trundle", "ros2", "serve", *arguments, "--json", "--quiet", *out]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+def served(transport: str, distro: str, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
+    """`trundle ros2 serve warehouse` with these arguments, and the line with which it says what it offers."""
+    command = [sys.executable, "-m", "trundle", "ros2", "serve", "warehouse", *arguments, "--json", "--quiet"]
+    command += ["--profile", "turtlebot3", "--transport", transport, "--distro", distro]
+    environment = dict(os.environ)
+    if transport == "rclpy":
+        python, variables = ros(distro)
+        command += ["--ros-python", python]
+        environment |= variables
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         try:
             line = process.stdout.readline() if process.stdout else ""
-            if not line:
+            if not line.rstrip().endswith("}"):
                 raise SystemExit("trundle ros2 serve has ended")
             yield process, json.loads(line)
         finally:

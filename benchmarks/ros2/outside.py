@@ -44,8 +44,7 @@ def main() -> None:
     own_domain()
     time.sleep(2.0)
     before = sent()
-    arguments = ("--profile", "turtlebot3", "--transport", given.transport, "--range", given.range)
-    with served("warehouse", *arguments):
+    with served(given.transport, "jazzy", "--range", given.range):
         time.sleep(given.seconds)
     packets = {name: count - before[name] for name, count in sent().items()}
     others = sum(count for name, count in packets.items() if name != "lo")
