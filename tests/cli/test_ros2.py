@@ -246,6 +246,28 @@ def test_recordings_get_a_folder_of_their_own(
     assert "already exists" in refused.err
 
 
+def test_what_a_transport_cannot_serve_is_counted_and_listed_in_the_json(
+    trundle: Trundle,
+    network: FakeNetwork,
+    meanwhile: Callable[..., list],
+    monkeypatch: pytest.MonkeyPatch,
+    room_map: Path,
+) -> None:
+    monkeypatch.setattr(
+        "trundle.ros2.transport.opening.open_transport",
+        lambda *_, **__: network.transport("trundle", has_services=False),
+    )
+    meanwhile(lambda: wait_for_messages(network))
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--role", "navigator", "--json")
+    missing = json.loads(done.out.splitlines()[0])["not_served"]
+    assert "/navigate_to_pose" in missing
+    more = len(network.sent["/clock"]) + 1
+    meanwhile(lambda: wait_for_messages(network, least=more))
+    told = trundle("ros2", "serve", room_map, *ROBOT, "--role", "navigator")
+    assert f"not served: {len(missing)} services and actions" in told.out
+    assert done.code == told.code == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

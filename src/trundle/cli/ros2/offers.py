@@ -55,7 +55,7 @@ def show(offer: Mapping[str, object], wire: Wire) -> None:
             print()
             output.print_table((title, "type", "qos" if rows[0][2] else ""), [_filled(row) for row in sorted(rows)])
     if wire.missing:
-        print(f"\nnot served: {len(wire.missing)} services and actions ({', '.join(sorted(wire.missing))})")
+        print(f"\nnot served: {len(wire.missing)} services and actions, which --json lists")
     print(end="", flush=True)
 
 
