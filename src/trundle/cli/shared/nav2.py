@@ -59,7 +59,7 @@ class Nav2Report:
 
         changed = sum(remark.kind == "changed" for remark in self.remarks)
         rest = len(self.remarks) - changed
-        head = f"{self.file}: {changed} parameters mean something else in trundle, {rest} have no counterpart"
+        head = f"{self.file}: parameters with another meaning in trundle: {changed}, without counterpart: {rest}"
         if quiet:
             output.remark(f"{head}; --json lists them", quiet=False)
             return

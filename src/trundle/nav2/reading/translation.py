@@ -10,7 +10,9 @@ from typing import cast
 import numpy as np
 
 from trundle.control import MonitorSettings
+from trundle.errors import InputError, ScenarioError
 from trundle.geometry import FloatArray
+from trundle.mission import Scenario
 from trundle.mission.assumed import AssumedLimits
 from trundle.nav2.parameters import NodeParameters, ParameterFile
 from trundle.nav2.reading.controllers import read_controller
@@ -82,7 +84,16 @@ def read_nav2_params(
         settings["start"] = list(start)
     for node, parameter in file.unread():
         notes.ignore_parameter(node, parameter, reason_for(node, parameter.name))
+    _check(settings, file)
     return Nav2Settings(settings, tuple(notes.remarks))
+
+
+def _check(settings: dict[str, object], file: ParameterFile) -> None:
+    """Check what only a scenario can check, such as the ranges of trundle's settings."""
+    try:
+        Scenario.make(**{"world": "warehouse", **settings})
+    except ScenarioError as error:
+        raise InputError("\n".join(f"{file.path}: {line}" for line in str(error).splitlines())) from error
 
 
 def _read_costmaps(file: ParameterFile, robot: Robot | None, notes: Notes) -> dict[str, object]:
@@ -96,6 +107,7 @@ def _read_costmaps(file: ParameterFile, robot: Robot | None, notes: Notes) -> di
         del settings["assumed"]
     if robot is not None and "lidar" in settings and not robot.lidars:
         del settings["lidar"]
+        settings.pop("known_map", None)
         layer = file.node("local_costmap") or cast("NodeParameters", file.node("global_costmap"))
         notes.changed(layer, "plugins", f"{robot.name} has no lidars: no obstacles are sensed")
     return settings
@@ -119,7 +131,7 @@ def _add_limits(
         return
     limits = read_limits(smoother, notes)
     if robot is not None:
-        kept = AssumedLimits(**limits).within(robot.limits)
+        kept = _assume(limits, smoother).within(robot.limits)
         own = AssumedLimits().within(robot.limits)
         for name, value in limits.items():
             if value > getattr(own, name):
@@ -128,6 +140,13 @@ def _add_limits(
     if limits:
         assumed = settings.get("assumed")
         settings["assumed"] = {**(assumed if isinstance(assumed, dict) else {}), "limits": limits}
+
+
+def _assume(limits: dict[str, float], smoother: NodeParameters) -> AssumedLimits:
+    try:
+        return AssumedLimits(**limits)
+    except InputError as error:
+        raise smoother.wrong("max_velocity", f"gives limits that cannot be used: {error}") from error
 
 
 _LIMIT_NAMES = {
