@@ -288,6 +288,12 @@ def test_a_file_without_monitor_gets_trundles_where_there_are_scans(write):
     assert read(write, off).settings["collision_monitor"] is False
 
 
+def test_what_is_missing_is_named_with_its_file(write):
+    text = (DATA / "jazzy.yaml").read_text().replace("polygons: [FootprintApproach]", "polygons: [Other]")
+    with pytest.raises(InputError, match=r"nav2_params.yaml: collision_monitor: Other.action_type must be .* missing"):
+        read(write, text)
+
+
 def make_masks(folder, yaml=""):
     cells = np.zeros((20, 20), dtype=np.int8)
     cells[5:8, 5:8] = 50

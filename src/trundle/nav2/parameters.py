@@ -67,16 +67,18 @@ class NodeParameters:
         name: Name of the node.
         parameters: Its parameters by name.
         prefix: The names of a plugin's parameters begin with this and a dot.
+        file: The file, for messages on what is missing in it.
     """
 
-    def __init__(self, name: str, parameters: dict[str, Parameter], prefix: str = "") -> None:
+    def __init__(self, name: str, parameters: dict[str, Parameter], prefix: str = "", *, file: str) -> None:
         self.name = name
+        self._file = file
         self._parameters = parameters
         self._prefix = f"{prefix}." if prefix else ""
 
     def of_plugin(self, name: str) -> NodeParameters:
         """Those of one of its plugins, or of a part of a plugin."""
-        return NodeParameters(self.name, self._parameters, f"{self._prefix}{name}")
+        return NodeParameters(self.name, self._parameters, f"{self._prefix}{name}", file=self._file)
 
     def has(self, name: str) -> bool:
         """Whether the file gives it."""
@@ -200,7 +202,7 @@ class NodeParameters:
         """The error that a parameter, or one that is missing, breaks a rule."""
         found = self.find(name)
         if found is None:
-            return InputError(f"{self.name}: {self._prefix}{name} {rule}; it is missing")
+            return InputError(f"{self._file}: {self.name}: {self._prefix}{name} {rule}; it is missing")
         return self._wrong(found, rule)
 
     def _wrong(self, found: Parameter, rule: str) -> InputError:
@@ -254,7 +256,7 @@ class ParameterFile:
         for entry in self._entries:
             if entry.node == name or entry.node in _WILD:
                 merged |= entry.parameters
-        return NodeParameters(name, merged)
+        return NodeParameters(name, merged, file=self._name)
 
     def nodes(self) -> list[str]:
         """The names of the nodes that have entries, in the order of the file; without wildcards."""
