@@ -18,6 +18,9 @@ from trundle.ros2.wire import Wire
 RoleName: TypeAlias = Literal["simulator", "navigator"]
 """Whether other programs drive the robot, or trundle does."""
 
+KEPT_S = 60.0
+"""What the episode at the end has of the run [s]: it may take days."""
+
 
 class Driver(Protocol):
     """Drives sessions one after another and steers them; a page's does, and so does `LiveDriver`."""

@@ -36,7 +36,7 @@ from trundle.ros2.navigation.outputs import (
 from trundle.ros2.navigation.services import OPTIONAL, Services
 from trundle.ros2.navigation.tasks import Tasks
 from trundle.ros2.outputs.output import Output
-from trundle.ros2.role import BridgeContext
+from trundle.ros2.role import KEPT_S, BridgeContext
 
 
 class NavigatorRole:
@@ -90,6 +90,7 @@ class NavigatorRole:
             stop_on_contact=False,
             name=scenario.title,
             measure=None,
+            keeps_s=KEPT_S,
             steering=self._context.driver.steering,
             **session_options(scenario, mission.grid, mission.navigator.robot),
         )

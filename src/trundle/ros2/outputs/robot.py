@@ -31,7 +31,7 @@ class RobotOutputs:
         self._is_fast = False
         wire, profile, topics = context.wire, context.profile, context.profile.topics
         robot = context.mission.robot
-        self._ticks_joints = profile.joint_state_rate * profile.control_period_s > 1.0 + 1e-9
+        self._ticks_joints = False
         self._clock = (
             None if topics.clock is None else ClockOutput(wire, topics.clock, context.clock, profile.clock_rate)
         )
@@ -52,6 +52,7 @@ class RobotOutputs:
         """Let the clock and the odometry begin."""
         self._context.clock.begin()
         self._context.origin = run.start
+        self._ticks_joints = self._context.profile.joint_state_rate * run.dt > 1.0 + 1e-9
         self._context.periods.runs += 1
 
     def on_step(self, step: Step) -> None:

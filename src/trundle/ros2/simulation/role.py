@@ -6,10 +6,7 @@ from collections.abc import Sequence
 
 from trundle.mission import Observer, Session
 from trundle.ros2.inputs.agent import RosAgent
-from trundle.ros2.role import BridgeContext
-
-KEPT_S = 60.0
-"""What the episode at the end has of the run [s]: it may take days."""
+from trundle.ros2.role import KEPT_S, BridgeContext
 
 
 class SimulatorRole:
