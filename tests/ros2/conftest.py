@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -71,28 +72,45 @@ class Ros:
             process.communicate()
 
 
+def hashes(ros: Ros) -> dict[str, str]:
+    """The hash of each type that an environment has."""
+    found: dict[str, str] = {}
+    for path in Path(ros.env["AMENT_PREFIX_PATH"], "share").glob("*/*/*.json"):
+        if path.parent.name not in ("msg", "srv", "action"):
+            continue
+        for entry in json.loads(path.read_text())["type_hashes"]:
+            found[entry["type_name"]] = entry["hash_string"].removeprefix("RIHS01_")
+    return found
+
+
+@contextmanager
+def real_ros(distro: str, folder: Path) -> Iterator[Ros]:
+    """A real ROS 2; the test is skipped where there is none."""
+    if "reason" in (found := described()[distro]):
+        pytest.skip(str(found["reason"]))
+    env: dict[str, str] = {
+        **found["env"],  # pyright: ignore[reportGeneralTypeIssues]
+        # Domains above 101 have ports that the system may give to others.
+        "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 102)),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOG_DIR": str(folder / "ros_log"),
+        "PYTHONUNBUFFERED": "1",
+    }
+    real = Ros(distro, str(found["python"]), env, Path(tempfile.mkdtemp(dir=folder)))
+    try:
+        yield real
+    finally:
+        real.close()
+
+
 @pytest.fixture(params=DISTROS)
 def distro(request: pytest.FixtureRequest) -> str:
-    """A distribution whose environment is built."""
-    if "reason" in (found := described()[request.param]):
-        pytest.skip(str(found["reason"]))
+    """Each distribution."""
     return request.param
 
 
 @pytest.fixture
 def ros(distro: str, tmp_path: Path) -> Iterator[Ros]:
     """A real ROS 2, once for each distribution."""
-    found = described()[distro]
-    env: dict[str, str] = {
-        **found["env"],  # pyright: ignore[reportGeneralTypeIssues]
-        # Domains above 101 have ports that the system may give to others.
-        "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 102)),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_LOG_DIR": str(tmp_path / "ros_log"),
-        "PYTHONUNBUFFERED": "1",
-    }
-    real = Ros(distro, str(found["python"]), env, Path(tempfile.mkdtemp(dir=tmp_path)))
-    try:
+    with real_ros(distro, tmp_path) as real:
         yield real
-    finally:
-        real.close()

@@ -1,12 +1,11 @@
 """The real environments of ROS 2: their types are the published ones, and they can talk to themselves."""
 
-import json
 from pathlib import Path
 
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from ros2.conftest import Ros
+from ros2.conftest import Ros, hashes
 
 # From the type descriptions that colcon wrote for others' builds of Nav2.
 PUBLISHED = {
@@ -91,17 +90,6 @@ executor.shutdown()
 spinning.join()
 rclpy.shutdown()
 """
-
-
-def hashes(ros: Ros) -> dict[str, str]:
-    """The hash of each type that an environment has."""
-    found: dict[str, str] = {}
-    for path in Path(ros.env["AMENT_PREFIX_PATH"], "share").glob("*/*/*.json"):
-        if path.parent.name not in ("msg", "srv", "action"):
-            continue
-        for entry in json.loads(path.read_text())["type_hashes"]:
-            found[entry["type_name"]] = entry["hash_string"].removeprefix("RIHS01_")
-    return found
 
 
 def test_types_built_from_our_text_are_those_that_others_built(ros: Ros) -> None:

@@ -1,29 +1,20 @@
 """The builder of real ROS 2 environments, where nothing can be built and before anything is."""
 
-import importlib.util
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import pytest
+
+from support.modules import load
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
 
-def load(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-environments = load("ros2_env")
-interfaces = load("ros2_interfaces")
+environments = load(SCRIPTS / "ros2_env.py")
+interfaces = load(SCRIPTS / "ros2_interfaces.py")
 
 
 def run(*arguments: str, **env: str) -> subprocess.CompletedProcess[str]:

@@ -1,0 +1,176 @@
+"""Every topic, both ways, to the bit; what is recorded is what was received; and how others see the node."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import json
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from ros2.conftest import hashes
+from ros2.proof.conftest import PAIRS, QUICK_S, Bench, Lines, asked, bench_of
+from trundle.messages import Codec
+
+COMMANDS = [
+    ["/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 0.1 + 0.2, "y": 5e-324}, "angular": {"z": -1e-17}}],
+    [
+        "/cmd_vel",
+        "geometry_msgs/msg/TwistStamped",
+        {"header": {"frame_id": "base_link"}, "twist": {"linear": {"x": 1 / 3}}},
+    ],
+]
+
+
+RARE = {"/contacts"}
+"""Topics on which nothing may be said."""
+
+
+def recorded(path: Path) -> dict[tuple[str, str], list[bytes]]:
+    """The messages of a recording, by topic and type."""
+    found: dict[tuple[str, str], list[bytes]] = defaultdict(list)
+    with path.open("rb") as stream:
+        for schema, channel, message in make_reader(stream).iter_messages():
+            assert schema is not None
+            found[channel.topic, schema.name].append(message.data)
+    return found
+
+
+def plain(value: Any) -> Any:
+    """A message of the codec as lists, numbers and texts."""
+    if dataclasses.is_dataclass(value):
+        # Constants are fields of rosbags' classes, too.
+        names = [field.name for field in dataclasses.fields(value)]
+        return {name: plain(getattr(value, name)) for name in names if name == name.lower() != "__msgtype__"}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return [plain(one) for one in value] if isinstance(value, list) else value
+
+
+def collect(lines: Lines, topics: set[str], count: int) -> dict[str, list[dict[str, Any]]]:
+    """Messages until there are so many of each topic, one of those that come once."""
+    heard: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    until = time.monotonic() + QUICK_S
+    while missing := {topic for topic in topics if len(heard[topic]) < count}:
+        assert time.monotonic() < until, f"not received: {missing}"
+        line = lines.next()
+        assert "incompatible" not in line, line
+        if "topic" in line:
+            heard[line["topic"]].append(line)
+    return heard
+
+
+def places(received: list[bytes], written: list[bytes]) -> list[int]:
+    """Where messages stand among those that were written. Cyclone DDS sends up to three bytes more."""
+    found, start = [], 0
+    for data in received:
+        start = next(
+            at
+            for at in range(start, len(written))
+            if data[: len(written[at])] == written[at] and len(data) - len(written[at]) < 4
+        )
+        found.append(start)
+        start += 1
+    return found
+
+
+@dataclasses.dataclass
+class Talk:
+    """What both sides said, while `trundle ros2 serve` ran."""
+
+    distro: str
+    offered: list[dict[str, Any]]
+    heard: dict[str, list[dict[str, Any]]]
+    late: dict[str, list[dict[str, Any]]]
+    sent: dict[str, bytes]
+    graph: dict[str, Any]
+    kept: dict[tuple[str, str], list[bytes]]
+    ended: dict[str, Any]
+    hashes: dict[str, str]
+
+    @property
+    def once(self) -> set[str]:
+        """Topics that keep what was said last for late joiners."""
+        return {one["topic"] for one in self.offered if one["durability"] == "transient_local"}
+
+
+@pytest.fixture(scope="module", params=PAIRS)
+def talk(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Talk]:
+    """A talk of some seconds with the simulator role, for each pair of distribution and transport."""
+    folder = tmp_path_factory.mktemp("talk")
+    with bench_of(request.param, folder) as bench:
+        yield converse(bench, folder / "wire.mcap")
+
+
+def converse(bench: Bench, out: Path) -> Talk:
+    """Serve, listen, look, command, and listen again."""
+    server = bench.serve("lot", "--seed", 3, "--record", "--out", out)
+    offered = server.offer["publishes"]
+    once = [one for one in offered if one["durability"] == "transient_local"]
+    names = {one["topic"] for one in offered}
+    looking = bench.client("graph.py", "trundle", len(names))
+    # What was said once came before the fifth message of all others; contacts come where there are some.
+    listening = bench.client("listener.py", asked(offered))
+    heard = collect(listening, names - {one["topic"] for one in once} - RARE, 5)
+    talking = [bench.client("talker.py", json.dumps([command])) for command in COMMANDS]
+    late = collect(bench.client("listener.py", asked(once)), {one["topic"] for one in once}, 1)
+    sent: dict[str, bytes] = {}
+    for command, lines in zip(COMMANDS, talking, strict=True):
+        sent[command[1]] = base64.b64decode(lines.next()["data"])
+    graph = looking.next()
+    # Our reader finds a writer a moment after the writer has found it.
+    listening.until(lambda line: line.get("topic") == "/odom" and line["value"]["twist"]["twist"]["linear"]["x"] > 0.1)
+    collect(listening, {"/odom"}, 50)
+    ended = server.end()
+    return Talk(bench.distro, offered, heard, late, sent, graph, recorded(out), ended, hashes(bench.ros))
+
+
+def test_what_is_published_is_received_and_recorded_to_the_bit(talk: Talk) -> None:
+    assert talk.ended["recording_error"] is None
+    for one in talk.offered:
+        topic = one["topic"]
+        received = [base64.b64decode(line["data"]) for line in talk.heard[topic]]
+        # A slow reader may miss some where new messages push out old ones; what it gets comes in order.
+        at = places(received, talk.kept[topic, one["type"]])
+        assert at == sorted(at), topic
+    assert {topic for topic in talk.heard if talk.heard[topic]} >= {one["topic"] for one in talk.offered} - RARE
+
+
+def test_the_other_side_reads_the_values_that_were_written(talk: Talk) -> None:
+    codec, kinds = Codec(talk.distro), {one["topic"]: one["type"] for one in talk.offered}
+    for topic, lines in talk.heard.items():
+        for line in lines:
+            assert line["value"] == plain(codec.decode(kinds[topic], base64.b64decode(line["data"]))), topic
+
+
+def test_what_is_sent_is_received_and_recorded_to_the_bit(talk: Talk) -> None:
+    for kind, data in talk.sent.items():
+        assert set(talk.kept["/cmd_vel", kind]) == {data}
+
+
+def test_a_late_joiner_gets_what_was_said_once(talk: Talk) -> None:
+    assert {topic: len(lines) for topic, lines in talk.late.items()} == dict.fromkeys(talk.once, 1)
+    frames = {one["child_frame_id"] for one in talk.late["/tf_static"][0]["value"]["transforms"]}
+    assert "base_footprint" in frames
+    assert "<robot" in talk.late["/robot_description"][0]["value"]["data"]
+
+
+def test_others_see_one_node_with_its_topics_types_and_qos(talk: Talk) -> None:
+    graph = talk.graph
+    assert "trundle" in graph["nodes"]
+    assert {one["topic"]: [one["type"]] for one in talk.offered}.items() <= graph["publishers"].items()
+    assert "geometry_msgs/msg/Twist" in graph["subscribers"]["/cmd_vel"]
+    for one in talk.offered:
+        (seen,) = (info for info in graph["written"][one["topic"]] if info["node"] != "asking")
+        kind = one["type"]
+        assert (seen["type"], seen["hash"]) == (kind, f"RIHS01_{talk.hashes[kind]}")
+        assert (seen["reliability"], seen["durability"]) == (one["reliability"], one["durability"])
+    read = {info["type"]: info["hash"] for info in graph["read"]["/cmd_vel"]}
+    assert read == {kind: f"RIHS01_{talk.hashes[kind]}" for kind in talk.sent}
