@@ -20,6 +20,13 @@ def test_options_go_before_variables() -> None:
     assert (settings.domain, settings.distro, settings.given) == (9, "kilted", {"domain", "distro"})
 
 
+def test_a_distribution_that_is_not_known_is_taken_for_the_nearest() -> None:
+    settings = read_settings(environ={"ROS_DISTRO": "iron"})
+    assert settings.distro == "jazzy"
+    assert "taken for jazzy" in settings.notes[0]
+    assert read_settings(environ={"ROS_DISTRO": "iron"}, distro="humble").notes == ()
+
+
 def test_an_empty_variable_is_one_that_is_not_set() -> None:
     environ = dict.fromkeys(("ROS_DOMAIN_ID", "ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"), "")
     assert read_settings(environ=environ) == read_settings(environ={})
@@ -63,7 +70,7 @@ def test_static_peers_are_addresses_between_semicolons() -> None:
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "subnet"}, "ROS_AUTOMATIC_DISCOVERY_RANGE=subnet"),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, "no program would find trundle"),
         ({"ROS_LOCALHOST_ONLY": "true"}, "ROS_LOCALHOST_ONLY=true"),
-        ({"ROS_DISTRO": "iron"}, "--distro"),
+        ({"ROS_DISTRO": "noetic"}, "--distro"),
     ],
 )
 def test_a_variable_that_cannot_be_used_is_named(environ: dict[str, str], named: str) -> None:

@@ -15,6 +15,9 @@ from trundle.messages.distros import DEFAULT
 Range: TypeAlias = Literal["localhost", "subnet"]
 """How far others are looked for: on this machine, or in its networks."""
 
+NEAREST: Mapping[str, Distro] = {"iron": "jazzy", "rolling": "lyrical"}
+"""Distributions that trundle does not know, and whose messages are most like theirs."""
+
 RANGES: tuple[Range, ...] = get_args(Range)
 
 ROS_RANGES = ("LOCALHOST", "OFF", "SUBNET", "SYSTEM_DEFAULT")
@@ -110,6 +113,9 @@ def read_settings(
     if rmw in NOT_DDS:
         notes.append(f"RMW_IMPLEMENTATION={rmw}: its programs do not speak DDS; only --transport rclpy reaches them")
     number = _domain(domain, variables)
+    named = variables.get("ROS_DISTRO", "")
+    if distro is None and named in NEAREST:
+        notes.append(f"ROS_DISTRO={named} is not known: taken for {NEAREST[named]}; --distro names another")
     if number in EPHEMERAL_DOMAINS and sys.platform == "linux":
         notes.append(
             f"domain {number}: other connections of this machine may hold its ports; 0 to 101 and 215 to 232 are safe"
@@ -137,7 +143,7 @@ def _distro(option: Distro | None, variables: Mapping[str, str]) -> Distro:
         return option
     name = variables.get("ROS_DISTRO", DEFAULT)
     for distro in DISTROS:
-        if distro == name:
+        if name == distro or NEAREST.get(name) == distro:
             return distro
     raise InputError(
         f"ROS_DISTRO={name} is not a distribution that trundle knows ({', '.join(DISTROS)}). "

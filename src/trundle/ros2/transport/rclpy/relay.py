@@ -13,7 +13,7 @@ from typing import Any
 
 from trundle.errors import InputError, TransportError, TrundleError
 from trundle.messages import DISTROS, Distro, Qos
-from trundle.ros2.transport.domain import Settings
+from trundle.ros2.transport.domain import NEAREST, Settings
 from trundle.ros2.transport.graph import Graph
 from trundle.ros2.transport.rclpy import child
 from trundle.ros2.transport.rclpy.find import candidates, describe
@@ -27,9 +27,6 @@ _logger = logging.getLogger(__name__)
 
 RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 """How long to wait before each try to start a lost child again; the last goes on."""
-
-_NEAREST: dict[str, Distro] = {"iron": "jazzy", "rolling": "lyrical"}
-"""Distributions that trundle does not know, and whose messages are most like theirs."""
 
 
 def open_rclpy(
@@ -272,7 +269,7 @@ class RclpyTransport:
 
     def _adopt(self, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
         found = self._link.hello["distro"]
-        distro = next((name for name in DISTROS if name == found), _NEAREST.get(found))
+        distro = next((name for name in DISTROS if name == found), NEAREST.get(found))
         if "distro" in settings.given and distro not in (None, settings.distro):
             self.close()
             raise InputError(
