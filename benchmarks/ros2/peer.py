@@ -88,7 +88,7 @@ def everything(node, seconds):
     say(ready=time.monotonic())
     while time.monotonic() < end:
         for topic, kinds in node.get_topic_names_and_types():
-            if topic in readers or topic in ("/parameter_events", "/rosout", "/cmd_vel"):
+            if topic in readers or "/_" in topic or topic in ("/parameter_events", "/rosout", "/cmd_vel"):
                 continue
             counts[topic] = 0
 
