@@ -115,7 +115,7 @@ def converse(bench: Bench, out: Path) -> Talk:
     offered = server.offer["publishes"]
     once = [one for one in offered if one["durability"] == "transient_local"]
     names = {one["topic"] for one in offered}
-    looking = bench.client("graph.py", "trundle", len(names))
+    looking = bench.client("graph.py", "trundle", len(names), "/cmd_vel", len(COMMANDS))
     # What was said once came before the fifth message of all others; contacts come where there are some.
     listening = bench.client("listener.py", asked(offered))
     heard = collect(listening, names - {one["topic"] for one in once} - RARE, 5)
