@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trundle.costmap import LETHAL
-from trundle.errors import BlockedPoseError, InputError
+from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.geometry import Pose2D
 from trundle.mission import (
     Cancel,
@@ -120,6 +120,15 @@ def test_a_goal_in_a_wall_is_refused_with_its_error(session, steering, watch):
     drive(session, 1)
     assert (watch.began, watch.ended) == ([], [])
     assert isinstance(watch.refused[0], BlockedPoseError)
+
+
+def test_a_goal_outside_the_map_is_refused_also_once_something_was_sensed(world, room, carter, start, steering, watch):
+    with simulate(world, carter, backend="kinematic", lidar=True) as sim:
+        session = Session(sim, Navigator(room, carter), start, None, steering=steering)
+        drive(session, 10)
+        steering.put(SetGoal((40.0, 1.0)), watcher=watch)
+        drive(session, 1)
+    assert [type(error) for error in watch.refused] == [OutsideMapError]
 
 
 def test_a_goal_that_gets_blocked_fails_with_the_reason(sim, room, carter, start, steering, watch):

@@ -152,7 +152,7 @@ class Replanner:
     ) -> Path:
         drive, target, pose = self._drive, goal, goal.pose
         if self._sensed.is_active:
-            target = goal_in_window(costmap, start, goal)
+            target = goal_in_window(costmap, start, goal) if self._sensed.may_contain(goal.pose) else goal
             is_stop = goal is drive.ahead[-1]
             tolerance = drive.goal_checker.xy_tolerance if is_stop else drive.settings.through_tolerance
             start, pose = free_ends(costmap, self._sensed.static, start, target, tolerance)

@@ -93,6 +93,10 @@ class SensedMap:
         """The costmap without what was sensed; None without a map."""
         return self._static if self._has_map else None
 
+    def may_contain(self, pose: Pose2D) -> bool:
+        """Whether the costmap may come to contain a pose: there is no map, or the map contains it."""
+        return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
+
     def contain(self, *poses: Pose2D) -> Costmap:
         """The costmap, extended to contain these poses where there is no map."""
         if not self._has_map:
