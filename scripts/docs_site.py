@@ -30,8 +30,8 @@ def site_place(path: str) -> str:
     if path in PLACES:
         return PLACES[path]
     source = ROOT / path
-    place = path.removeprefix("docs/")
-    if source.is_dir():
+    place = path.removeprefix("docs/").removesuffix("/README.md")
+    if source.is_dir() or source.name == "README.md":
         return f"{place}/index.md"
     return place if source.suffix in {".md", *PICTURES} else f"{place}.md"
 
@@ -96,6 +96,9 @@ def gather(site: Path = SITE) -> None:
         place, source = site / site_place(path), ROOT / path
         place.parent.mkdir(parents=True, exist_ok=True)
         more: list[str] = []
+        if source.is_dir() and (source / "README.md").exists():
+            waiting.append(f"{path}/README.md")
+            continue
         if source.is_dir():
             text, more = folder_page(path)
         elif source.suffix in PICTURES:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from trundle.cli.shared import isaac, nav2, options, output, scenarios, sources
+from trundle.cli.shared import isaac, nav2, nav2_folder, options, output, scenarios, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.files.kinds import MAP, ROBOT, SCENARIO, WORLD
@@ -105,8 +105,8 @@ def export(
         "robot_usd": robot_usd,
     }
     given = {name: value for name, value in given.items() if value is not None}
-    if to == nav2.FORMAT:
-        _check_uses(given, "scenario", nav2.FORMAT)
+    if to == nav2_folder.FORMAT:
+        _check_uses(given, "scenario", nav2_folder.FORMAT)
         chosen = scenarios.ScenarioOptions(
             robot=robot,
             seed=seed or None,
@@ -116,7 +116,7 @@ def export(
             paths=paths,
             nav2_params=nav2_params,
         )
-        return nav2.export(source, chosen, out, distro, json=json, quiet=quiet)
+        return nav2_folder.export(source, chosen, out, distro, json=json, quiet=quiet)
     if distro is not None or nav2_params is not None:
         raise InputError("--distro and --nav2-params are for --to nav2")
     check_given(source, WORLD, ROBOT, SCENARIO, MAP)
@@ -165,10 +165,12 @@ def choose_file(source: str, to: str | None, out: Path | None) -> tuple[Path, st
 
     if to is None:
         if out is None:
-            raise InputError(f"give --to FORMAT ({', '.join(sorted([*FORMATS, nav2.FORMAT]))}), or a file with -o")
+            raise InputError(
+                f"give --to FORMAT ({', '.join(sorted([*FORMATS, nav2_folder.FORMAT]))}), or a file with -o"
+            )
         to = format_of(out)
     if to not in FORMATS:
-        raise UnknownNameError("format", to, [*FORMATS, nav2.FORMAT])
+        raise UnknownNameError("format", to, [*FORMATS, nav2_folder.FORMAT])
     suffixes = FORMATS[to].suffixes
     name = Path(source).stem + suffixes[0]
     return options.output_file(Path(name) if out is None else out, name, suffixes), to

@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from trundle.cli.shared import output
-from trundle.errors import InputError
 
 if TYPE_CHECKING:
-    from trundle.cli.shared.scenarios import ScenarioOptions
-    from trundle.messages.distros import Distro
     from trundle.mission import Scenario
     from trundle.nav2 import Remark
 
@@ -28,10 +25,6 @@ Nav2Params = Annotated[
         "from it, and what trundle does not have is listed. Other options come before it, and it before a scenario.",
     ),
 ]
-
-
-FORMAT = "nav2"
-"""Of `trundle export --to`."""
 
 
 @dataclass(slots=True)
@@ -128,32 +121,3 @@ def translate(
         settings.pop("collision_monitor", None)
         settings.pop("known_map", None)
     return {**settings, **changes}
-
-
-def export(
-    source: str, given: ScenarioOptions, out: Path | None, distro: Distro | None, *, json: bool, quiet: bool
-) -> int:
-    """Write a scenario, a map or a world with a robot as a folder for Nav2; see `export_nav2` for the errors."""
-    from trundle.messages.distros import DEFAULT
-    from trundle.nav2 import describe_remarks, export_nav2
-    from trundle.nav2.export import LAUNCH, REMARKS
-
-    told = Nav2Report()
-    scenario = given.make(source, told)
-    told.tell(quiet=quiet)
-    folder = Path(f"{Path(source).stem}_nav2") if out is None else out
-    if folder.suffix and not folder.is_dir():
-        raise InputError(f"--out {folder}: give a folder for Nav2's files")
-    done = export_nav2(scenario, folder, distro=distro or DEFAULT)
-    facts: dict[str, object] = {"robot": scenario.robot, "format": FORMAT, "folder": done.folder, "files": done.files}
-    if quiet:
-        output.remark(f"{folder / REMARKS}: {len(done.remarks)} settings", quiet=False)
-    elif done.remarks:
-        head = f"What Nav2 has otherwise, or not at all ({REMARKS}):"
-        output.remark("\n  ".join([head, *describe_remarks(done.remarks)]), quiet=False)
-    if json:
-        output.print_json({**facts, "remarks": done.remarks, **told.facts})
-        return 0
-    output.print_facts({**facts, "files": ", ".join(done.files)})
-    output.remark(f"To drive with it: ros2 launch {folder / LAUNCH}", quiet=quiet)
-    return 0
