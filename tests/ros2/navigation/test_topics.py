@@ -76,6 +76,17 @@ def test_the_plan_is_published_while_the_robot_drives(serve, client):
     assert place(plan.poses[-1].pose) == pytest.approx((6.5, 1.5), abs=0.05)
 
 
+@pytest.mark.parametrize("costmap", ["global_costmap", "local_costmap"])
+def test_the_outline_of_the_robot_is_published_where_it_is(serve, client, costmap):
+    client.read(f"/{costmap}/published_footprint", "geometry_msgs/msg/PolygonStamped", MANY)
+    served = serve()
+    shown = wait_for(lambda: client.got(f"/{costmap}/published_footprint"))[0]
+    mission = served.bridge.mission
+    corners = [(point.x, point.y) for point in shown.polygon.points]
+    assert np.allclose(corners, mission.start.transform_points(mission.navigator.robot.outline), atol=1e-3)
+    assert shown.header.frame_id == "map"
+
+
 def test_changes_of_the_costmap_are_updates(serve, client):
     client.read("/global_costmap/costmap", GRID, LATCHED)
     client.read("/global_costmap/costmap_updates", UPDATE, MANY)

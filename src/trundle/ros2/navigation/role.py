@@ -23,6 +23,7 @@ from trundle.ros2.navigation.actions.plans import ComputePath, PlanServer
 from trundle.ros2.navigation.actions.refusals import REFUSED_ACTIONS, REFUSED_SERVICES, Refuse, refuse_service
 from trundle.ros2.navigation.codes import action_type
 from trundle.ros2.navigation.context import NAVIGATOR, Beliefs
+from trundle.ros2.navigation.footprint_output import FootprintOutput
 from trundle.ros2.navigation.inputs import PoseInputs
 from trundle.ros2.navigation.lifecycle import Lifecycle
 from trundle.ros2.navigation.outputs import (
@@ -65,6 +66,8 @@ class NavigatorRole:
             MapOutput(kit),
             GlobalCostmapOutput(kit),
             LocalCostmapOutput(kit),
+            FootprintOutput(kit, "global_costmap"),
+            FootprintOutput(kit, "local_costmap"),
             PlanOutput(kit),
             self._markers,
         ]
