@@ -20,6 +20,7 @@ from trundle.errors import (
     TrundleError,
     UnknownNameError,
 )
+from trundle.ros2.inputs.checks import BadInputError
 
 PLACE = {"pose": (1.0, 2.0, 0.5), "cell": (3, 4)}
 MADE = {
@@ -30,6 +31,7 @@ MADE = {
     BlockedPoseError: lambda: BlockedPoseError("blocked", **PLACE, nearest_free_m=0.7),
     NoPathError: lambda: NoPathError("no path", **PLACE),
     PlanningStoppedError: lambda: PlanningStoppedError("stopped", **PLACE, status="cancelled"),
+    BadInputError: lambda: BadInputError("not finite", "a number of its pose is not finite"),
 }
 
 

@@ -72,9 +72,9 @@ def spoil_array(generator: random.Random, array: npt.NDArray[Any]) -> Any:
     """An array of another type, rank, size or layout, or with numbers in it that are out of range."""
     match generator.randrange(8):
         case 0:
-            return array.astype(
-                generator.choice((np.uint8, np.int8, np.int64, np.float32, np.float64, np.bool_, object))
-            )
+            kind = generator.choice((np.uint8, np.int8, np.int64, np.float32, np.float64, np.bool_, object))
+            with np.errstate(invalid="ignore", over="ignore"):
+                return array.astype(kind)
         case 1:
             return generator.choice((array[::-1], array[..., ::-1], array[::2], np.asfortranarray(array), array.T))
         case 2:

