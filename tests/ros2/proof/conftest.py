@@ -55,7 +55,7 @@ class Lines:
         """The first line that is wanted."""
         end = time.monotonic() + within_s
         while not wanted(found := self.next(max(0.1, end - time.monotonic()))):
-            pass
+            assert time.monotonic() < end, f"it said something else for {within_s:g} s, at last {str(found)[:200]}"
         return found
 
     def wait_for_error(self, words: str) -> None:
