@@ -2,7 +2,7 @@
 
 unshare --net --user --map-root-user python benchmarks/ros2/outside.py [--range localhost] [--seconds 20]
 
-It wants a network namespace of its own, so that nobody else sends there; it adds a pair of interfaces that are up.
+It needs a separate network namespace, so that nobody else sends there; it adds a pair of interfaces that are up.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def described() -> dict[str, dict[str, object]]:
 
 @dataclass
 class Ros:
-    """A real ROS 2 of one distribution, on a domain of its own, on this machine alone."""
+    """A real ROS 2 of one distribution, on a domain that nobody else uses, on this machine alone."""
 
     distro: str
     python: str

@@ -47,7 +47,7 @@ def _of_distro(text: str, distro: str) -> str:
 
 
 def _with_parts(name: str, texts: dict[str, str]) -> str:
-    """A text with those of the types of its own that it uses."""
+    """A text with those of the types of its package that it uses."""
     found: dict[str, str] = {}
     waiting = [name]
     while waiting:

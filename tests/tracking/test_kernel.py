@@ -56,7 +56,7 @@ def test_the_kernel_follows_as_numpy_does(movers, drive, seed):
 
 
 def test_more_things_than_can_be_followed_are_left_out():
-    """Every third beam meets something of its own."""
+    """Every third beam meets a different thing."""
     rng = np.random.default_rng(1)
     scans = [scan_scene(time=tick * DT, beams=6000) for tick in range(8)]
     settings = TrackerSettings(min_points=2)

@@ -94,7 +94,7 @@ class Codec:
         from rosbags.typesys import get_types_from_msg
 
         try:
-            # Under a name of its own, because rosbags makes "package/srv/msg/Name" of "package/srv/Name".
+            # Under another name, because rosbags makes "package/srv/msg/Name" of "package/srv/Name".
             found = get_types_from_msg(text, _NEW)
             found[type_name] = found.pop(_NEW)
             for name, (_, fields) in found.items():

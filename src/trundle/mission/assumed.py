@@ -68,5 +68,5 @@ class Assumed(Config):
             changes["footprint"] = self.footprint
         if self.limits is not None:
             changes["limits"] = self.limits.within(robot.limits)
-        # Made anew: a copy would keep the outline that the robot has computed.
+        # Made from its fields: a copy would keep the outline that the robot has computed.
         return type(robot)(**{**{name: getattr(robot, name) for name in type(robot).model_fields}, **changes})

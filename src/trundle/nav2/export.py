@@ -98,7 +98,7 @@ def draft_params(scenario: Scenario, place: Place, distro: Distro) -> Draft:
 
 
 def params_text(draft: Draft) -> str:
-    """The parameter file: each costmap stands in a namespace of its own name, as Nav2 has it."""
+    """The parameter file: each costmap stands in a namespace named like itself, as Nav2 has it."""
     nodes: dict[str, object] = {}
     for name, parameters in draft.nodes.items():
         block: Block = {"ros__parameters": parameters}

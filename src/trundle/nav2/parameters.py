@@ -212,7 +212,7 @@ class NodeParameters:
 class ParameterFile:
     """A ROS 2 parameter file.
 
-    A node's parameters are those of its own entry and of entries with wildcards (`/**`); of several, the later one in
+    A node's parameters are those of its entry and of entries with wildcards (`/**`); of several, the later one in
     the file counts, as in ROS. Names may be nested or dotted, and stand in namespaces.
 
     Args:
@@ -237,7 +237,7 @@ class ParameterFile:
             )
 
     def node(self, name: str) -> NodeParameters | None:
-        """What a node gets; None where the file has no entry of its own for it.
+        """What a node gets; None where the file has no entry for it alone.
 
         Raises:
             InputError: If the file has the node in several namespaces.

@@ -65,7 +65,7 @@ def test_it_speaks_the_distribution_of_the_ros_that_it_found(stand_in: StandIn) 
     transport.close()
     transport = open_stand_in(stand_in("hello('rolling')\nfor _ in frames: pass"))
     assert transport.distro == "lyrical"
-    assert "is rolling: taken for lyrical" in transport.notes[0]
+    assert "is rolling: treated as lyrical" in transport.notes[0]
     transport.close()
 
 

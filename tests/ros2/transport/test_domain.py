@@ -23,7 +23,7 @@ def test_options_go_before_variables() -> None:
 def test_a_distribution_that_is_not_known_is_taken_for_the_nearest() -> None:
     settings = read_settings(environ={"ROS_DISTRO": "iron"})
     assert settings.distro == "jazzy"
-    assert "taken for jazzy" in settings.notes[0]
+    assert "treated as jazzy" in settings.notes[0]
     assert read_settings(environ={"ROS_DISTRO": "iron"}, distro="humble").notes == ()
 
 

@@ -37,7 +37,7 @@ def check(
 ) -> int:
     """Report what of ROS 2 is reachable: domain, transports, nodes, clock, topics, QoS, types; and what to do.
 
-    Looks as a node of its own, which publishes nothing. Exit code 1 if something will not work.
+    Looks as a separate node, which publishes nothing. Exit code 1 if something will not work.
     """
     from trundle.ros2.check import check_network, check_setup
     from trundle.ros2.findings import Finding

@@ -153,7 +153,7 @@ class RunLog:
                 self.hit = self.hit or contact
 
     def _touches_again(self, name: str, state: RobotState, *, stood: bool) -> bool:
-        """Whether the robot touches what it had touched without a fault of its own, and has hardly moved since."""
+        """Whether the robot touches what it was pushed against, and has hardly moved since."""
         if name not in self._spared_at:
             return False
         time, pose = self._spared_at[name]

@@ -69,7 +69,7 @@ def _least_points(zone: NodeParameters) -> int:
 
 
 def _read_padding(zone: NodeParameters, outline: FloatArray, notes: Notes) -> float | None:
-    """How far a zone reaches past the footprint on its nearest side [m]; None where it has no shape of its own."""
+    """How far a zone reaches past the footprint on its nearest side [m]; None where it has no shape."""
     kind = zone.text("type", "polygon")
     if kind == "circle":
         radius = zone.number("radius", 0.0, above=0.0)

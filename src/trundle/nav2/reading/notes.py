@@ -28,7 +28,7 @@ class Notes:
             self.remarks.append(Remark("changed", node.name, name, value, f"(Nav2's default) {text}"))
 
     def ignored(self, node: NodeParameters, name: str, text: str) -> None:
-        """A parameter of the file has no counterpart, for a reason of its own."""
+        """A parameter of the file has no counterpart, for this reason."""
         found = node.find(name)
         if found is not None:
             self._ignore(node.name, found, text)

@@ -79,7 +79,7 @@ class RosAgent:
         """Refuse a goal: other programs say where to drive.
 
         Raises:
-            InputError: Always; the robot has no goals of its own.
+            InputError: Always; this robot takes no goals.
         """
         raise InputError("other programs drive this robot (--role simulator): give the goal to them")
 

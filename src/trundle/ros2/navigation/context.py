@@ -13,7 +13,7 @@ from trundle.ros2.inputs.checks import BadInputError, check_pose
 from trundle.ros2.role import BridgeContext
 
 NAVIGATOR = "navigator"
-"""Who gives directives for what comes from the network without a name of its own."""
+"""Who gives directives for what comes from the network without a name."""
 
 
 class FrameError(TrundleError):

@@ -36,6 +36,6 @@ class SimulationClock:
         self._from_zero = True
 
     def set(self, time: float) -> float:
-        """The run has reached this time [s] of its own; returns the time on the network."""
+        """The run has reached this time [s] since its start; returns the time on the network."""
         self.now = now = self.offset + time
         return now

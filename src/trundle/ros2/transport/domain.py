@@ -115,7 +115,7 @@ def read_settings(
     number = _domain(domain, variables)
     named = variables.get("ROS_DISTRO", "")
     if distro is None and named in NEAREST:
-        notes.append(f"ROS_DISTRO={named} is not known: taken for {NEAREST[named]}; --distro names another")
+        notes.append(f"ROS_DISTRO={named} is not known: treated as {NEAREST[named]}; --distro names another")
     if number in EPHEMERAL_DOMAINS and sys.platform == "linux":
         notes.append(
             f"domain {number}: other connections of this machine may hold its ports; 0 to 101 and 215 to 232 are safe"

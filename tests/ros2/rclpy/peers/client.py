@@ -1,4 +1,4 @@
-"""A ROS program: calls a service, or sends goals as told on its input, and reports what happens."""
+"""A ROS program: calls a service, or sends the goals that its input names, and reports what happens."""
 
 # ruff: noqa: T201 - what it prints is for the test
 

@@ -1,6 +1,6 @@
 """The part of the bridge that runs in the user's ROS: it relays the bytes of topics, services and actions.
 
-Started by `relay.py` as a program of its own, with the Python of the sourced ROS: Python 3.10 or later, any
+Started by `relay.py` as a separate program, with the Python of the sourced ROS: Python 3.10 or later, any
 distribution from Humble on, any RMW. It imports nothing of trundle, and everything of ROS only once it runs, so
 that trundle can import the protocol from it.
 
@@ -701,7 +701,7 @@ def _distro():
 
 
 def _set_range(where, distro):
-    """How far discovery reaches; Humble has a variable of its own for it."""
+    """How far discovery reaches; Humble has another variable for it."""
     for name in ("ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         os.environ.pop(name, None)
     if distro == "humble":

@@ -24,7 +24,7 @@ _LEAVE_S, _TERM_S = 1.3, 0.3
 
 
 class RosProcess:
-    """A program of its own that relays between a socket and ROS.
+    """A separate program that relays between a socket and ROS.
 
     It leaves when its socket is closed, and when the process that started it is gone.
 

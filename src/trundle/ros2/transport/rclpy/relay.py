@@ -278,7 +278,7 @@ class RclpyTransport:
         notes = [*settings.notes]
         if distro != found:
             taken = distro or settings.distro
-            notes.append(f"the ROS of {self.python} is {found or 'of an unknown distribution'}: taken for {taken}")
+            notes.append(f"the ROS of {self.python} is {found or 'of an unknown distribution'}: treated as {taken}")
         return replace(settings, distro=distro or settings.distro), tuple(notes)
 
     def _make(self, do: str, number: int, **arguments: object) -> None:

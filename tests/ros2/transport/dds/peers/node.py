@@ -1,4 +1,4 @@
-"""A node of ours in a process of its own: NAME RANGE DOMAIN SECONDS OTHER …; prints, as JSON, what it heard from whom.
+"""A node of trundle in another process: NAME RANGE DOMAIN SECONDS OTHER …; prints, as JSON, what it heard from whom.
 
 It publishes text on /NAME until the time is over, and ends early once it has heard all others.
 """
