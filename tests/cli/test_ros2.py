@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,6 +15,7 @@ from rosbags.highlevel import AnyReader
 from ros2.fake_transport import FakeNetwork, FakeTransport
 from support.command_line import Trundle
 from support.page_visitor import OpenPage
+from trundle.cli.ros2 import offers
 from trundle.errors import MissingExtraError, SimulationError
 from trundle.messages.codec import Codec
 from trundle.messages.qos import CLOCK, SENSOR, Qos
@@ -131,6 +133,18 @@ def test_ctrl_c_before_the_run_begins_ends_it_as_well(
     assert not network.transports
 
 
+def test_ctrl_c_as_soon_as_the_offer_is_printed_ends_it_as_well(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch, room_map: Path
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(offers, "describe", interrupt)
+    done = trundle("ros2", "serve", room_map, *ROBOT, "--json")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["message"] == "stopped by Ctrl-C"
+
+
 def test_a_simulator_that_fails_has_exit_code_1(
     trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch, room_map: Path
 ) -> None:
@@ -187,6 +201,18 @@ def test_the_profile_brings_its_robot_unless_another_one_is_given(
     done = trundle("ros2", "serve", room_map, "--profile", "carter_navigation", *ROBOT, "--json")
     assert (done.code, errors) == (0, []), done.err
     assert b"turtlebot3_burger" in text[0]
+
+
+def test_a_profile_of_your_own_is_a_file(
+    trundle: Trundle, network: FakeNetwork, meanwhile: Callable[..., list], room_map: Path
+) -> None:
+    Path("mine.yaml").write_text("topics: {odom: wheels/odom}\nsensors: {scan: {frame: laser, scan: laser/scan}}\n")
+    errors = meanwhile(lambda: wait_for_messages(network))
+    done = trundle("ros2", "serve", room_map, "--profile", "mine.yaml", *ROBOT, "--json")
+    assert (done.code, errors) == (0, []), done.err
+    offer = json.loads(done.out.splitlines()[0])
+    assert offer["profile"] == "mine.yaml"
+    assert {"/wheels/odom", "/laser/scan"} <= {row["topic"] for row in offer["publishes"]}
 
 
 def test_the_recording_is_what_went_over_the_wire(
@@ -278,7 +304,8 @@ def test_what_a_transport_cannot_serve_is_counted_and_listed_in_the_json(
         (("--domain", "233"), "--domain 233"),
         (("--domain", "1.5"), "--domain 1.5"),
         (("--range", "world"), "--range"),
-        (("--profile", "turtlebot4"), "--profile"),
+        (("--profile", "turtlebot4"), "unknown profile 'turtlebot4'. Did you mean 'turtlebot3'?"),
+        (("--profile", "my.yaml"), "my.yaml"),
         (("--role", "driver"), "--role"),
         (("--transport", "zenoh"), "--transport"),
         (("--distro", "iron"), "--distro"),
@@ -326,6 +353,18 @@ def test_without_the_messages_the_install_line_is_printed(
     done = trundle("ros2", verb)
     assert done.code == 2
     assert 'pip install "trundle[ros2]"' in done.err
+
+
+def test_without_the_libraries_of_recordings_the_install_line_is_printed(
+    trundle: Trundle, network: FakeNetwork, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in [name for name in sys.modules if name.startswith(("trundle.recording", "trundle.ros2.record"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "zstandard", None)
+    done = trundle("ros2", "serve", "office", *ROBOT, "--record")
+    assert done.code == 2
+    assert "zstandard" in done.err
+    assert 'pip install "trundle[record]"' in done.err
 
 
 def test_check_reports_a_network_without_problems(trundle: Trundle, network: FakeNetwork) -> None:

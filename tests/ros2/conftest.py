@@ -13,10 +13,23 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from trundle.ros2.transport.domain import read_settings
+from trundle.ros2.transport.rclpy.relay import RclpyTransport, open_rclpy
+
 DISTROS = ("jazzy", "kilted")
+
+
+def _mostly(usual: str) -> list[Any]:
+    return [one if one == usual else pytest.param(one, marks=pytest.mark.ros2) for one in DISTROS]
+
+
+JAZZY, KILTED = _mostly("jazzy"), _mostly("kilted")
+"""`distro` of long tests that are much the same with each: every run takes this one, `make test-ros2` both."""
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -114,3 +127,13 @@ def ros(distro: str, tmp_path: Path) -> Iterator[Ros]:
     """A real ROS 2, once for each distribution."""
     with real_ros(distro, tmp_path) as real:
         yield real
+
+
+@pytest.fixture
+def relay(ros: Ros, monkeypatch: pytest.MonkeyPatch) -> Iterator[RclpyTransport]:
+    """The transport through its rclpy."""
+    for name, value in ros.env.items():
+        monkeypatch.setenv(name, value)
+    opened = open_rclpy(read_settings(), python=ros.python)
+    yield opened
+    opened.close()

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
+
+from trundle.messages import Codec, Distro
 
 INTERFACES = Path(__file__).parent / "interfaces"
 
@@ -26,6 +29,17 @@ _SEPARATOR = "\n" + "=" * 80 + "\n"
 _PARTS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 
 
+@cache
+def nav2_codec(distro: Distro) -> Codec:
+    """A codec that has these types: it takes a while to make."""
+    codec = Codec(distro)
+    for name, text in nav2_texts(distro).items():
+        if name not in codec:
+            codec.register(name, text)
+    return codec
+
+
+@cache
 def nav2_texts(distro: str) -> dict[str, str]:
     """The text of each type, with those that it uses."""
     texts = dict(OTHERS)

@@ -1,8 +1,8 @@
-import threading
+from collections.abc import Callable
 
 import pytest
 
-from ros2.fake_transport import FakeNetwork
+from ros2.fake_transport import FakeNetwork, FakeTransport
 from trundle.messages.codec import Codec
 from trundle.messages.makers import MessageMaker
 from trundle.messages.qos import CLOCK, SENSOR, Qos
@@ -10,6 +10,7 @@ from trundle.ros2 import check
 from trundle.ros2.transport.domain import read_settings
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
+WAIT_S = 0.2
 
 
 @pytest.fixture
@@ -25,39 +26,49 @@ def can_use(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     return reasons
 
 
-def tick(network: FakeNetwork, times: list[float], node: str = "sim") -> None:
-    """Publish these times once somebody listens."""
-    sim = network.transport(node)
-    publisher = sim.publisher("/clock", CLOCK_TYPE, CLOCK)
+def ticks(network: FakeNetwork, times: list[float], node: str = "sim") -> Callable[[], None]:
+    """Publishes these times when it is called."""
+    publisher = network.transport(node).publisher("/clock", CLOCK_TYPE, CLOCK)
     make = MessageMaker(Codec("jazzy"))
+    messages = [make.codec.encode(make.clock(time)) for time in times]
 
     def publish() -> None:
-        while not publisher.matched:
-            threading.Event().wait(0.001)
-        for time in times:
-            publisher.write(make.codec.encode(make.clock(time)))
+        for message in messages:
+            publisher.write(message)
 
-    threading.Thread(target=publish, daemon=True).start()
+    return publish
+
+
+def listener(network: FakeNetwork, *others: Callable[[], None], node: str = "check") -> FakeTransport:
+    """A node to which others speak once it waits: no earlier, and at once however busy the machine is."""
+    transport = network.transport(node)
+    wait, waiting = transport.wait, list(others)
+
+    def speak_and_wait(timeout_s: float) -> bool:
+        while waiting:
+            waiting.pop(0)()
+        return wait(timeout_s)
+
+    transport.wait = speak_and_wait
+    return transport
 
 
 def test_the_clock_is_watched(network: FakeNetwork) -> None:
-    tick(network, [1.0, 1.5, 2.0])
-    seen = check.watch_clock(network.transport("check"), 0.3)
+    seen = check.watch_clock(listener(network, ticks(network, [1.0, 1.5, 2.0])), WAIT_S)
     assert (seen.count, seen.first_s, seen.last_s, seen.went_back, seen.sources) == (3, 1.0, 2.0, False, 1)
 
 
 def test_two_clocks_are_told_apart(network: FakeNetwork) -> None:
-    tick(network, [1.0])
-    tick(network, [9.0], "other")
-    assert check.watch_clock(network.transport("check"), 0.3).sources == 2
+    node = listener(network, ticks(network, [1.0]), ticks(network, [9.0], "other"))
+    assert check.watch_clock(node, WAIT_S).sources == 2
 
 
 def test_a_network_is_reported_with_what_to_do(network: FakeNetwork) -> None:
-    tick(network, [1.0, 1.1])
     network.transport("amcl").subscription("/scan", "sensor_msgs/msg/LaserScan", SENSOR)
     robot = network.transport("robot")
     robot.publisher("/front/scan", "sensor_msgs/msg/LaserScan", SENSOR)
-    found = {one.about: one for one in check.check_network(network.transport("trundle_check"), wait_s=0.2)}
+    node = listener(network, ticks(network, [1.0, 1.1]), node="trundle_check")
+    found = {one.about: one for one in check.check_network(node, wait_s=WAIT_S)}
     assert found["transport"].detail == "rclpy (rmw_in_memory), node /trundle_check"
     assert found["nodes"].detail == "3: /amcl, /robot, /sim"
     assert found["clock"].status == "ok"
@@ -96,9 +107,7 @@ def test_a_transport_that_cannot_be_used_has_its_reason(can_use: dict[str, str])
 
 
 def test_bytes_that_are_no_time_are_counted(network: FakeNetwork) -> None:
-    other = network.transport("odd")
-    publisher = other.publisher("/clock", CLOCK_TYPE, Qos())
-    subscriber = network.transport("check")
-    threading.Timer(0.05, lambda: publisher.write(b"\x00\x01\x00\x00")).start()
-    seen = check.watch_clock(subscriber, 0.2)
+    publisher = network.transport("odd").publisher("/clock", CLOCK_TYPE, Qos())
+    node = listener(network, lambda: publisher.write(b"\x00\x01\x00\x00"))
+    seen = check.watch_clock(node, WAIT_S)
     assert (seen.count, seen.unreadable) == (0, 1)

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from ros2.conftest import JAZZY, KILTED
+
 EXAMPLES = Path(__file__).parents[2] / "examples" / "ros2"
 
 GOALS = (6.975, 3.875, 2.425, -3.425)
@@ -36,6 +38,7 @@ def served(ros, *arguments: str, **variables: str) -> Iterator[subprocess.Popen[
             process.kill()
 
 
+@pytest.mark.parametrize("distro", JAZZY)
 def test_drive_by_scan_drives_the_robot_and_check_sees_both(ros) -> None:
     pytest.importorskip("cyclonedds")
     arguments = ("warehouse", "--profile", "turtlebot3", "--backend", "kinematic", "--speed", "5")
@@ -55,6 +58,7 @@ def test_drive_by_scan_drives_the_robot_and_check_sees_both(ros) -> None:
     assert "x real time" in found["clock"]["detail"]
 
 
+@pytest.mark.parametrize("distro", KILTED)
 def test_drive_to_goals_sends_the_navigator_there_and_lets_it_spin(ros) -> None:
     arguments = ("office", "--role", "navigator", "--backend", "kinematic", "--seed", "3", "--speed", "max")
     with served(ros, *arguments, "--transport", "rclpy", "--ros-python", ros.python, **ros.env):

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from trundle.errors import UnknownNameError
 from trundle.messages.codec import Codec
 from trundle.messages.distros import DISTROS, Distro
 from trundle.messages.qos import Qos
@@ -303,10 +302,8 @@ class _Hashes:
     def __call__(self, distro: Distro, type_name: str) -> str:
         if distro not in self._codecs:
             self._codecs[distro] = Codec(distro)
-        try:
-            return self._codecs[distro].type_hash(type_name)
-        except UnknownNameError:
-            return ""
+        codec = self._codecs[distro]
+        return codec.type_hash(type_name) if type_name in codec else ""
 
 
 def find_unanswered(graph: Graph) -> Iterator[Finding]:

@@ -9,6 +9,8 @@ from typing import Literal, Protocol, TypeAlias
 from trundle.geometry import Pose2D
 from trundle.messages import MessageMaker
 from trundle.mission import Episode, LiveStatus, Mission, Observer, Session, Steering
+from trundle.mission.simulation import SessionOptions
+from trundle.navigation import Agent
 from trundle.observation import Observation
 from trundle.ros2.profile import Profile
 from trundle.ros2.simulation.clock import SimulationClock
@@ -18,7 +20,7 @@ from trundle.ros2.wire import Wire
 RoleName: TypeAlias = Literal["simulator", "navigator"]
 """Whether other programs drive the robot, or trundle does."""
 
-KEPT_S = 60.0
+_KEPT_S = 60.0
 """What the episode at the end has of the run [s]: it may take days."""
 
 
@@ -72,6 +74,34 @@ class BridgeContext:
     def odometry(self, observation: Observation) -> Pose2D:
         """Pose of the base in the frame `odom` on the network, which begins at (0, 0, 0) in every run."""
         return self.origin.inverse() @ observation.odometry
+
+    def begin_session(
+        self, agent: Agent, observers: Sequence[Observer], seed: int | None, options: SessionOptions
+    ) -> Session:
+        """Begin a run on the mission's simulator that has no goal and goes on after a contact, steered by the driver.
+
+        Args:
+            agent: What drives the robot.
+            observers: What follows the run.
+            seed: Of the run; none means the scenario's.
+            options: What stands between the simulator and the agent.
+        """
+        scenario = self.mission.scenario
+        return Session(
+            self.mission.sim,
+            agent,
+            self.mission.start,
+            None,
+            time_limit_s=scenario.time_limit_s,
+            observers=observers,
+            seed=scenario.seed if seed is None else seed,
+            stop_on_contact=False,
+            name=scenario.title,
+            measure=None,
+            keeps_s=_KEPT_S,
+            steering=self.driver.steering,
+            **options,
+        )
 
 
 class Role(Protocol):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trundle.errors import InputError, UnknownNameError
+from trundle.errors import InputError
 from trundle.messages import Codec, Distro
 from trundle.ros2.transport.transport import Transport
 
@@ -63,12 +63,22 @@ class Types:
         return self.codec.kind(type_name)
 
     def knows(self, type_name: str) -> bool:
-        """Whether there is such a type."""
-        try:
-            self._learn(type_name)
-        except UnknownNameError:
-            return False
-        return True
+        """Whether there is such a type; the other side is asked once.
+
+        Raises:
+            InputError: If the other side has it, and its text cannot be read.
+        """
+        if type_name in self.codec:
+            return True
+        with self._lock:
+            if type_name in self._missing:
+                return False
+            text = self._transport.definition(type_name)
+            if not text:
+                self._missing.add(type_name)
+                return False
+            self.codec.register(type_name, text)
+            return True
 
     def has(self, type_name: str, field: str) -> bool:
         """Whether there is such a type, and it has this field."""
@@ -118,16 +128,8 @@ class Types:
         return self.codec.type_hash(type_name)
 
     def _learn(self, type_name: str) -> None:
-        if type_name in self.codec:
-            return
-        with self._lock:
-            if type_name in self._missing:
-                self.codec.kind(type_name)  # raises the error
-            text = self._transport.definition(type_name)
-            if not text:
-                self._missing.add(type_name)
-                self.codec.kind(type_name)
-            self.codec.register(type_name, text)
+        if not self.knows(type_name):
+            self.codec.kind(type_name)  # raises the error, which looks for the nearest name
 
     # Defaults -------------------------------------------------------------------------------------------------------
 

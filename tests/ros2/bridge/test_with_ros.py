@@ -11,14 +11,13 @@ from pathlib import Path
 import pytest
 
 from ros2.bridge.conftest import Served, wait_for
-from ros2.conftest import Ros
+from ros2.conftest import JAZZY, Ros
 from trundle.messages import Codec
 from trundle.messages.distros import STAMPED_COMMANDS
 from trundle.mission import Scenario
 from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names
-from trundle.ros2.transport.domain import read_settings
-from trundle.ros2.transport.rclpy.relay import open_rclpy
+from trundle.ros2.transport.rclpy.relay import RclpyTransport
 from trundle.ros2.types import Types
 
 PEER = Path(__file__).parent / "peers" / "drives.py"
@@ -26,13 +25,10 @@ SUCCEEDED = 4
 
 
 @pytest.fixture
-def served(ros: Ros, monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
-    for name, value in ros.env.items():
-        monkeypatch.setenv(name, value)
-    transport = open_rclpy(read_settings(), python=ros.python)
+def served(relay: RclpyTransport) -> Iterator[Served]:
     said: list[str] = []
     scenario = Scenario.make(world={"name": "lot"}, robot="nova_carter")
-    bridge = Bridge(scenario, transport, Types(Codec(transport.distro), transport), Names(), report=said.append)
+    bridge = Bridge(scenario, relay, Types(Codec(relay.distro), relay), Names(), report=said.append)
     running = Served(bridge, said)
     running.start()
     yield running
@@ -71,6 +67,7 @@ def test_a_ros_program_drives_and_controls_the_simulation(ros: Ros, served: Serv
     wait_for(lambda: any("the robot stops" in text for text in served.said))
 
 
+@pytest.mark.parametrize("distro", JAZZY)
 def test_a_relay_that_is_killed_is_reported_and_started_again(served: Served) -> None:
     wait_for(lambda: served.bridge.context.clock.now > 0.0)
     transport = served.bridge.wire.transport

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from ros2.fake_transport import FakeCall, FakeGoal, FakeNetwork
-from ros2.nav2_texts import nav2_texts
+from ros2.nav2_texts import nav2_codec, nav2_texts
 from trundle.maps import OccupancyGrid
-from trundle.messages import Codec, Qos
+from trundle.messages import Codec, Distro, Qos
 from trundle.mission import End, Episode, Scenario
 from trundle.mission.steering.directives import Directive
 from trundle.ros2.bridge import Bridge
@@ -66,12 +66,17 @@ class Goal:
 class Client:
     """A node that uses the navigator."""
 
-    def __init__(self, network: FakeNetwork, distro: str) -> None:
+    def __init__(self, network: FakeNetwork, distro: Distro) -> None:
         self.network = network
         self.transport = network.transport("client", distro=distro)
-        self.transport.definitions = nav2_texts(distro)
-        self.types = Types(Codec(distro), self.transport)
+        self.types = Types(nav2_codec(distro), self.transport)
         self._readers: dict[str, Any] = {}
+
+    def learn(self, texts: dict[str, str]) -> dict[str, str]:
+        """Know Nav2's types with these texts in place of theirs; returns all of them."""
+        self.transport.definitions = nav2_texts(self.transport.distro) | texts
+        self.types = Types(Codec(self.transport.distro), self.transport)
+        return self.transport.definitions
 
     def pose(self, x: float, y: float, yaw: float = 0.0, *, frame: str = "map", stamp: int = 0) -> Any:
         make = self.types.make
@@ -176,7 +181,7 @@ def network() -> FakeNetwork:
 
 
 @pytest.fixture
-def make_client(network: FakeNetwork) -> Callable[[str], Client]:
+def make_client(network: FakeNetwork) -> Callable[[Distro], Client]:
     return lambda distro: Client(network, distro)
 
 
@@ -185,26 +190,34 @@ def client(network: FakeNetwork) -> Client:
     return Client(network, "jazzy")
 
 
+def make_scenario(room_file: str, **settings: Any) -> Scenario:
+    """A robot without lidars in the west of the room."""
+    start = (1.5, 1.5, 0.0)
+    usual = {"map": room_file, "robot": "nova_carter", "backend": "kinematic", "start": start, "lidar": False}
+    return Scenario.make(**usual | settings)
+
+
 @pytest.fixture
 def serve(network: FakeNetwork, room_file: str) -> Iterator[Callable[..., Served]]:
     """Makes bridges; they are closed after the test."""
     made: list[Served] = []
 
-    def serve(distro: str = "jazzy", *, scenario: dict[str, Any] | None = None, **options: Any) -> Served:
+    def serve(
+        distro: Distro = "jazzy",
+        *,
+        scenario: dict[str, Any] | None = None,
+        definitions: dict[str, str] | None = None,
+        has_services: bool = True,
+        **options: Any,
+    ) -> Served:
         said: list[str] = []
-        transport = network.transport("trundle", distro=distro, has_services=options.pop("has_services", True))
-        transport.definitions = options.pop("definitions", nav2_texts(distro))
-        settings = {
-            "map": room_file,
-            "robot": "nova_carter",
-            "backend": "kinematic",
-            "start": (1.5, 1.5, 0.0),
-            "lidar": False,
-        }
+        transport = network.transport("trundle", distro=distro, has_services=has_services)
+        transport.definitions = definitions or {}
+        codec = nav2_codec(distro) if definitions is None else Codec(distro)
         bridge = Bridge(
-            Scenario.make(**settings | (scenario or {})),
+            make_scenario(room_file, **scenario or {}),
             transport,
-            Types(Codec(distro), transport),
+            Types(codec, transport),
             options.pop("names", Names()),
             **{"role": "navigator", "speed": math.inf, "report": said.append, **options},
         )

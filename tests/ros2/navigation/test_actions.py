@@ -38,12 +38,8 @@ def test_a_goal_that_cannot_be_reached_has_nav2s_code(serve, make_client, distro
     assert says in result.error_msg
 
 
-def test_a_distribution_without_error_codes_still_gets_the_result(serve, make_client, network):
-    texts = {"nav2_msgs/action/NavigateToPose_Result": "std_msgs/Empty result\n"}
-    client = make_client("jazzy")
-    texts = client.transport.definitions | texts
-    client.transport.definitions = texts
-    serve(definitions=texts)
+def test_a_distribution_without_error_codes_still_gets_the_result(serve, client):
+    serve(definitions=client.learn({"nav2_msgs/action/NavigateToPose_Result": "std_msgs/Empty result\n"}))
     goal = client.go(4.0, 1.0)
     goal.wait()
     assert goal.status == "aborted"

@@ -70,6 +70,18 @@ def test_a_path_in_an_unknown_frame_and_an_unknown_controller_are_refused(serve,
     assert done.status == "succeeded"
 
 
+def test_a_path_that_claims_more_poses_than_it_has_is_refused(serve, client, network):
+    served = serve()
+    goal = client.types.make("nav2_msgs/action/FollowPath_Goal", path=client.path([]))
+    data = bytearray(client.types.encode(goal))
+    count = data.index(b"map\0") + 4
+    data[count : count + 4] = (10**9).to_bytes(4, "little")
+    sent = network.send_goal("/follow_path", bytes(data))
+    wait_for(lambda: sent.status != "sent")
+    assert sent.status == "rejected"
+    assert sum(served.counts.values()) == 1
+
+
 def test_a_path_through_a_wall_ends_before_it_with_no_valid_control(serve, client):
     serve()
     goal = follow(client, [client.pose(1.5, 1.5), client.pose(6.0, 1.5)])

@@ -141,11 +141,8 @@ def test_what_trundle_does_not_have_is_refused_at_once(serve, make_client, distr
         assert served.counts[f"{refusal.name}: refused"] == 1
 
 
-def test_an_action_whose_result_has_no_text_is_rejected(serve, make_client):
-    client = make_client("jazzy")
-    texts = client.transport.definitions | {"nav2_msgs/action/AssistedTeleop_Result": "uint16 error_code\n"}
-    client.transport.definitions = texts
-    served = serve(definitions=texts)
+def test_an_action_whose_result_has_no_text_is_rejected(serve, client):
+    served = serve(definitions=client.learn({"nav2_msgs/action/AssistedTeleop_Result": "uint16 error_code\n"}))
     goal = client.send("/assisted_teleop", "AssistedTeleop")
     assert goal.status == "rejected"
     assert served.counts == {"assisted_teleop: refused": 1}

@@ -240,3 +240,9 @@ def test_a_covariance_in_the_plane_becomes_one_in_space():
     covariance = covariance_of(np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [3.0, 5.0, 6.0]])).reshape(6, 6)
     assert (covariance[0, 0], covariance[0, 5], covariance[5, 5], covariance[1, 5]) == (1.0, 3.0, 6.0, 5.0)
     assert covariance[2:5].any() == np.False_
+
+
+def test_maps_of_others_are_not_read_whatever_their_size(serve, client):
+    serve()
+    for topic in ("/map", "/global_costmap/costmap", "/local_costmap/costmap"):
+        assert client.transport.publisher(topic, GRID, LATCHED).matched == 0

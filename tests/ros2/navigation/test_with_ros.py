@@ -5,57 +5,41 @@ from __future__ import annotations
 import json
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from ros2.conftest import Ros
-from ros2.navigation.conftest import Served, wait_for
+from ros2.conftest import JAZZY, KILTED, Ros
+from ros2.navigation.conftest import Served, make_scenario, wait_for
 from trundle.messages import Codec
-from trundle.mission import Scenario
 from trundle.ros2.bridge import Bridge
 from trundle.ros2.names import Names
-from trundle.ros2.transport.domain import read_settings
-from trundle.ros2.transport.rclpy.relay import open_rclpy
+from trundle.ros2.transport.rclpy.relay import RclpyTransport
 from trundle.ros2.types import Types
 
 HERE = Path(__file__).parent
 STAND_IN, SCRIPTS = HERE / "stand_in", HERE / "scripts"
 SUCCEEDED, ABORTED = 4, 6
 
-pytestmark = pytest.mark.ros2
-
 
 @pytest.fixture
-def serve_ros(ros: Ros, monkeypatch: pytest.MonkeyPatch, room_file: str) -> Iterator[Callable[..., Served]]:
-    """Makes bridges on the network of a real ROS."""
-    for name, value in ros.env.items():
-        monkeypatch.setenv(name, value)
-    made: list[Served] = []
-
-    def serve(**scenario: Any) -> Served:
-        transport = open_rclpy(read_settings(), python=ros.python)
-        said: list[str] = []
-        settings = {
-            "map": room_file,
-            "robot": "nova_carter",
-            "backend": "kinematic",
-            "start": (1.5, 1.5, 0.0),
-            "lidar": False,
-        }
-        types = Types(Codec(transport.distro), transport)
-        scenario = settings | scenario
-        bridge = Bridge(
-            Scenario.make(**scenario), transport, types, Names(), role="navigator", speed=5.0, report=said.append
-        )
-        made.append(Served(bridge, said))
-        return made[-1]
-
-    yield serve
-    for served in made:
-        served.close()
+def served(relay: RclpyTransport, room_file: str) -> Iterator[Served]:
+    """A bridge on the network of a real ROS."""
+    said: list[str] = []
+    bridge = Bridge(
+        make_scenario(room_file),
+        relay,
+        Types(Codec(relay.distro), relay),
+        Names(),
+        role="navigator",
+        speed=5.0,
+        report=said.append,
+    )
+    running = Served(bridge, said)
+    yield running
+    running.close()
 
 
 def run_script(ros: Ros, script: Path, *args: str) -> list[dict[str, Any]]:
@@ -65,8 +49,8 @@ def run_script(ros: Ros, script: Path, *args: str) -> list[dict[str, Any]]:
     return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
 
 
-def test_a_script_for_nav2_runs_unchanged(ros: Ros, serve_ros: Callable[..., Served]) -> None:
-    served = serve_ros()
+@pytest.mark.parametrize("distro", JAZZY)
+def test_a_script_for_nav2_runs_unchanged(ros: Ros, served: Served) -> None:
     said = {line.pop("what"): line for line in run_script(ros, SCRIPTS / "commander.py")}
     assert said["path"]["poses"] > 50
     assert said["path"]["ends"] == pytest.approx([1.5, 4.5], abs=0.05)
@@ -94,8 +78,8 @@ def test_a_script_for_nav2_runs_unchanged(ros: Ros, serve_ros: Callable[..., Ser
     assert {"assisted_teleop: refused", "dock_robot: refused", "map_server/load_map: refused"} <= set(refusals)
 
 
-def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, serve_ros: Callable[..., Served]) -> None:
-    served = serve_ros()
+@pytest.mark.parametrize("distro", KILTED)
+def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, served: Served) -> None:
     script = ros.script(SCRIPTS / "survivor.py")
 
     def read() -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from types import ModuleType
 
 import numpy as np
@@ -54,6 +55,7 @@ class InProcess:
         return self._command
 
 
+@cache
 def drive_in_process() -> tuple[float, float, tuple[str, ...]]:
     """Distance driven and left [m], and what was touched, with the controller in this process."""
     controller = load(CLIENTS / "controller.py")

@@ -11,11 +11,14 @@ from typing import Any
 
 import pytest
 
-from ros2.proof.conftest import QUICK_S, Bench, Lines, Server, asked
+from ros2.proof.conftest import PAIRS, QUICK_S, Bench, Lines, Server, asked
 from support.processes import are_gone, started_by
 
 GONE_S = 10.0
 """Longer than processes take to go on a loaded machine."""
+
+SIGNALS = (signal.SIGTERM, signal.SIGKILL)
+JAZZY_RCLPY, KILTED_DDS = PAIRS[0].values[0], PAIRS[1].values[0]
 
 DRIVE = ["/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 0.3}}]
 
@@ -33,13 +36,26 @@ def stands(line: dict[str, Any]) -> bool:
     return line.get("topic") == "/odom" and line["value"]["twist"]["twist"]["linear"]["x"] == 0.0
 
 
+def each_end(usual: dict[Any, list[int]]) -> pytest.MarkDecorator:
+    """Each pair of distribution and transport with each signal; every run has the usual ones."""
+    cases = [
+        pytest.param(
+            (pair := case.values[0]),
+            how,
+            id=f"{case.id}-{how.name}",
+            marks=() if how in usual.get(pair, ()) else pytest.mark.ros2,
+        )
+        for case in PAIRS
+        for how in SIGNALS
+    ]
+    return pytest.mark.parametrize(("bench", "how"), cases, indirect=["bench"])
+
+
 def is_time(second: Callable[[int], bool]) -> Callable[[dict[str, Any]], bool]:
     return lambda line: line.get("topic") == "/clock" and second(line["value"]["clock"]["sec"])
 
 
-@pytest.mark.parametrize(
-    "how", [pytest.param(signal.SIGTERM, marks=pytest.mark.ros2), signal.SIGKILL], ids=["SIGTERM", "SIGKILL"]
-)
+@each_end(usual={JAZZY_RCLPY: [signal.SIGTERM], KILTED_DDS: [signal.SIGKILL]})
 def test_a_robot_whose_driver_goes_stands_and_another_driver_finds_it(bench: Bench, how: int) -> None:
     server = bench.serve("lot")
     hears = listen(bench, server, "/odom")
@@ -53,7 +69,7 @@ def test_a_robot_whose_driver_goes_stands_and_another_driver_finds_it(bench: Ben
     server.end()
 
 
-@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL], ids=["SIGTERM", "SIGKILL"])
+@each_end(usual={JAZZY_RCLPY: [signal.SIGTERM, signal.SIGKILL], KILTED_DDS: [signal.SIGKILL]})
 def test_a_server_that_goes_leaves_no_process_and_the_next_one_is_heard(bench: Bench, how: int) -> None:
     server = bench.serve("lot")
     hears = listen(bench, server, "/clock", "/tf_static")
@@ -69,9 +85,8 @@ def test_a_server_that_goes_leaves_no_process_and_the_next_one_is_heard(bench: B
     hears.until(is_time(lambda second: second >= 0))
 
 
+@pytest.mark.parametrize("bench", [pair for pair in PAIRS if pair.values[0][1] == "rclpy"], indirect=True)
 def test_the_robot_stands_when_the_ros_side_of_the_bridge_is_killed(bench: Bench) -> None:
-    if bench.transport != "rclpy":
-        pytest.skip("there is no ROS side over dds")
     server = bench.serve("lot")
     hears = listen(bench, server, "/odom")
     driver = bench.client("talker.py", json.dumps([DRIVE]))

@@ -29,7 +29,36 @@ COMMANDS = [
 ]
 
 
-RARE = {"/contacts"}
+GOALS = [
+    [
+        "/goal_pose",
+        "geometry_msgs/msg/PoseStamped",
+        {"header": {"frame_id": "odom"}, "pose": {"position": {"x": 1.0 + 1 / 3}, "orientation": {"w": 1.0}}},
+    ],
+    [
+        "/initialpose",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        {"header": {"frame_id": "map"}, "pose": {"pose": {"position": {"x": 1 / 3}, "orientation": {"w": 1.0}}}},
+    ],
+]
+
+SENT = {"simulator": COMMANDS, "navigator": GOALS}
+"""What each role reads."""
+
+TALKS = [pytest.param((*case.values, "simulator"), id=f"{case.id}-simulator", marks=case.marks) for case in PAIRS] + [
+    pytest.param(
+        (*case.values, "navigator"),
+        id=f"{case.id}-navigator",
+        marks=case.marks if case is PAIRS[0] else pytest.mark.ros2,
+    )
+    for case in PAIRS
+]
+"""Each pair in each role."""
+
+RARE = {
+    *("/contacts", "/plan", "/trajectories", "/waypoints"),
+    *("/global_costmap/costmap_updates", "/local_costmap/costmap_updates"),
+}
 """Topics on which nothing may be said."""
 
 
@@ -86,10 +115,11 @@ class Talk:
     """What both sides said, while `trundle ros2 serve` ran."""
 
     distro: str
+    role: str
     offered: list[dict[str, Any]]
     heard: dict[str, list[dict[str, Any]]]
     late: dict[str, list[dict[str, Any]]]
-    sent: dict[str, bytes]
+    sent: dict[tuple[str, str], bytes]
     graph: dict[str, Any]
     kept: dict[tuple[str, str], list[bytes]]
     ended: dict[str, Any]
@@ -101,35 +131,41 @@ class Talk:
         return {one["topic"] for one in self.offered if one["durability"] == "transient_local"}
 
 
-@pytest.fixture(scope="module", params=PAIRS)
+@pytest.fixture(scope="module", params=TALKS)
 def talk(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Talk]:
-    """A talk of some seconds with the simulator role, for each pair of distribution and transport."""
+    """A talk of some seconds with each role, for each pair of distribution and transport."""
+    pair, role = request.param
     folder = tmp_path_factory.mktemp("talk")
-    with bench_of(request.param, folder) as bench:
-        yield converse(bench, folder / "wire.mcap")
+    with bench_of(pair, folder) as bench:
+        yield converse(bench, role, folder / "wire.mcap")
 
 
-def converse(bench: Bench, out: Path) -> Talk:
+def converse(bench: Bench, role: str, out: Path) -> Talk:
     """Serve, listen, look, command, and listen again."""
-    server = bench.serve("lot", "--seed", 3, "--record", "--out", out)
+    commands = SENT[role]
+    server = bench.serve("lot", "--seed", 3, "--role", role, "--record", "--out", out)
     offered = server.offer["publishes"]
     once = [one for one in offered if one["durability"] == "transient_local"]
     names = {one["topic"] for one in offered}
-    looking = bench.client("graph.py", "trundle", len(names), "/cmd_vel", len(COMMANDS))
-    # What was said once came before the fifth message of all others; contacts come where there are some.
+    first = commands[0][0]
+    readers = sum(topic == first for topic, *_ in commands)
+    looking = bench.client("graph.py", "trundle", len(names), first, readers)
     listening = bench.client("listener.py", asked(offered))
-    heard = collect(listening, names - {one["topic"] for one in once} - RARE, 5)
-    talking = [bench.client("talker.py", json.dumps([command])) for command in COMMANDS]
-    late = collect(bench.client("listener.py", asked(once)), {one["topic"] for one in once}, 1)
-    sent: dict[str, bytes] = {}
-    for command, lines in zip(COMMANDS, talking, strict=True):
-        sent[command[1]] = base64.b64decode(lines.next()["data"])
+    kept = {one["topic"] for one in once} - RARE
+    heard = collect(listening, names - kept - RARE, 5)
+    for topic, lines in collect(listening, kept - heard.keys(), 1).items():
+        heard[topic] += lines
+    talking = [bench.client("talker.py", json.dumps([command])) for command in commands]
+    late = collect(bench.client("listener.py", asked(once)), kept, 1)
+    sent: dict[tuple[str, str], bytes] = {}
+    for (topic, kind, _), lines in zip(commands, talking, strict=True):
+        sent[topic, kind] = base64.b64decode(lines.next()["data"])
     graph = looking.next()
     # Our reader finds a writer a moment after the writer has found it.
     listening.until(lambda line: line.get("topic") == "/odom" and line["value"]["twist"]["twist"]["linear"]["x"] > 0.1)
     collect(listening, {"/odom"}, 50)
     ended = server.end()
-    return Talk(bench.distro, offered, heard, late, sent, graph, recorded(out), ended, hashes(bench.ros))
+    return Talk(bench.distro, role, offered, heard, late, sent, graph, recorded(out), ended, hashes(bench.ros))
 
 
 def test_what_is_published_is_received_and_recorded_to_the_bit(talk: Talk) -> None:
@@ -151,12 +187,14 @@ def test_the_other_side_reads_the_values_that_were_written(talk: Talk) -> None:
 
 
 def test_what_is_sent_is_received_and_recorded_to_the_bit(talk: Talk) -> None:
-    for kind, data in talk.sent.items():
-        assert set(talk.kept["/cmd_vel", kind]) == {data}
+    for topic_and_kind, data in talk.sent.items():
+        assert set(talk.kept[topic_and_kind]) == {data}
 
 
 def test_a_late_joiner_gets_what_was_said_once(talk: Talk) -> None:
-    assert {topic: len(lines) for topic, lines in talk.late.items()} == dict.fromkeys(talk.once, 1)
+    unchanged = {"/tf_static", "/robot_description"} | ({"/map"} if talk.role == "navigator" else set())
+    assert {topic: len(talk.late[topic]) for topic in unchanged} == dict.fromkeys(unchanged, 1)
+    assert talk.once - RARE <= {topic for topic, lines in talk.late.items() if lines}
     frames = {one["child_frame_id"] for one in talk.late["/tf_static"][0]["value"]["transforms"]}
     assert "base_footprint" in frames
     assert "<robot" in talk.late["/robot_description"][0]["value"]["data"]
@@ -166,11 +204,13 @@ def test_others_see_one_node_with_its_topics_types_and_qos(talk: Talk) -> None:
     graph = talk.graph
     assert "trundle" in graph["nodes"]
     assert {one["topic"]: [one["type"]] for one in talk.offered}.items() <= graph["publishers"].items()
-    assert "geometry_msgs/msg/Twist" in graph["subscribers"]["/cmd_vel"]
+    # Through rclpy, the second type of a topic is read by a second node.
+    for topic in {topic for topic, _ in talk.sent}:
+        assert set(graph["subscribers"][topic]) & {kind for to, kind in talk.sent if to == topic}
     for one in talk.offered:
         (seen,) = (info for info in graph["written"][one["topic"]] if info["node"] != "asking")
         kind = one["type"]
         assert (seen["type"], seen["hash"]) == (kind, f"RIHS01_{talk.hashes[kind]}")
         assert (seen["reliability"], seen["durability"]) == (one["reliability"], one["durability"])
-    read = {info["type"]: info["hash"] for info in graph["read"]["/cmd_vel"]}
-    assert read == {kind: f"RIHS01_{talk.hashes[kind]}" for kind in talk.sent}
+    read = {(topic, info["type"]): info["hash"] for topic, _ in talk.sent for info in graph["read"][topic]}
+    assert read == {(topic, kind): f"RIHS01_{talk.hashes[kind]}" for topic, kind in talk.sent}

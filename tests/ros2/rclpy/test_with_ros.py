@@ -7,18 +7,17 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from ros2.conftest import Ros
+from ros2.conftest import JAZZY, KILTED, Ros
 from trundle.errors import InputError
 from trundle.messages import Codec, Qos
-from trundle.ros2.transport.domain import read_settings
-from trundle.ros2.transport.rclpy.relay import RclpyTransport, open_rclpy
+from trundle.ros2.transport.rclpy.relay import RclpyTransport
 from trundle.ros2.types import Types
 
 HERE = Path(__file__).parent
@@ -30,12 +29,8 @@ PATIENCE_S = 30.0
 
 
 @pytest.fixture
-def transport(ros: Ros, monkeypatch: pytest.MonkeyPatch) -> Iterator[RclpyTransport]:
-    for name, value in ros.env.items():
-        monkeypatch.setenv(name, value)
-    opened = open_rclpy(read_settings(), python=ros.python)
-    yield opened
-    opened.close()
+def transport(relay: RclpyTransport) -> RclpyTransport:
+    return relay
 
 
 @pytest.fixture
@@ -251,6 +246,7 @@ def test_services_and_every_end_of_a_goal(ros: Ros, transport: RclpyTransport, t
     assert ask(transport, peer, "gone") == {"gone": True, "done": True}
 
 
+@pytest.mark.parametrize("distro", KILTED)
 def test_a_killed_child_is_started_again_and_a_terminated_one_tells_its_clients(
     ros: Ros, transport: RclpyTransport, types: Types
 ) -> None:
@@ -274,6 +270,7 @@ def test_a_killed_child_is_started_again_and_a_terminated_one_tells_its_clients(
     assert ask(transport, peer, "end", 1) == {"end": [ABORTED, []]}
 
 
+@pytest.mark.parametrize("distro", JAZZY)
 def test_no_child_outlives_a_trundle_that_is_killed_and_clients_hear_of_it(ros: Ros) -> None:
     environ = {**os.environ, **ros.env}
     command = [sys.executable, str(HERE / "owner.py"), ros.python]

@@ -57,11 +57,12 @@ def serve(
         ),
     ] = "simulator",
     profile: Annotated[
-        Literal["carter_navigation", "turtlebot3", "plain"],
+        str,
         Parameter(
             name="--profile",
+            metavar="carter_navigation|turtlebot3|plain|FILE",
             help="Names of topics, frames and sensors, and the robot: of NVIDIA's carter_navigation, of TurtleBot3's "
-            "tb3_simulation_launch.py, or ROS's usual names.",
+            "tb3_simulation_launch.py, or ROS's usual names; or the YAML file of your own profile.",
         ),
     ] = "plain",
     at: network.NetworkOptions = network.DEFAULTS,
@@ -146,8 +147,8 @@ def serve(
         )
         opened.enter_context(bridge)
         settings_of_run = {"role": role, "profile": profile, "speed": factor, **told.facts}
-        _announce(bridge.wire, settings_of_run, bag, json=json, quiet=quiet)
         try:
+            _announce(bridge.wire, settings_of_run, bag, json=json, quiet=quiet)
             episode = bridge.run()
         except KeyboardInterrupt:  # before the run began, or after it ended
             episode = None
@@ -163,14 +164,15 @@ def _with_robot(given: scenarios.ScenarioOptions, profile: Profile, source: str)
 
 def _target(out: Path | None, *, record: bool, overwrite: bool) -> Path | None:
     """Where `--out` says that the recording goes; None for a new folder."""
-    from trundle.recording.extra import check_extra
-    from trundle.recording.recorder import check_free
-
     if not record:
         if out is not None:
             raise InputError(f"--out {out} is for a recording: give --record with it")
         return None
+    from trundle.recording.extra import check_extra
+
     check_extra("--record")
+    from trundle.recording.recorder import check_free
+
     if out is None:
         return None
     target = options.output_file(out, FILE, (".mcap",))

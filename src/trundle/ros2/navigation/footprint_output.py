@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 from trundle.messages.qos import Qos
 from trundle.mission import Step
 from trundle.ros2.navigation.actions.parts import Kit
+from trundle.ros2.outputs.cadence import Cadence
 
 _POLYGON = "geometry_msgs/msg/PolygonStamped"
 _PERIOD_S = 0.2
@@ -24,13 +24,13 @@ class FootprintOutput:
     def __init__(self, kit: Kit, costmap: Literal["global_costmap", "local_costmap"]) -> None:
         self._kit = kit
         self._outlet = kit.context.wire.outlet(f"{costmap}/published_footprint", _POLYGON, Qos(1))
-        self._at_s = -math.inf
+        self._cadence = Cadence(_PERIOD_S)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish it, if somebody reads it and it is due."""
-        if not self._outlet.is_wanted or 0.0 <= time - self._at_s < _PERIOD_S - 1e-9:
+        if not self._outlet.is_wanted or not self._cadence.is_due(time):
             return
-        self._at_s = time
+        self._cadence.mark(time)
         kit, make = self._kit, self._kit.types.make
         corners = kit.beliefs.now.pose.transform_points(kit.context.mission.navigator.robot.outline)
         points = [make("geometry_msgs/msg/Point32", x=x, y=y, z=0.0) for x, y in corners.tolist()]

@@ -14,6 +14,7 @@ from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.ros2.navigation.actions.parts import Kit
 from trundle.ros2.navigation.local_window import local_window
+from trundle.ros2.outputs.cadence import Cadence
 
 TOLERANCE_S = 0.1
 """map → odom is stamped so far ahead [s], as AMCL does: it then holds for odometry that comes before the next one."""
@@ -127,16 +128,17 @@ class GlobalCostmapOutput:
         self._version: object = None
         self._frame: object = None
         self._readers = 0
-        self._at_s = -math.inf
+        self._cadence = Cadence(GLOBAL_PERIOD_S)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish what changed, if it is due."""
         costmap = step.costmap
-        if costmap is None or 0.0 <= time - self._at_s < GLOBAL_PERIOD_S - 1e-9:
+        if costmap is None or not self._cadence.is_due(time):
             return
         readers, frame = self._whole.readers, (costmap.shape, costmap.resolution, costmap.origin)
         is_new = frame != self._frame or readers > self._readers
-        self._at_s, self._readers = time, readers
+        self._cadence.mark(time)
+        self._readers = readers
         if not is_new and costmap.version is self._version:
             return
         windows = None if is_new else costmap.changes_since(self._version)
@@ -167,7 +169,7 @@ class LocalCostmapOutput:
         self._kit = kit
         self._whole = wire.outlet("local_costmap/costmap", _GRID, LATCHED)
         self._updates = wire.outlet("local_costmap/costmap_updates", _UPDATE, Qos(10))
-        self._at_s = -math.inf
+        self._cadence = Cadence(LOCAL_PERIOD_S)
         self._frame: object = None
         self._version: object = None
         self._readers = 0
@@ -175,9 +177,9 @@ class LocalCostmapOutput:
     def publish(self, step: Step, time: float) -> None:
         """Publish it, if it is due: whole where the window has moved, else as an update."""
         costmap, kit = step.costmap, self._kit
-        if costmap is None or 0.0 <= time - self._at_s < LOCAL_PERIOD_S - 1e-9:
+        if costmap is None or not self._cadence.is_due(time):
             return
-        self._at_s = time
+        self._cadence.mark(time)
         costs, origin = local_window(costmap, kit.beliefs.now.pose)
         frame, readers = (costs.shape, costmap.resolution, origin), self._whole.readers
         if frame == self._frame and readers <= self._readers:
@@ -208,16 +210,17 @@ class PlanOutput:
         self._kit = kit
         self._outlet = kit.context.wire.outlet("plan", "nav_msgs/msg/Path", Qos(10))
         self._path: object = None
-        self._at_s = -math.inf
+        self._cadence = Cadence(PLAN_PERIOD_S)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish it, if there is one and it is due."""
         path = step.path
         if path is None or not self._outlet.is_wanted:
             return
-        if path is self._path and 0.0 <= time - self._at_s < PLAN_PERIOD_S - 1e-9:
+        if path is self._path and not self._cadence.is_due(time):
             return
-        self._path, self._at_s = path, time
+        self._path = path
+        self._cadence.mark(time)
         self._outlet.write(self._kit.make.path(time, path.poses, self._kit.map_frame))
 
 

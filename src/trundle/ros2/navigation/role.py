@@ -37,7 +37,7 @@ from trundle.ros2.navigation.outputs import (
 from trundle.ros2.navigation.services import OPTIONAL, Services
 from trundle.ros2.navigation.tasks import Tasks
 from trundle.ros2.outputs.output import Output
-from trundle.ros2.role import KEPT_S, BridgeContext
+from trundle.ros2.role import BridgeContext
 
 
 class NavigatorRole:
@@ -80,23 +80,11 @@ class NavigatorRole:
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run; see `Role`. It waits for goals."""
-        mission, scenario = self._context.mission, self._context.mission.scenario
+        mission = self._context.mission
         self._pose_output.begin()
-        return Session(
-            mission.sim,
-            mission.navigator,
-            mission.start,
-            None,
-            time_limit_s=scenario.time_limit_s,
-            observers=[*observers, NavigatorOutputs(self._kit, self._outputs, self._markers)],
-            seed=scenario.seed if seed is None else seed,
-            stop_on_contact=False,
-            name=scenario.title,
-            measure=None,
-            keeps_s=KEPT_S,
-            steering=self._context.driver.steering,
-            **session_options(scenario, mission.grid, mission.navigator.robot),
-        )
+        options = session_options(mission.scenario, mission.grid, mission.navigator.robot)
+        outputs = NavigatorOutputs(self._kit, self._outputs, self._markers)
+        return self._context.begin_session(mission.navigator, [*observers, outputs], seed, options)
 
     def lost(self, why: str) -> None:
         """Stop the robot: who asked it to drive is out of reach."""

@@ -8,6 +8,7 @@ import time as real_time
 from trundle.messages import MessageMaker
 from trundle.messages.qos import Qos
 from trundle.mission import Step
+from trundle.ros2.outputs.cadence import Cadence
 from trundle.ros2.outputs.stencil import Stencil, mark_stamp
 from trundle.ros2.simulation.clock import SimulationClock
 from trundle.ros2.wire import Wire
@@ -37,28 +38,27 @@ class ClockOutput:
         mark_stamp(message.clock)
         self._bytes = Stencil(wire.types.encode(message))
         self._lock = threading.Lock()
-        self._clock, self._period_s = clock, 1.0 / rate
-        self._written = -1.0
+        self._clock, self._cadence = clock, Cadence(1.0 / rate)
         self._written_s = 0.0
         wire.every_round(self._repeat)
 
     def tick(self, time: float) -> None:
         """Publish a time [s] if it is due."""
-        if 0.0 <= time - self._written < self._period_s - 1e-9:
-            return
-        self._write(time)
+        if self._cadence.is_due(time):
+            self._write(time)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish the end of a control period, where no physics step did."""
         self.tick(time)
 
     def _write(self, time: float) -> None:
-        self._written, self._written_s = time, real_time.monotonic()
+        self._cadence.mark(time)
+        self._written_s = real_time.monotonic()
         if self._outlet.is_wanted:
             with self._lock:
                 data = self._bytes.fill(time)
             self._outlet.write_bytes(data)
 
     def _repeat(self) -> None:
-        if self._written >= 0.0 and real_time.monotonic() - self._written_s > _REPEAT_S:
+        if 0.0 < self._written_s < real_time.monotonic() - _REPEAT_S:
             self._write(self._clock.now)

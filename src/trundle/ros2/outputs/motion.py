@@ -12,6 +12,7 @@ from trundle.messages.qos import TRANSFORMS, Qos
 from trundle.mission import Step
 from trundle.observation import Observation
 from trundle.robots import WheelSpeeds
+from trundle.ros2.outputs.cadence import Cadence
 from trundle.ros2.outputs.stencil import Stencil, mark, mark_stamp
 from trundle.ros2.role import BridgeContext
 from trundle.ros2.wire import Wire
@@ -81,8 +82,7 @@ class JointOutput:
         )
         mark_stamp(message.header.stamp)
         self._bytes = Stencil(wire.types.encode(message), (count, count))
-        self._period_s = 1.0 / context.profile.joint_state_rate
-        self._written = -1.0
+        self._cadence = Cadence(1.0 / context.profile.joint_state_rate)
 
     def publish(self, step: Step, time: float) -> None:
         """Publish the end of a control period, if it is due."""
@@ -91,9 +91,9 @@ class JointOutput:
 
     def tick(self, time: float, positions: WheelSpeeds, speeds: WheelSpeeds) -> None:
         """Publish the angles [rad] and speeds [rad/s] of the wheels, if it is due."""
-        if not self._outlet.is_wanted or 0.0 <= time - self._written < self._period_s - 1e-9:
+        if not self._outlet.is_wanted or not self._cadence.is_due(time):
             return
-        self._written = time
+        self._cadence.mark(time)
         sides = self._sides
         data = self._bytes.fill(time, [positions[side] for side in sides], [speeds[side] for side in sides])
         self._outlet.write_bytes(data)

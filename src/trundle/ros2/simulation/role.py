@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trundle.mission import Observer, Session
+from trundle.mission.simulation import SessionOptions
 from trundle.ros2.inputs.agent import RosAgent
-from trundle.ros2.role import KEPT_S, BridgeContext
+from trundle.ros2.role import BridgeContext
 
 
 class SimulatorRole:
@@ -31,24 +32,14 @@ class SimulatorRole:
 
     def begin(self, observers: Sequence[Observer], seed: int | None) -> Session:
         """Begin a run; see `Role`."""
-        mission = self._context.mission
-        scenario = mission.scenario
-        return Session(
-            mission.sim,
-            self.agent,
-            mission.start,
-            None,
-            latency=scenario.latency,
-            monitor=False,
-            time_limit_s=scenario.time_limit_s,
-            observers=observers,
-            seed=scenario.seed if seed is None else seed,
-            stop_on_contact=False,
-            name=scenario.title,
-            measure=None,
-            keeps_s=KEPT_S,
-            steering=self._context.driver.steering,
-        )
+        options: SessionOptions = {
+            "localizer": None,
+            "latency": self._context.mission.scenario.latency,
+            "rules": None,
+            "monitor": False,
+            "through": False,
+        }
+        return self._context.begin_session(self.agent, observers, seed, options)
 
     def lost(self, why: str) -> None:
         """Stop the robot."""

@@ -137,7 +137,15 @@ def test_each_side_lists_the_other_with_types_hashes_and_quality_of_service(ros:
     assert {offer.kind for offer in node.graph().offers if offer.node == "/real/echo"} == {"service server"}
 
 
-@pytest.mark.parametrize("signal", ["terminate", "kill"])
+@pytest.mark.parametrize(
+    ("distro", "signal"),
+    [
+        ("jazzy", "terminate"),
+        ("kilted", "kill"),
+        pytest.param("jazzy", "kill", marks=pytest.mark.ros2),
+        pytest.param("kilted", "terminate", marks=pytest.mark.ros2),
+    ],
+)
 def test_a_node_that_is_ended_leaves_and_comes_back(ros: Ros, node: DdsTransport, signal: str) -> None:
     text = "std_msgs/msg/String"
     there, back = node.publisher("/t/there", text, Qos()), node.subscription("/t/back", text, Qos())

@@ -1,5 +1,8 @@
 """Cyclone's domains: one for each number in a process, with its own threads, shared by those that join it."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import threading

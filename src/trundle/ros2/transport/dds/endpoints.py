@@ -1,5 +1,8 @@
 """Publishers and subscriptions over Cyclone DDS."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import logging

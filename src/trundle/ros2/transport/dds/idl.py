@@ -1,5 +1,8 @@
 """The types of messages as Cyclone DDS wants them: it checks all bytes against them, written and received."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any

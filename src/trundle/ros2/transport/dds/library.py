@@ -1,5 +1,8 @@
 """Cyclone DDS: whether it is here, and the calls that its Python package lacks."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import ctypes

@@ -1,5 +1,8 @@
 """`DdsTransport`: a node on the network of ROS 2 by Cyclone DDS; topics alone."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import threading

@@ -1,5 +1,8 @@
 """Quality of service in DDS's policies, and back."""
 
+# Cyclone DDS has no wheel for some Pythons and machines.
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal

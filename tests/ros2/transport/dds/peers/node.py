@@ -1,4 +1,4 @@
-"""A node of trundle in another process: NAME RANGE DOMAIN SECONDS OTHER …; prints, as JSON, what it heard from whom.
+"""A node of trundle in another process: NAME RANGE DOMAIN SECONDS OTHER …; prints, as JSON, what it heard and saw.
 
 It publishes text on /NAME until the time is over, and ends early once it has heard all others.
 """
@@ -27,19 +27,18 @@ def main(name: str, range_: str, domain: str, seconds: str, *others: str) -> Non
     print("ready", flush=True)
     end = time.monotonic() + float(seconds)
     matched_by_all = enough = False
+    seen: set[str] = set()
     while time.monotonic() < end:
         publisher.write(codec.encode(codec.make(TEXT, data=name)))
         node.wait(0.05)
         for other, subscription in subscriptions.items():
             heard[other] += len(subscription.take())
+        seen.update(node.graph().nodes)
         matched_by_all = matched_by_all or publisher.matched == len(others)
         if matched_by_all and all(heard.values()) and not enough:
             enough, end = True, time.monotonic() + 1.0  # for the others to hear this one
-            seen = node.graph().nodes
-    if not enough:
-        seen = node.graph().nodes
     node.close()
-    print(json.dumps({"heard": [other for other in others if heard[other]], "nodes": seen}), flush=True)
+    print(json.dumps({"heard": [other for other in others if heard[other]], "nodes": sorted(seen)}), flush=True)
 
 
 if __name__ == "__main__":
