@@ -4,7 +4,8 @@
     python benchmarks/control/missions.py --missions 100
 
 With a map, start and goal are drawn on it. Without one, each mission has a generated warehouse of its own, with aisles
-of 1.1 to 1.8 m.
+of 1.1 to 1.8 m. The smallest clearance is also given over the missions in which a turn on the spot at the start and at
+the goal, as far from it as the robot may stop, keeps --room: in others no controller can.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ from trundle.robots import Robot
 from trundle.sim.clearance import least_clearance
 from trundle.worlds import World
 
+_STOPS_WITHIN_M = 0.05
+"""Of the end of its path: the tolerance of both controllers."""
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
@@ -38,7 +42,8 @@ class Drive:
         jerk: Mean of the second differences of the speed [m/s³].
         turning_jerk: The same of the turning speed [rad/s³].
         clearance: Smallest distance to a solid of the world, or of the map [m].
-        at_start: The same where it starts, before it moves: no controller can keep more.
+        at_ends: The same of a turn on the spot at the start, and at the goal or as far from it as it may stop: what no
+            controller can be sure to keep more of.
         contact: Whether something was touched.
         tick_ms: Median time of a tick on one core [ms].
     """
@@ -48,7 +53,7 @@ class Drive:
     jerk: float
     turning_jerk: float
     clearance: float
-    at_start: float
+    at_ends: float
     contact: bool
     tick_ms: float
 
@@ -82,7 +87,7 @@ def drive(world: World, grid: OccupancyGrid, robot: Robot, seed: int, controller
         float(jerks[0]),
         float(jerks[1]),
         _clearance(world, grid, robot, np.array(poses)),
-        _clearance(world, grid, robot, np.array(poses[:1])),
+        min(_turning(world, grid, robot, start), _turning(world, grid, robot, goal) - _STOPS_WITHIN_M),
         contact,
         float(np.median(ticks)),
     )
@@ -91,6 +96,11 @@ def drive(world: World, grid: OccupancyGrid, robot: Robot, seed: int, controller
 def _clearance(world: World, grid: OccupancyGrid, robot: Robot, poses: FloatArray) -> float:
     coarse = Costmap.from_grid(grid, robot).clearance(poses)
     return least_clearance(world, robot, poses, coarse, resolution=grid.resolution, cap=2.0)
+
+
+def _turning(world: World, grid: OccupancyGrid, robot: Robot, pose: Pose2D) -> float:
+    yaws = np.linspace(-np.pi, np.pi, 73)
+    return _clearance(world, grid, robot, np.column_stack([np.full(73, pose.x), np.full(73, pose.y), yaws]))
 
 
 def _words(pose: Pose2D) -> str:
@@ -107,6 +117,7 @@ def main() -> None:
     parser.add_argument("--backend", default="mujoco")
     parser.add_argument("--controller", default="mppi")
     parser.add_argument("--options", type=json.loads, default={}, help="of the controller, as JSON")
+    parser.add_argument("--room", type=float, default=0.1, help="[m], see above")
     parser.add_argument("--against", default="regulated_pure_pursuit")
     options = parser.parse_args()
     robot = Robot.load(options.robot)
@@ -126,25 +137,27 @@ def main() -> None:
         print(
             f"{seed}: {other.status} {other.seconds:.1f} s of {one.seconds:.1f}, jerk {other.jerk / one.jerk:.2f}, "
             f"turning jerk {other.turning_jerk / one.turning_jerk:.2f}, clearance {other.clearance:.3f} "
-            f"({one.clearance:.3f}; {one.at_start:.3f} at the start), "
+            f"({one.clearance:.3f}; {one.at_ends:.3f} in turns at its ends), "
             f"tick {other.tick_ms:.1f} ms{' CONTACT' if other.contact else ''}",
             flush=True,
         )
-    print(_summary(rows))
+    print(_summary(rows, options.room))
 
 
-def _summary(rows: list[tuple[Drive, Drive]]) -> str:
+def _summary(rows: list[tuple[Drive, Drive]], room: float) -> str:
     def ratio(name: str) -> float:
         one, other = (np.mean([getattr(row[which], name) for row in rows]) for which in (0, 1))
         return float(other / one)
 
     arrived = sum(row[1].status == "arrived" and not row[1].contact for row in rows)
     least = [min(row[which].clearance for row in rows) for which in (1, 0)]
+    roomy = [row[1].clearance for row in rows if row[1].at_ends >= room]
     ticks = float(np.median([row[1].tick_ms for row in rows]))
     return (
         f"{arrived} of {len(rows)} arrived without contact; time {ratio('seconds'):.3f}, jerk {ratio('jerk'):.3f}, "
         f"turning jerk {ratio('turning_jerk'):.3f} of the other's; smallest clearance {least[0]:.3f} m "
-        f"({least[1]:.3f} m); tick {ticks:.2f} ms"
+        f"({least[1]:.3f} m), {min(roomy, default=np.nan):.3f} m in the {len(roomy)} with room "
+        f"at both ends; tick {ticks:.2f} ms"
     )
 
 

@@ -150,6 +150,26 @@ def test_driving_into_an_uncertain_mover_costs_less_than_into_a_sure_one():
     assert straight[0] > straight[1] + 10.0
 
 
+def test_touching_a_mover_late_costs_less_than_soon():
+    weights = EMPTY.weights.copy()
+    weights[9] = 0.0  # of being near one
+    request = dataclasses.replace(request_of(goal=(3.8, 2.0)), weights=weights)
+    movers = (np.array([[x, 2.0, 0.0, 0.0, 0.3, 1e-4, 1e-4]]) for x in (2.6, 3.4))
+    soon, late = (run(dataclasses.replace(request, movers=row))[0].costs()[STRAIGHT] for row in movers)
+    assert soon > late + 5.0
+
+
+def test_where_few_samples_touch_no_mover_only_these_take_effect():
+    # It comes from ahead, and most samples do not get out of its way.
+    mover, noise = np.array([[3.4, 2.0, -0.4, 0.0, 0.5, 1e-4, 1e-4]]), EMPTY.noise.copy()
+    noise[2] = 0.3
+    request = dataclasses.replace(request_of(goal=(3.8, 2.0)), movers=mover, noise=noise)
+    _, _, answer = run(request)
+    free, contacts, effective = answer[4], answer[6], answer[10]
+    assert 4 <= free - contacts < 0.3 * request.samples
+    assert effective == pytest.approx(0.5 * (free - contacts), rel=0.05)
+
+
 def test_nothing_free_is_counted_and_a_start_in_contact_may_be_left():
     request = request_of(goal=(3.0, 2.0))
     blocked = dataclasses.replace(request, nearness=np.full_like(request.nearness, 255))

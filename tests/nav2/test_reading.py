@@ -212,7 +212,7 @@ CostCritic: {cost_weight: 7.62}""",
     assert options["goal_weight"] == 2.0
     assert options["path_angle_weight"] == 0.0
     assert options["prefer_forward_weight"] == 1.0
-    assert options["repulsion_weight"] == 4.0
+    assert options["repulsion_weight"] == 8.0
     assert options["goal_angle_weight"] == options["constraint_weight"] == 0.0
 
 

@@ -275,12 +275,13 @@ def mover_costs(request: Request, courses: Courses) -> tuple[Doubles, npt.NDArra
         touch = max((own + radius) / cell, 1e-3)
         reach = touch + np.maximum((margin + sigmas * np.sqrt(variance)) / cell, 1e-2)
         certainty = touch**2 / (touch**2 + 2.0 * variance / cell**2)
+        weighed = certainty * (1.0 - 0.5 * np.arange(request.steps) / request.steps)
         dx, dy = (x + vx * time) / cell - courses.x, (y + vy * time) / cell - courses.y
         ahead, left = dx * courses.cos + dy * courses.sin, dy * courses.cos - dx * courses.sin
         square = (ahead - np.clip(ahead, rear, front)) ** 2 + left**2
         share = np.maximum((reach**2 - square) / (reach**2 - touch**2), 0.0)
         total += summed(courses, share**2 * request.weights[9] * certainty * dt)
-        surest = np.maximum(surest, np.where(courses.alive & (share >= 1.0), certainty, 0.0).max(axis=1))
+        surest = np.maximum(surest, np.where(courses.alive & (share >= 1.0), weighed, 0.0).max(axis=1))
     return total + surest * request.weights[1], surest > 0.0
 
 
@@ -384,7 +385,8 @@ def step(request: Request) -> Answer:
     used = free if free.any() else np.ones(len(costs), bool)
     chosen = np.flatnonzero(used)
     best = int(chosen[np.argmin(costs[chosen])])
-    aim = max(1.0, min(np.float32(request.noise[2]) * request.samples, 0.5 * len(chosen)))
+    untouched = np.count_nonzero(~contacts[chosen])
+    aim = max(1.0, min(np.float32(request.noise[2]) * request.samples, 0.5 * (untouched or len(chosen))))
     weights, temperature = softmin(costs[chosen] - costs[best], aim)
     effective = effective_size(weights)
     mean = np.einsum("n,ntk->tk", weights / weights.sum(), targets[chosen].astype(float)).astype(np.float32)

@@ -214,8 +214,9 @@ def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
     angles, ranges = scan.angles, np.where(scan.ranges >= scan.range_min, scan.ranges, -np.inf)
     if len(angles) and angles[0] > angles[-1]:
         angles, ranges = angles[::-1], ranges[::-1]
-    around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
-    least = ranges
-    for shift in range(len(around) - len(ranges) + 1):
-        least = np.minimum(least, around[shift : shift + len(ranges)])
+    if len(ranges) < _BEAMS_ASIDE:
+        return angles, np.full_like(ranges, ranges.min(initial=np.inf))
+    least = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
+    for step in range(1, _BEAMS_ASIDE + 1):  # the least of 2 beams, then of 4, then of 7
+        least = np.minimum(least[:-step], least[step:])
     return angles, least

@@ -26,9 +26,9 @@ WEIGHTS = (
     Weight("PathAngleCritic", "cost_weight", 2.0, "path_angle_weight", 1.0),
     Weight("PreferForwardCritic", "cost_weight", 5.0, "prefer_forward_weight", 2.0),
     Weight("TwirlingCritic", "twirling_cost_weight", 10.0, "twirling_weight", 0.02),
-    Weight("CostCritic", "cost_weight", 3.81, "repulsion_weight", 2.0),
+    Weight("CostCritic", "cost_weight", 3.81, "repulsion_weight", 4.0),
     Weight("CostCritic", "collision_cost", 1_000_000.0, "collision_cost", 100.0),
-    Weight("ObstaclesCritic", "repulsion_weight", 1.5, "repulsion_weight", 2.0),
+    Weight("ObstaclesCritic", "repulsion_weight", 1.5, "repulsion_weight", 4.0),
     Weight("ObstaclesCritic", "collision_cost", 100_000.0, "collision_cost", 100.0),
 )
 """Every weight that has a counterpart."""

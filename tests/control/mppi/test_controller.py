@@ -7,6 +7,7 @@ import pytest
 
 from trundle.control import create_controller
 from trundle.control.mppi import MppiController
+from trundle.control.mppi import controller as mppi_controller
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import Pose2D, Twist2D, wrap_angle
@@ -73,6 +74,34 @@ def test_a_straight_is_driven_at_full_speed_to_its_end():
     assert arrives(poses, STRAIGHT.goal)
     assert max(abs(pose.y) for pose in poses) < 0.15
     assert max(twist.v for twist in twists) == pytest.approx(0.8, abs=1e-3)
+
+
+def test_between_obstacles_it_is_nearly_as_fast_as_in_the_open():
+    jackal = Robot.load("jackal")
+    left = [(-4.2 + 2.8 * i, -1.2, -4.0 + 2.8 * i, -0.45) for i in range(4)]
+    right = [(-2.8 + 2.8 * i, 0.45, -2.6 + 2.8 * i, 1.2) for i in range(3)]
+    path = Path(np.array([[-6.0, 0.0, 0.0], [6.0, 0.0, 0.0]]))
+    costmap = costmap_with(*left, *right, robot=jackal, size=14.0)
+    poses, _, _ = follow(MppiController(jackal, **FEW), path, costmap, robot=jackal, seconds=10.0)
+    shortest_s = 11.0 / 2.0 + 2.0 / (2.0 * 3.0)
+    assert next(tick for tick, pose in enumerate(poses) if pose.x > 5.0) * DT < 1.03 * shortest_s
+    assert costmap.clearance(as_array(poses)).min() > 0.1
+
+
+def test_where_the_best_command_is_refused_it_first_slows_down_in_the_same_turn(monkeypatch):
+    seen = []
+
+    def refuse_the_first(costmap, limits, pose, twist, command, dt, *, padded):
+        seen.append(command)
+        return len(seen) == 2
+
+    monkeypatch.setattr(mppi_controller, "can_stop", refuse_the_first)
+    controller = MppiController(CARTER, **FEW)
+    controller.set_path(STRAIGHT)
+    start, moves = Pose2D(-3.0, 0.2, 0.3), Twist2D(0.6, -0.3)
+    command = controller.compute_velocity(start, moves, costmap_with(), DT)
+    assert command == seen[1] == Twist2D(0.5 * seen[0].v, seen[0].w)
+    assert abs(command.w) > 0.1
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.6, 2.0])
@@ -202,6 +231,18 @@ def test_it_keeps_out_of_the_way_of_what_moves():
         nearest.append(np.hypot(corners[:, 0] - where["track"].x, corners[:, 1] - where["track"].y).min())
     assert min(nearest) > 0.3
     assert pose.distance_to(STRAIGHT.goal) < 0.3
+
+
+def test_it_passes_behind_what_moves_through_the_marks_that_it_has_just_left():
+    # A walker of 0.3 m at 2 m/s: where it was in the last 0.25 s, no scans have cleared its marks yet.
+    controller = MppiController(CARTER, **FEW)
+    controller.set_path(STRAIGHT)
+    controller.set_tracks([walker(0.4, 0.7, 0.0, 2.0)])
+    costmap = costmap_with((0.1, -0.1, 0.7, 1.0))
+    controller.compute_velocity(Pose2D(-1.2, 0.0, 0.0), Twist2D(1.2, 0.0), costmap, DT)
+    x, y, _ = controller.rollouts(1).poses[0].T
+    assert x[-1] > 1.0
+    assert np.abs(y).max() < 0.15
 
 
 def test_standing_for_something_that_moves_has_a_reason():

@@ -14,7 +14,7 @@ from trundle.maps import KeepoutMask, OccupancyGrid
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
-NOTHING = np.zeros((0, 3))
+NOTHING = np.zeros((0, 5))
 
 
 def costmap_of(cells, yaw=0.0, resolution=0.05, **options):
@@ -117,9 +117,24 @@ def test_obstacles_that_move_are_left_out():
     costmap = costmap_of(cells)
     (x,), (y,) = (np.atleast_1d(value) for value in costmap.cell_to_world(150, 150))
     assert window_of(costmap).nearness.max() == 254
-    assert window_of(costmap, left_out=np.array([[x, y, 0.3]])).nearness.max() == 0
-    far = window_of(costmap, left_out=np.array([[x + 50.0, y, 0.3]]))
+    assert window_of(costmap, left_out=np.array([[x, y, x, y, 0.3]])).nearness.max() == 0
+    far = window_of(costmap, left_out=np.array([[x + 50.0, y, x + 50.0, y, 0.3]]))
     assert far.nearness.max() == 254
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_obstacles_are_left_out_all_along_a_capsule_and_not_beyond(yaw):
+    costmap = costmap_of(np.full((301, 301), 100, np.int8), yaw)
+    window = window_of(costmap)
+    ends = window.poses_out(np.array([[1.0, 1.2, 0.0], [2.6, 2.4, 0.0]]))[:, :2]
+    window = window_of(costmap, left_out=np.array([[*ends[0], *ends[1], 0.4]]))
+    rows, cols = np.indices(window.nearness.shape)
+    x, y = (cols + 0.5) * 0.05, (rows + 0.5) * 0.05
+    along = np.clip(((x - 1.0) * 1.6 + (y - 1.2) * 1.2) / 4.0, 0.0, 1.0)
+    distance = np.hypot(x - 1.0 - 1.6 * along, y - 1.2 - 1.2 * along)
+    occupied = window.nearness == 254
+    assert not occupied[distance < 0.4 - 1e-6].any()
+    assert occupied[distance > 0.4 + 1e-6].all()
 
 
 def test_costs_of_a_mask_and_of_unseen_space_lengthen_the_path():

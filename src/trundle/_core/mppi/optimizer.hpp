@@ -147,15 +147,17 @@ class Optimizer {
   void improve(Answer &answer, float share) {
     const bool free_only = answer.free > 0;
     const int used = free_only ? answer.free : answer.blocked;
-    int best = -1;
+    int best = -1, untouched = 0;
     for (int sample = 0; sample < problem_.samples; ++sample) {
       const bool takes_part = counts(sample) && (!free_only || is_free(sample));
       softmin_.gaps()[sample] = takes_part ? cost(sample) : Softmin::kUnused;
+      if (takes_part && !has_contact(sample)) ++untouched;
       if (takes_part && (best < 0 || cost(sample) < cost(best))) best = sample;
     }
     std::fill(mean_.begin(), mean_.end(), 0.0f);
     if (used > 0) {
-      const float aim = std::min(share * static_cast<float>(problem_.samples), 0.5f * static_cast<float>(used));
+      const float aim = std::min(share * static_cast<float>(problem_.samples),
+                                 0.5f * static_cast<float>(untouched > 0 ? untouched : used));
       softmin_.weigh(cost(best), std::max(1.0f, aim));
       answer.temperature = softmin_.temperature(), answer.effective = softmin_.effective();
       average(problem_, softmin_.weights(), knots_, mean_);

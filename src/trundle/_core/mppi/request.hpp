@@ -179,6 +179,9 @@ inline int read_discs(const Request &request, Problem &problem) {
   return touching;
 }
 
+// A contact at the end of the horizon costs less by this share than one now: until then there may be a way round.
+constexpr double kLaterCounts = 0.5;
+
 // Where the movers will be, and how sure that is, by step and mover.
 inline void read_movers(const Request &request, int steps, std::vector<MoverStep> &table) {
   const std::size_t count = request.movers.shape(0);
@@ -188,7 +191,7 @@ inline void read_movers(const Request &request, int steps, std::vector<MoverStep
   const double dt = request.model.data()[0], cell = request.resolution;
   const double margin = request.bounds.data()[1], sigmas = request.bounds.data()[2];
   for (int step = 0; step < steps; ++step) {
-    const double t = dt * (step + 1);
+    const double t = dt * (step + 1), soon = 1.0 - kLaterCounts * step / steps;
     for (std::size_t m = 0; m < count; ++m) {
       const double *mover = request.movers.data() + 7 * m;
       const double variance = mover[5] + mover[6] * t * t;
@@ -201,7 +204,7 @@ inline void read_movers(const Request &request, int steps, std::vector<MoverStep
                                                            static_cast<float>(reach * reach * slope),
                                                            static_cast<float>(slope),
                                                            static_cast<float>(request.weights.data()[9] * certainty * dt),
-                                                           static_cast<float>(certainty)};
+                                                           static_cast<float>(certainty * soon)};
     }
   }
 }

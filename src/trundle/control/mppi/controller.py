@@ -37,16 +37,17 @@ from trundle.robots import Robot
 from trundle.values import check_kind, check_number
 
 _STAND = Twist2D(0.0, 0.0)
-_SLOWER = (1.0, 0.5, 0.25)
+_SHARES = ((1.0, 1.0), (0.5, 1.0), (0.5, 0.5), (0.25, 1.0), (0.25, 0.25), (0.0, 1.0))
+"""Shares of the best command's speed and turn that are tried in turn: slower in the same turn first."""
 _EXACT_BEFORE_M, _EXACT_BEFORE_S = 0.4, 0.8
 """The planned path is followed from so far before a place where only the outline fits [m], [s] at top speed."""
 _STILL_MPS, _STILL_RADPS = 0.05, 0.2
 _BY_MOVER = "blocked by a mover"
 _MANY_CONTACTS = 0.01  # of all samples: what moves is in the way
-_STILL_S = 1.0
+_STILL_S = 0.4
 _AT_REST = 0.02
 _PATIENCE_M = 0.3
-_LEFT_OUT_MARGIN_M = 0.15
+_LEFT_OUT_MARGIN_M, _LEFT_OUT_S = 0.15, 0.4
 _LEAD_PAST = 0.5  # of the tolerance of a pose that it has to pass
 
 
@@ -264,7 +265,7 @@ class MppiController(Controller):
         answer = self._sampler.step(window, to_go, start, self._aim(route, window), self._movers(window))
         self.reason = _reason_of(answer)
         v, w = answer.command.v, answer.command.w
-        for command in (*(Twist2D(share * v, share * w) for share in _SLOWER), Twist2D(0.0, w)):
+        for command in (Twist2D(slower * v, less * w) for slower, less in _SHARES):
             if can_stop(now.costmap, self._robot.limits, now.pose, twist, command, now.dt, padded=self._padded):
                 return command
         self.reason = self.reason or "the outline would touch something"
@@ -285,8 +286,14 @@ class MppiController(Controller):
         return Aim(x, y, yaw, has_yaw=within, reach=0.3 if within else 0.0)
 
     def _left_out(self) -> FloatArray:
-        moving = [(track.x, track.y, track.radius + _LEFT_OUT_MARGIN_M) for track in self._tracks if track.moving]
-        return np.array(moving, np.float64).reshape(-1, 3)
+        """Where what moves is, and has just been: several scans have to pass through its last places to clear them."""
+        back = _LEFT_OUT_S
+        moving = [
+            (track.x, track.y, track.x - back * track.vx, track.y - back * track.vy, track.radius + _LEFT_OUT_MARGIN_M)
+            for track in self._tracks
+            if track.moving
+        ]
+        return np.array(moving, np.float64).reshape(-1, 5)
 
     def _movers(self, window: Window) -> FloatArray:
         rows: list[tuple[float, ...]] = []

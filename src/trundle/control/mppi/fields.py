@@ -85,7 +85,7 @@ class Window:
         centre: Cell (row, col) in the middle.
         half: Cells from there to each side.
         style: What the fields are made for.
-        clear: Discs (x, y, radius) [m], map frame, whose obstacles are left out: they move, and are predicted.
+        clear: Capsules (x, y, x, y, radius) [m], map frame, whose obstacles are left out: they move, and are predicted.
 
     Attributes:
         costmap: The same.
@@ -116,19 +116,22 @@ class Window:
         self._classes = self._with_costs()
         self._costs = style.costs(self.resolution)
 
-    def _leave_out(self, blocked: npt.NDArray[np.bool_], beyond: int, discs: FloatArray) -> None:
-        for x, y, radius in discs.tolist():
-            px, py = self.to_window(x, y)
-            row, col = (int(value / self.resolution) + beyond for value in (py, px))
-            reach = math.ceil(radius / self.resolution)
-            rows, cols = slice(max(0, row - reach), row + reach + 1), slice(max(0, col - reach), col + reach + 1)
-            part = blocked[rows, cols]
-            if part.size == 0:
+    def _leave_out(self, blocked: npt.NDArray[np.bool_], beyond: int, capsules: FloatArray) -> None:
+        points = np.column_stack([capsules[:, :4].reshape(-1, 2), np.zeros(2 * len(capsules))])
+        ends = (self.poses_in(points)[:, :2] / self.resolution - 0.5 + beyond).reshape(-1, 4)
+        for (x0, y0, x1, y1), reach in zip(ends.tolist(), (capsules[:, 4] / self.resolution).tolist(), strict=True):
+            low_row, low_col = (max(0, math.floor(min(pair) - reach)) for pair in ((y0, y1), (x0, x1)))
+            high_row, high_col = (max(0, math.ceil(max(pair) + reach) + 1) for pair in ((y0, y1), (x0, x1)))
+            part = blocked[low_row:high_row, low_col:high_col]
+            if not part.any():
                 continue
-            away_rows, away_cols = np.ogrid[
-                rows.start - row : rows.start - row + part.shape[0], cols.start - col : cols.start - col + part.shape[1]
-            ]
-            part[np.hypot(away_rows, away_cols) <= radius / self.resolution] = False
+            length = math.hypot(x1 - x0, y1 - y0)
+            dx, dy = ((x1 - x0) / length, (y1 - y0) / length) if length > 0.0 else (0.0, 0.0)
+            x = np.arange(low_col - x0, low_col - x0 + part.shape[1] - 0.5)
+            y = np.arange(low_row - y0, low_row - y0 + part.shape[0] - 0.5)[:, None]
+            along = dx * x + dy * y
+            nearest = np.minimum(np.maximum(along, 0.0), length)
+            part[x * x + y * y - nearest * (2.0 * along - nearest) <= reach * reach] = False
 
     def _with_costs(self) -> npt.NDArray[np.uint8]:
         """Nearness for the cost to go: as it is, or more where a mask or unseen space costs more."""

@@ -53,7 +53,7 @@ class Guide:
         Args:
             costmap: Where it drives.
             pose: Where it is, map frame.
-            left_out: Discs (x, y, radius) [m], map frame, whose obstacles are left out.
+            left_out: Capsules (x, y, x, y, radius) [m], map frame, whose obstacles are left out.
         """
         window = self.window
         if window is not None and window.costmap is costmap and len(left_out) == 0 and not window.leaves_out:

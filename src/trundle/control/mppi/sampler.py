@@ -16,7 +16,7 @@ from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.robots import Robot
 
 _BLOCK = 16
-_CALM, _AMONG_MOVERS = (0.125, 0.3), (0.3, 0.375)  # deviations as shares of the limits
+_CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)  # deviations as shares of the limits
 _MOST_TURN_RAD = 1.0  # in one step of the model
 
 

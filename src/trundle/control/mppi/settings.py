@@ -29,7 +29,7 @@ class MppiSettings(Config):
         horizon: How far ahead they look [s]; none means as long as 3 m take at top speed, from 1.6 to 2.8 s. Where
             the robot takes longer to stop than 0.85 of it, longer steps make it longer.
         model_dt: Length of their steps [s].
-        vx_std: Deviation of the samples' speed [m/s]; none means an eighth of the robot's top speed, and 0.3 of it
+        vx_std: Deviation of the samples' speed [m/s]; none means a quarter of the robot's top speed, and 0.3 of it
             near anything that moves.
         wz_std: Of their turning speed [rad/s]; none means 0.3 of the robot's, and 0.375 near anything that moves.
         knot_steps: Noise changes every so many steps, and evenly in between; at most every third of the horizon.
@@ -40,7 +40,7 @@ class MppiSettings(Config):
         ax_max: Acceleration and deceleration of the samples [m/s²]; none means the robot's limit, or what reaches its
             top speed in 0.6 s if that is less.
         az_max: Their angular acceleration [rad/s²]; none likewise, in 0.4 s.
-        best_share: How many samples the answer is the average of, as a share.
+        best_share: How many samples the answer is the average of, as a share; at most half of those that touch nothing.
         to_go_weight: Of the cost to go, its mean along the sample.
         goal_weight: Of the cost to go at its end (GoalCritic, PathFollowCritic).
         path_angle_weight: Of the angle to where the cost to go falls (PathAngleCritic).
@@ -53,7 +53,7 @@ class MppiSettings(Config):
         inflation_radius: How near that is [m], from the discs' edge.
         slow_near_weight: Of driving fast there, per metre and m/s.
         mover_weight: Of being near something that moves, per second.
-        mover_contact_cost: Of touching it, where it is certain to be there then.
+        mover_contact_cost: Of touching it, where it surely is then; half of that at the end of the horizon.
         mover_margin: Distance to keep from it [m].
         mover_sigmas: How many standard deviations of its predicted place are added to that.
         prefer_forward_weight: Of driving against the planned direction, per metre (PreferForwardCritic).
@@ -91,8 +91,8 @@ class MppiSettings(Config):
     threshold_to_consider: Positive = 0.5
     overshoot_weight: Weight = 5.0
     collision_cost: Weight = 100.0
-    repulsion_weight: Weight = 2.0
-    inflation_radius: NotNegative = 0.3
+    repulsion_weight: Weight = 4.0
+    inflation_radius: NotNegative = 0.2
     slow_near_weight: Weight = 0.0
     mover_weight: Weight = 20.0
     mover_contact_cost: Weight = 200.0
@@ -101,7 +101,7 @@ class MppiSettings(Config):
     prefer_forward_weight: Weight = 2.0
     twirling_weight: Weight = 0.02
     constraint_weight: Weight = 10.0
-    acceleration_weight: Weight = 0.2
+    acceleration_weight: Weight = 0.1
     jerk_weight: Weight = 0.2
     near_path_weight: Weight = 2.0
     near_path_distance: Positive = 0.3

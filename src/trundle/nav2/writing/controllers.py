@@ -13,7 +13,7 @@ from trundle.nav2.reading.controllers import SAME as PURSUIT_SAME
 from trundle.nav2.writing.draft import Block, Draft
 
 _NOT_NAV2 = "Nav2's controller has nothing like it"
-_STD_SHARE, _TURN_STD_SHARE = 1.0 / 8.0, 0.3  # of the top speeds, as `mppi` without movers
+_STD_SHARE, _TURN_STD_SHARE = 1.0 / 4.0, 0.3  # of the top speeds, as `mppi` without movers
 _EXACT = "Nav2's PathAlignCritic and PathFollowCritic keep the values that Nav2 ships: trundle's mppi has no such costs"
 
 

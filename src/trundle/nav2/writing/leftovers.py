@@ -21,7 +21,7 @@ REASONS = {
     "planning_deadline_s": "Nav2's Smac planners have max_planning_time",
     "wait_s": _PATIENCE,
     "patience_s": _PATIENCE,
-    "goal_patience_s": _PATIENCE,
+    "mover_patience_s": _PATIENCE,
     "map_options": _WORLD,
     "unmapped": _WORLD,
     "movers": _WORLD,
