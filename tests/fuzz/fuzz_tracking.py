@@ -32,6 +32,7 @@ def settings_of(generator: random.Random) -> TrackerSettings:
         min_speed=generator.choice((0.0, 0.5)),
         confirm_scans=generator.choice((1, 4)),
         hidden_s=generator.choice((0.0, 2.0)),
+        aside_s=generator.choice((0.0, 2.0)),
     )
 
 
@@ -71,7 +72,7 @@ def one_round(generator: random.Random) -> None:
     numbers = np.array(
         [
             *(settings.max_range, settings.max_size, settings.min_points, settings.same_surface),
-            *(settings.acceleration, settings.min_speed, settings.confirm_scans, settings.hidden_s),
+            *(settings.acceleration, settings.min_speed, settings.confirm_scans, settings.hidden_s, settings.aside_s),
         ],
         dtype=np.float64,
     )
@@ -93,7 +94,8 @@ def one_round(generator: random.Random) -> None:
         kernel.see(*arguments)
         sweep = Sweep(scan, poses, settings.max_range, BODY)
         known = evidence.setdefault(name, Evidence(settings))
-        followed.see(sweep, known)
+        others = [other.latest for lidar, other in evidence.items() if lidar != name and other.latest]
+        followed.see(sweep, known, others)
         known.add(sweep)
         compare(kernel, followed, time + generator.choice((-0.1, 0.0, 0.3)))
 

@@ -18,7 +18,10 @@ CARTER = Robot.load("nova_carter")
 DT = 0.05
 ROOM = [(-6, -6, 6, -6), (6, -6, 6, 6), (6, 6, -6, 6), (-6, 6, -6, -6)]
 LIDARS = (("front", (0.026, 0.0, math.pi)), ("back", (-0.4894, 0.0, 0.0)))
-SETTINGS, BODY = np.array([15.0, 3.0, 3.0, 0.07, 0.6, 0.2, 2.0, 0.8]), np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+SETTINGS, BODY = (
+    np.array([15.0, 3.0, 3.0, 0.07, 0.6, 0.2, 2.0, 0.8, 1.5]),
+    np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]),
+)
 TURN = (np.ones(4), np.arange(4.0), np.zeros((1, 3)), np.array([0.0, 0.0, 0.0, 0.1, 9.0]))
 
 walkers = st.lists(
@@ -37,8 +40,13 @@ def same(one, other):
 
 
 @settings(max_examples=15)
-@given(movers=walkers, drive=st.tuples(st.floats(-1.0, 1.0), st.floats(-1.5, 1.5)), seed=st.integers(0, 1000))
-def test_the_kernel_follows_as_numpy_does(movers, drive, seed):
+@given(
+    movers=walkers,
+    drive=st.tuples(st.floats(-1.0, 1.0), st.floats(-1.5, 1.5)),
+    fov=st.sampled_from([math.tau, 1.5 * math.pi, 2.0]),
+    seed=st.integers(0, 1000),
+)
+def test_the_kernel_follows_as_numpy_does(movers, drive, fov, seed):
     fast, slow = Tracker(CARTER), SlowTracker(CARTER)
     followed = 0
     for tick in range(30):
@@ -46,7 +54,9 @@ def test_the_kernel_follows_as_numpy_does(movers, drive, seed):
         base = (drive[0] * time, 0.0, drive[1] * time)
         discs = [(x + vx * time, y + vy * time, radius) for x, y, vx, vy, radius in movers]
         scans = [
-            scan_scene(discs, ROOM, base=base, mount=mount, time=time, name=name, beams=360, noise=0.01, seed=seed)
+            scan_scene(
+                discs, ROOM, base=base, mount=mount, time=time, name=name, beams=360, noise=0.01, seed=seed, fov=fov
+            )
             for name, mount in LIDARS
         ]
         tracks = fast.update(scans, time, Pose2D(*base))
@@ -72,10 +82,10 @@ def test_more_things_than_can_be_followed_are_left_out():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((SETTINGS[:7], BODY), "8 settings"),
-        ((np.append(SETTINGS[:7], math.nan), BODY), "settings must be finite"),
-        ((np.append(SETTINGS[:7], -1.0), BODY), "at least 0"),
-        ((np.array([15.0, 3.0, 0.0, 0.07, 0.6, 0.2, 2.0, 0.8]), BODY), "min_points"),
+        ((SETTINGS[:8], BODY), "9 settings"),
+        ((np.append(SETTINGS[:8], math.nan), BODY), "settings must be finite"),
+        ((np.append(SETTINGS[:8], -1.0), BODY), "at least 0"),
+        ((np.array([15.0, 3.0, 0.0, 0.07, 0.6, 0.2, 2.0, 0.8, 1.5]), BODY), "min_points"),
         ((SETTINGS, np.zeros((3, 3))), r"shape \(N, 2\)"),
         ((SETTINGS, np.full((3, 2), math.inf)), "body must be finite"),
     ],

@@ -109,6 +109,27 @@ def test_a_walker_that_turns_and_is_hidden_is_forgotten_soon():
     assert not any(track.y > 2.0 for tracks in seen[29:] for track in moving(tracks))
 
 
+def behind(time):
+    """A walker that crosses behind the robot, out of the view of a lidar of 270 degrees from 0.9 to 2.1 s."""
+    return [(-1.2, 3.0 - 2.0 * time, 0.3)]
+
+
+def test_a_walker_behind_the_field_of_view_keeps_its_track():
+    _, seen = follow(behind, seconds=3.0, fov=1.5 * math.pi)
+    assert {track.id for tracks in seen for track in moving(tracks)} == {1}
+    for tick in range(10, 61):
+        (track,) = moving(seen[tick])
+        assert (track.x, track.y) == pytest.approx(behind(tick * DT)[0][:2], abs=0.25)
+    unseen = [float(moving(tracks)[0].covariance[0, 0]) for tracks in seen[24:36]]
+    assert (np.diff(unseen) > 0.0).all()
+
+
+def test_a_walker_behind_the_field_of_view_is_forgotten_in_time():
+    _, seen = follow(behind, seconds=1.8, fov=1.5 * math.pi, settings=TrackerSettings(aside_s=0.4))
+    assert len(moving(seen[20])) == 1
+    assert not seen[-1]
+
+
 def test_two_that_pass_each_other_keep_their_tracks():
     _, seen = follow(lambda t: [(-2.0 + t, 3.0, 0.3), (2.0 - t, 4.0, 0.3)], seconds=4.0)
     assert sorted({track.id for tracks in seen for track in moving(tracks)}) == [1, 2]

@@ -25,6 +25,7 @@ class TrackerSettings(Config):
         confirm_scans: So many scans must show that something moves before its track is confirmed.
         hidden_s: How long a confirmed track is kept while something hides it [s], at most: one whose velocity has just
             changed is forgotten earlier.
+        aside_s: How long a confirmed track is kept while it is outside the field of view of every lidar [s], at most.
         source_timeout: Scans that are older than this are ignored [s].
 
     Raises:
@@ -39,4 +40,5 @@ class TrackerSettings(Config):
     min_speed: NotNegative = 0.2
     confirm_scans: Annotated[int, Field(ge=1)] = 2
     hidden_s: NotNegative = 0.8
+    aside_s: NotNegative = 1.5
     source_timeout: Positive = 1.0

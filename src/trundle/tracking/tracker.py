@@ -117,7 +117,7 @@ def _as_numbers(settings: TrackerSettings) -> FloatArray:
     return np.array(
         [
             *(settings.max_range, settings.max_size, settings.min_points, settings.same_surface),
-            *(settings.acceleration, settings.min_speed, settings.confirm_scans, settings.hidden_s),
+            *(settings.acceleration, settings.min_speed, settings.confirm_scans, settings.hidden_s, settings.aside_s),
         ],
         dtype=np.float64,
     )

@@ -32,6 +32,11 @@ class Evidence:
         while self._sweeps[0].time < sweep.time - _KEPT_S:
             self._sweeps.popleft()
 
+    @property
+    def latest(self) -> Sweep | None:
+        """The newest scan."""
+        return self._sweeps[-1] if self._sweeps else None
+
     def judge(self, sweep: Sweep) -> tuple[BoolArray, BoolArray]:
         """Which hits of a new scan are where an earlier one saw through, and which belong to what stands still.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ _FACTS = np.dtype(
         ("hits", np.int64),
         ("seen_at", np.float64),
         ("empty_s", np.float64),
+        ("aside_s", np.float64),
         ("proofs", np.float64),
         ("confirmed", np.bool_),
         ("moving", np.bool_),
@@ -84,8 +86,9 @@ class Followed:
             )
         )
 
-    def see(self, sweep: Sweep, evidence: Evidence) -> None:
-        """Take a scan."""
+    def see(self, sweep: Sweep, evidence: Evidence, others: Sequence[Sweep] = ()) -> None:
+        """Take a scan, with the newest ones of the other lidars."""
+        self._others = others
         starts = sweep.split()
         appeared, still = evidence.judge(sweep)
         seconds = 0.0 if self._time is None else max(0.0, sweep.time - self._time)
@@ -162,6 +165,8 @@ class Followed:
         lost = np.flatnonzero(~seen)
         facts["empty_s"][lost[self._are_in_walls(sweep, still, lost)]] += _EMPTY_S  # once more, and it is gone
         facts["empty_s"] = np.where(seen, 0.0, facts["empty_s"] + seconds * empty)
+        looked_at = np.logical_or.reduce([view.faces(centres) for view in (sweep, *self._others)])
+        facts["aside_s"] = np.where(seen, 0.0, facts["aside_s"] + seconds * ~looked_at)
         facts["seen_at"][seen] = sweep.time
         facts["seen_at"][seen & stays & ~facts["confirmed"] & (facts["hits"] > 3)] = -np.inf
         self._decide()
@@ -262,10 +267,12 @@ class Followed:
         if len(facts) == 0 or self._time is None:
             return
         silent = self._time - facts["seen_at"]
-        kept = np.where(facts["confirmed"], silent <= self._settings.hidden_s, silent <= _TENTATIVE_S)
+        hidden, aside = silent - facts["aside_s"], facts["aside_s"]
+        kept = hidden <= np.where(facts["confirmed"], self._settings.hidden_s, _TENTATIVE_S)
+        kept &= aside <= np.where(facts["confirmed"], self._settings.aside_s, _TENTATIVE_S)
         # What has just turned or sped up, or seems to as less and less of it is visible, may go on in any direction.
         strays = np.hypot(*(filters.states[:, 2:] - facts["mean_velocity"]).T)
-        kept &= (silent <= _JUST_S) | (silent * strays <= _STRAY_M)
+        kept &= (hidden <= _JUST_S) | (hidden * strays <= _STRAY_M)
         kept &= facts["empty_s"] <= _EMPTY_S
         kept &= np.hypot(filters.states[:, 2], filters.states[:, 3]) <= _FASTEST_MPS
         kept &= filters.covariances[:, 0, 0] + filters.covariances[:, 1, 1] < _LOST_M**2

@@ -17,7 +17,8 @@ class SlowTracker(Tracker):
     def _take(self, scan, poses):
         sweep = Sweep(scan, poses, self.settings.max_range, self._body)
         evidence = self._evidence.setdefault(scan.lidar, Evidence(self.settings))
-        self._followed.see(sweep, evidence)
+        others = [other.latest for lidar, other in self._evidence.items() if lidar != scan.lidar and other.latest]
+        self._followed.see(sweep, evidence, others)
         evidence.add(sweep)
 
     def _predict(self, now):

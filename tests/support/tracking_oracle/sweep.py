@@ -81,6 +81,15 @@ class Sweep:
         """Whether it saw farther than to a point, with a margin [m], in all beams beside it; shape (N,)."""
         return self._judge(points, margin) == _THROUGH
 
+    def faces(self, points: FloatArray) -> BoolArray:
+        """Whether a beam goes past points, or would if it went on; shape (N,)."""
+        if len(self._bearings) == 0:
+            return np.zeros(len(points), dtype=bool)
+        x, y = (points - self.sensor).T
+        bearings = (np.arctan2(y, x) - self._zero + 1e-9) % math.tau
+        beside = 1.01 * self.spacing
+        return (bearings <= self._bearings[-1] + beside) | (bearings >= math.tau - beside)
+
     def compare(self, points: FloatArray, margin: float) -> tuple[BoolArray, BoolArray]:
         """Whether it saw through points, and whether it saw a surface there, both within a margin [m]; shape (N,)."""
         seen = self._judge(points, margin)

@@ -21,12 +21,12 @@ void refuse_infinite(const double *numbers, std::size_t count, const char *messa
 }
 
 Settings settings_of(const In<double, 1> &given) {
-  refuse_unless(given.shape(0) == 8, "a tracker needs 8 settings");
+  refuse_unless(given.shape(0) == 9, "a tracker needs 9 settings");
   const double *s = given.data();
-  refuse_infinite(s, 8, "the settings must be finite");
-  for (int i = 0; i < 8; ++i) refuse_unless(s[i] >= 0.0, "the settings must be at least 0");
+  refuse_infinite(s, 9, "the settings must be finite");
+  for (int i = 0; i < 9; ++i) refuse_unless(s[i] >= 0.0, "the settings must be at least 0");
   refuse_unless(s[2] >= 1.0, "min_points must be at least 1");
-  return {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]};
+  return {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8]};
 }
 
 std::vector<Point> outline_of(const In<double, 2> &given) {

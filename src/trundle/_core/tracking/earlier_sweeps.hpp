@@ -29,6 +29,9 @@ class EarlierSweeps {
     }
   }
 
+  // Of the latest scan that is kept; null without one.
+  const View *latest() const { return views_.empty() ? nullptr : views_.back().get(); }
+
   // Which hits of a new scan are where an earlier one saw through, and which belong to what stands still: every scan of
   // half a second or a second ago, as far as it saw that place, saw a surface there.
   void judge(Sweep &sweep, double margin) const {

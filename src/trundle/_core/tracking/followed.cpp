@@ -34,6 +34,7 @@ double square(Point a, Point b) {
 
 void ScanTracker::see(std::int64_t lidar, const Scan &scan) {
   EarlierSweeps &earlier = earlier_[lidar];
+  lidar_ = lidar;
   sweep_.take(scan, settings_.max_range, body_, earlier.fresh());
   sweep_.split();
   earlier.judge(sweep_, settings_.same_surface);
@@ -189,9 +190,10 @@ void ScanTracker::note_proofs(double seconds) {
       for (int axis = 0; axis < 2; ++axis) {
         track.mean_velocity[axis] += share * (track.filter.state[axis + 2] - track.mean_velocity[axis]);
       }
-      track.empty_s = 0.0;
+      track.empty_s = track.aside_s = 0.0;
       track.seen_at = stays && !track.confirmed && track.hits > 3 ? -kInfinity : time;
     } else {
+      track.aside_s += is_looked_at(track) ? 0.0 : seconds;
       if (is_in_wall(track)) {
         track.empty_s += kEmpty;  // once more, and it is gone
       }
@@ -228,6 +230,15 @@ bool ScanTracker::is_in_wall(const Followed &track) const {
     return hit.still && square(hit.point, centre) < reach * reach;
   });
   return static_cast<double>(inside) >= settings_.min_points;
+}
+
+// Whether a track is in the field of view of a lidar, hidden or not.
+bool ScanTracker::is_looked_at(const Followed &track) const {
+  const Point centre = track.filter.centre();
+  return sweep_.view().faces(centre) || std::any_of(earlier_.begin(), earlier_.end(), [&](const auto &entry) {
+           const View *view = entry.first == lidar_ ? nullptr : entry.second.latest();
+           return view != nullptr && view->faces(centre);
+         });
 }
 
 void ScanTracker::keep_rims() {
@@ -336,11 +347,12 @@ void ScanTracker::end() {
 
 bool ScanTracker::is_kept(const Followed &track) const {
   const DiscFilter &filter = track.filter;
-  const double silent = time_ - track.seen_at;
+  const double silent = time_ - track.seen_at, hidden = silent - track.aside_s;
   // What has just turned or sped up, or seems to as less and less of it is visible, may go on in any direction.
   const double strays = length(filter.state[2] - track.mean_velocity[0], filter.state[3] - track.mean_velocity[1]);
-  if (!(silent <= (track.confirmed ? settings_.hidden_s : kTentative)) ||
-      !(silent <= kJust || silent * strays <= kStray) || !(track.empty_s <= kEmpty) || !(filter.speed() <= kFastest) ||
+  if (!(hidden <= (track.confirmed ? settings_.hidden_s : kTentative)) ||
+      !(track.aside_s <= (track.confirmed ? settings_.aside_s : kTentative)) ||
+      !(hidden <= kJust || hidden * strays <= kStray) || !(track.empty_s <= kEmpty) || !(filter.speed() <= kFastest) ||
       !(filter.cov[0][0] + filter.cov[1][1] < kLost * kLost)) {
     return false;
   }

@@ -29,6 +29,7 @@ struct Followed {
   std::int64_t id, hits = 1;
   DiscFilter filter;
   double seen_at = 0.0, empty_s = 0.0, proofs = 0.0;
+  double aside_s = 0.0;  // how long no lidar has looked there since it was seen
   bool confirmed = false, moving = false;
   double mean_velocity[2] = {};
   // Of the scan at hand.
@@ -62,6 +63,7 @@ class ScanTracker {
   void note_proofs(double seconds);
   bool has_left(const Followed &track, const Rims *before) const;
   bool is_in_wall(const Followed &track) const;
+  bool is_looked_at(const Followed &track) const;
   void keep_rims();
   void decide(Followed &track) const;
   void begin();
@@ -76,6 +78,7 @@ class ScanTracker {
   std::vector<Followed> tracks_;
   std::deque<Rims> rims_;
   double time_ = std::numeric_limits<double>::quiet_NaN();
+  std::int64_t lidar_ = 0;  // of the scan at hand
   std::int64_t next_id_ = 1;
   // Of the scan at hand.
   Sweep sweep_;

@@ -4,7 +4,7 @@
 namespace trundle::tracking {
 
 struct Settings {
-  double max_range, max_size, min_points, same_surface, acceleration, min_speed, confirm_scans, hidden_s;
+  double max_range, max_size, min_points, same_surface, acceleration, min_speed, confirm_scans, hidden_s, aside_s;
 };
 
 }  // namespace trundle::tracking

@@ -91,6 +91,14 @@ Sight View::judge(Point point, double margin) const {
   return Sight::kNothing;
 }
 
+bool View::faces(Point point) const {
+  if (bearings.empty()) {
+    return false;
+  }
+  const double bearing = turned(std::atan2(point.y - sensor.y, point.x - sensor.x) - zero + kTie);
+  return bearing <= bearings.back() + kOffBeam * spacing || bearing >= kTurn - kOffBeam * spacing;
+}
+
 // The beams in the order of their directions, into `order_`.
 void Sweep::order(const Scan &scan, View &view) {
   const std::size_t count = scan.count;

@@ -25,6 +25,9 @@ struct View {
 
   // Both within a margin [m].
   Sight judge(Point point, double margin) const;
+
+  // Whether a beam goes past a point, or would if it went on.
+  bool faces(Point point) const;
 };
 
 // A scan as it arrives. Poses are those of the sensor in the odom frame: one, or one for each beam.
