@@ -1,7 +1,8 @@
 import itertools
+import math
 
 from trundle.geometry import Pose2D
-from trundle.navigation.sensing.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, ObstacleWatch
+from trundle.navigation.sensing.obstacle_watch import LONG_DETOUR_M, PLAN_EVERY_S, SELDOM_S, STAND_OFF_M, ObstacleWatch
 
 
 def test_a_short_detour_is_taken_at_once_and_a_long_one_after_the_wait():
@@ -39,6 +40,16 @@ def test_it_gives_up_where_the_robot_stands_for_too_long():
     assert not watch.is_blocked
 
 
+def test_it_is_more_patient_beside_what_was_seen_to_move():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, mover_patience_s=60.0)
+    given_up = []
+    for time, beside in ((0.0, False), (21.0, False), (21.1, True), (59.0, True), (60.1, True)):
+        watch.follow(Pose2D(0.0, 0.0), time)
+        watch.beside_mover = beside
+        given_up.append(watch.gives_up)
+    assert given_up == [False, True, False, False, True]
+
+
 def test_it_backs_up_after_the_wait_and_then_seldom():
     watch = ObstacleWatch(wait_s=2.0, patience_s=100.0)
     watch.see(0.0)
@@ -67,11 +78,26 @@ def test_the_last_plan_before_it_gives_up_may_search_for_long():
     assert watch.is_thorough(0.1, stands=True)
 
 
-def test_it_is_more_patient_while_what_was_seen_to_move_occupies_the_goal():
-    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, goal_patience_s=60.0)
+def test_only_what_moves_and_blocks_the_path_is_left_room():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0)
+    watch.see(0.0, 3.0)
+    assert watch.room_m == math.inf
+    watch.by_mover = True
+    assert watch.room_m == 3.0 - STAND_OFF_M
+    watch.see(0.1, 0.5)
+    assert watch.room_m == 0.5 - STAND_OFF_M
+    watch.see(0.2)
+    assert watch.room_m == math.inf
+    watch.see(0.3, 1.0)
+    watch.clear()
+    assert watch.room_m == math.inf
+
+
+def test_it_is_more_patient_while_what_was_seen_to_move_blocks_the_path():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, mover_patience_s=60.0)
     watch.follow(Pose2D(0.0, 0.0), 0.0)
     watch.see(0.0)
-    watch.by_mover_at_goal = True
+    watch.by_mover = True
     watch.follow(Pose2D(0.0, 0.0), 59.0)
     assert not watch.gives_up
     watch.follow(Pose2D(0.0, 0.0), 60.1)
@@ -83,9 +109,9 @@ def test_it_is_more_patient_while_what_was_seen_to_move_occupies_the_goal():
     assert watch.gives_up
 
 
-def test_patience_at_the_goal_is_never_less_than_elsewhere():
-    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, goal_patience_s=5.0)
-    watch.by_mover_at_goal = True
+def test_patience_with_what_moves_is_never_less_than_with_anything_else():
+    watch = ObstacleWatch(wait_s=2.0, patience_s=20.0, mover_patience_s=5.0)
+    watch.by_mover = True
     watch.follow(Pose2D(0.0, 0.0), 0.0)
     watch.follow(Pose2D(0.0, 0.0), 19.0)
     assert not watch.gives_up

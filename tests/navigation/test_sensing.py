@@ -44,17 +44,20 @@ def room(*inside, width=10.0, height=6.0):
 class Run:
     """A navigator that drives in a world, with what was seen on the way."""
 
-    def __init__(self, world, navigator, start=START, goal=GOAL, *, seconds=90.0, change=None, backend="kinematic"):
+    def __init__(
+        self, world, navigator, start=START, goal=GOAL, *, seconds=90.0, change=None, backend="kinematic", robot=ROBOT
+    ):
         self.statuses, self.messages, self.poses, self.contact = [], [], [], ""
-        self.speeds = []
+        self.speeds, self.timed = [], []
         navigator.set_goal(goal)
-        sim = simulate(world, ROBOT, backend=backend, lidar=True)
+        sim = simulate(world, robot, backend=backend, lidar=True)
         with sim:
             state = sim.reset(start)
             for _ in range(round(seconds / navigator.dt)):
                 scans = state.scans if change is None else change(state)
                 command = navigator.update(state.pose, state.twist, time=state.time, scans=scans)
                 self.poses.append(state.pose)
+                self.timed.append((state.pose, state.time))
                 self.speeds.append(state.twist.v)
                 if not self.statuses or navigator.status is not self.statuses[-1]:
                     self.statuses.append(navigator.status)
@@ -135,13 +138,57 @@ def visitor(seconds):
 
 @pytest.mark.parametrize(("stays_s", "status"), [(12.0, NavigationStatus.ARRIVED), (60.0, NavigationStatus.NO_PATH)])
 def test_it_waits_for_what_was_seen_to_move_to_leave_the_goal(stays_s, status):
-    settings = NavigatorSettings(patience_s=3.0, goal_patience_s=20.0)
+    settings = NavigatorSettings(patience_s=3.0, mover_patience_s=20.0)
     navigator = Navigator(grid_of(room()), ROBOT, settings=settings)
     world = World("room", room().solids, movers=(visitor(stays_s + 4.0),))
     run = Run(world, navigator, Pose2D(4.0, 3.0))
     assert (navigator.status, run.contact) == (status, "")
     assert navigator.standing_reasons["goal occupied"] > 20
     assert run.time > stays_s if status is NavigationStatus.ARRIVED else run.time < 60.0
+
+
+AISLE = (block("south_shelf", 2.0, 0.1, 8.0, 2.0), block("north_shelf", 2.0, 4.0, 8.0, 5.9))
+CART = (Solid("cart", Box((0.6, 1.6, 1.0)), Pose3D.planar(0.0, 0.0, 0.5, 0.0)),)
+REACH = 0.3 + max(x for x, _ in ROBOT.planar.outline)
+
+
+def test_it_leaves_room_to_what_moves_and_blocks_the_aisle():
+    """A cart drives out of an aisle only while nothing stands right before it."""
+    there = Waypoints([(0.0, 7.0, 3.0), (4.0, 5.0, 3.0), (24.0, 5.0, 3.0), (32.0, 11.5, 3.0), (35.0, 11.5, 4.5)])
+    world = World("aisle", room(*AISLE, width=13.0).solids, movers=(Mover("cart", CART, there),))
+    navigator = Navigator(grid_of(room(*AISLE, width=13.0)), ROBOT)
+    run = Run(world, navigator)
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert NavigationStatus.BLOCKED in run.statuses
+    waiting = [5.0 - pose.x - REACH for pose, time in run.timed if 10.0 < time < 24.0]
+    assert min(waiting) > 1.0
+    assert max(waiting) < 1.6
+
+
+def test_it_backs_up_from_what_stopped_right_before_it():
+    stops = [(0.0, 9.0, 3.0), (4.0, 6.5, 3.0), (10.0, 6.5, 3.0), (12.0, 5.8, 3.0), (30.0, 5.8, 3.0)]
+    there = Waypoints([*stops, (37.0, 11.5, 3.0), (40.0, 11.5, 4.5)])
+    world = World("aisle", room(*AISLE, width=13.0).solids, movers=(Mover("cart", CART, there),))
+    navigator = Navigator(grid_of(room(*AISLE, width=13.0)), ROBOT)
+    run = Run(world, navigator, Pose2D(3.0, 3.0))
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert "back_up" in [behavior.behavior for behavior in navigator.behavior_runs]
+    assert next(5.8 - pose.x - REACH for pose, time in run.timed if time > 25.0) > 0.9
+
+
+def test_before_it_gives_up_it_forgets_what_closed_another_aisle():
+    """Of two aisles one is closed; the other one was when it was last seen."""
+    shelf = block("shelf", 3.0, 2.2, 13.0, 3.8)
+    closed = block("closed", 10.0, 0.1, 10.4, 2.1)
+    cart = (Solid("cart", Box((0.5, 2.0, 1.0)), Pose3D.planar(0.0, 0.0, 0.5, 0.0)),)
+    leaves = Waypoints([(0.0, 5.0, 4.9), (12.0, 5.0, 4.9), (18.0, 15.0, 4.9)])
+    near = ROBOT.lidars["front"].model_copy(update={"range_max": 4.0})
+    robot = ROBOT.model_copy(update={"lidars": {"front": near}})
+    world = World("aisles", room(shelf, closed, width=16.0).solids, movers=(Mover("cart", cart, leaves),))
+    navigator = Navigator(grid_of(room(shelf, width=16.0)), robot, settings=NavigatorSettings(patience_s=3.0))
+    run = Run(world, navigator, Pose2D(1.5, 4.8), Pose2D(14.4, 2.0), seconds=150.0, robot=robot)
+    assert (navigator.status, run.contact) == (NavigationStatus.ARRIVED, "")
+    assert max(pose.x for pose in run.poses if pose.y < 2.2 and pose.x < 10.0) > 5.0
 
 
 class Ghost:

@@ -503,6 +503,7 @@ class Navigator(Drive):
         estimate = Estimate(now, pose) if estimate is None else estimate
         self.costmap = self._sensed.update(self.costmap, scans, estimate, goal)
         self.tracks = self._tracked.update(scans, estimate)
+        self._replanner.movers.note(self.tracks, now)
         if callable(set_tracks := getattr(self.controller, "set_tracks", None)):
             set_tracks(self.tracks)
         fastest = max(self.robot.limits.linear_speed, abs(self._command.v))
@@ -543,7 +544,7 @@ class Navigator(Drive):
 
     def _drive(self, now: Now) -> Twist2D:
         pose, twist, replanner = now.pose, now.twist, self._replanner
-        replanner.obstacle.follow(pose, now.time)
+        replanner.follow(now)
         if replanner.is_given and replanner.followed is None:  # the pose has jumped away from it
             self.status = NavigationStatus.STUCK
             return _STAND
@@ -572,11 +573,18 @@ class Navigator(Drive):
         try:
             command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
         except NoValidControlError:
-            occupied = replanner.obstacle.is_blocked and replanner.standing_reason == "goal occupied"
-            command, blocked = _STAND, "goal occupied" if occupied else "no valid control"
+            command, blocked = _STAND, self._why_waiting("no valid control")
+        if command != _STAND and (command := slow_down(command, replanner.fastest)) == _STAND:
+            blocked = self._why_waiting("blocked by a mover")
         reason = getattr(self.controller, "reason", "") or blocked
         self._count_reason(reason)
         return self._recovery.watch(self._cut(command, now), now, reason)
+
+    def _why_waiting(self, reason: str) -> str:
+        """The reason, or that the goal is occupied."""
+        replanner = self._replanner
+        occupied = replanner.obstacle.is_blocked and replanner.standing_reason == "goal occupied"
+        return "goal occupied" if occupied else reason
 
     def _count_reason(self, reason: str) -> None:
         """Count, and say, why the controller makes no progress."""

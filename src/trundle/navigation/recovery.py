@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
-from trundle.navigation.behaviors import Behavior, Replan, ReplanWith
+from trundle.navigation.behaviors import BackUp, Behavior, Replan, ReplanWith
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
@@ -14,6 +15,7 @@ from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.navigation.status import NavigationStatus
 
 _STAND = Twist2D(0.0, 0.0)
+_LEAST_BACK_M = 0.1
 
 
 class Recovery:
@@ -97,7 +99,7 @@ class Recovery:
     def _wait_for_obstacle(self, now: Now) -> Twist2D:
         """Stand in front of what was sensed on the path, run a step now and then, and give up after a while."""
         obstacle, drive = self._replanner.obstacle, self._drive
-        if obstacle.gives_up:
+        if self._replanner.gives_up(now):
             if self._replanner.searches_less and self._replanner.replan(now):
                 obstacle.clear()
                 return _STAND
@@ -105,13 +107,23 @@ class Recovery:
             return _STAND
         drive.status = NavigationStatus.BLOCKED
         drive.progress_checker.reset()
-        others = [step for step in self._others if self._runner.helps(step, now)]
+        others = self._steps_at_obstacle(now)
         if others and drive.error is not None and obstacle.backs_up(now.time):
             self._untried = [others[self._next_other % len(others)]]
             self._next_other += 1
             self._reason = drive.message
             return self._run_next(now)
         return _STAND
+
+    def _steps_at_obstacle(self, now: Now) -> list[Behavior]:
+        """The steps that help there; before what moves the robot backs up as far as gives that room, and no farther."""
+        steps = [step for step in self._others if self._runner.helps(step, now)]
+        room_m = self._replanner.obstacle.room_m
+        if room_m == math.inf:
+            return steps
+        if room_m > -_LEAST_BACK_M:
+            return [step for step in steps if not isinstance(step, BackUp)]
+        return [BackUp(max(-room_m, step.distance), step.speed) if isinstance(step, BackUp) else step for step in steps]
 
     def _wait_on_given(self) -> Twist2D:
         """Stand on a path that is followed as it is, while what was sensed there may move away; or give up."""

@@ -14,6 +14,7 @@ from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.free_pose import free_ends
 from trundle.navigation.joined_path import join_legs
 from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
+from trundle.navigation.sensing.mover_memory import MoverMemory
 from trundle.navigation.sensing.obstacle_watch import ObstacleWatch
 from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.navigation.sensing.window_goal import goal_in_window
@@ -26,6 +27,10 @@ _EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0
 """A path that ends short of the goal, as that lies outside of a moving window, is planned again before its end [m]."""
 
 _LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
+_AROUND_M, _BESIDE_M = 2.0, 0.3
+"""What was seen to move so near the robot [m] may be what leaves no path; so near the path, what blocks it."""
+_SEE_AGAIN_S = 1.0
+_BRAKING = 1.0  # of the limit of deceleration, doubled: half of it
 _ROUND_WITHIN = 0.7
 """Share of the tolerance of a goal that the robot drives through which rounding a bend there may use."""
 
@@ -44,6 +49,7 @@ class Replanner:
         followed: The path that is followed, or None.
         tries: The deadline of plans.
         obstacle: Since when the path is blocked by something that was sensed.
+        movers: Where something was seen to move.
         is_given: Whether the path was given, and is followed as it is: no other one is planned.
     """
 
@@ -59,12 +65,14 @@ class Replanner:
         self._quick, self._take_up = quick, take
         settings = drive.settings
         self.tries = PlanningTries(settings.planning_deadline_s)
-        self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.goal_patience_s)
+        self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.mover_patience_s)
+        self.movers = MoverMemory()
         self.followed: FollowedPath | None = None
         self.is_given = False
         self._ends_short = False
         self._checked: Costmap | None = None
         self._planned_at = 0.0
+        self._forgot_at = None
 
     def begin(self, costmap: Costmap) -> None:
         """Forget the path: there is another goal."""
@@ -72,6 +80,7 @@ class Replanner:
         self.is_given = self._ends_short = False
         self._checked = costmap
         self._planned_at = 0.0
+        self._forgot_at: float | None = None
         self.obstacle.reset()
         self.tries.reset()
 
@@ -90,6 +99,7 @@ class Replanner:
         """Forget the path: the robot is somewhere else."""
         self.followed = None
         self.obstacle.clear()
+        self.movers.clear()
 
     @property
     def searches_less(self) -> bool:
@@ -187,8 +197,8 @@ class Replanner:
         drive = self._drive
         drive.status = NavigationStatus.NO_PATH
         if self._sensed.is_active:
-            self._see(now)
-            if not self.obstacle.gives_up:
+            self._see(now, None)
+            if not self.gives_up(now):
                 drive.status, drive.message = NavigationStatus.BLOCKED, f"blocked: {drive.error}"
         return False
 
@@ -203,16 +213,52 @@ class Replanner:
             return "goal occupied"
         return "no path"
 
-    def _see(self, now: Now) -> None:
-        """The path is blocked now; remember whether by what was seen to move and occupies the goal."""
+    def follow(self, now: Now) -> None:
+        """Take where the robot is: it is more patient where something was seen to move beside it."""
+        obstacle = self.obstacle
+        obstacle.beside_mover = False
+        obstacle.follow(now.pose, now.time)
+        if obstacle.gives_up:
+            reach = self._robot.circumscribed_radius + _BESIDE_M
+            obstacle.beside_mover = self.movers.was_near(now.pose.x, now.pose.y, reach)
+
+    def _see(self, now: Now, hit: PathHit | None) -> None:
+        """The path is blocked now, or there is none; remember whether by what was seen to move, and how far ahead."""
         obstacle, drive = self.obstacle, self._drive
-        obstacle.see(now.time)
-        if obstacle.by_mover_at_goal or not drive.ahead:
+        obstacle.see(now.time, self._gap_m(now, hit))
+        if obstacle.by_mover:
             return
-        goal, reach = drive.ahead[-1].pose, self._robot.circumscribed_radius + drive.goal_checker.xy_tolerance
-        obstacle.by_mover_at_goal = any(
-            track.confirmed and math.hypot(track.x - goal.x, track.y - goal.y) < reach + track.radius
-            for track in drive.tracks
+        reach = self._robot.circumscribed_radius
+        x, y = (now.pose.x, now.pose.y) if hit is None else hit.pose[:2]
+        near = [(x, y, reach + (_AROUND_M if hit is None else _BESIDE_M))]
+        near += [(goal.pose.x, goal.pose.y, reach + drive.goal_checker.xy_tolerance) for goal in drive.ahead[-1:]]
+        obstacle.by_mover = any(self.movers.was_near(*place) for place in near)
+
+    def _gap_m(self, now: Now, hit: PathHit | None) -> float:
+        """How far ahead the path is blocked [m]: along it, or straight, where the robot has backed up."""
+        if hit is None or self.followed is None:
+            return math.inf
+        along_m = hit.along - float(self.followed.check.along[self.followed.index])
+        return max(along_m, math.hypot(hit.pose[0] - now.pose.x, hit.pose[1] - now.pose.y))
+
+    def gives_up(self, now: Now) -> bool:
+        """Whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere."""
+        if not self.obstacle.gives_up:
+            return False
+        if self._forgot_at is None:
+            self._forgot_at = now.time
+            self._drive.costmap = self._sensed.clear()
+            self.obstacle.plan_soon()
+        return now.time - self._forgot_at > _SEE_AGAIN_S
+
+    @property
+    def fastest(self) -> float:
+        """How fast the robot may drive on [m/s] towards something that moves and blocks its path."""
+        room_m = self.obstacle.room_m
+        return (
+            math.inf
+            if room_m == math.inf
+            else math.sqrt(_BRAKING * self._robot.limits.linear_acceleration * max(0.0, room_m))
         )
 
     # Planning again -------------------------------------------------------------------------------------------------
@@ -254,7 +300,7 @@ class Replanner:
         if hit is None or not self._sensed.is_active:
             self.obstacle.clear()
             return
-        self._see(now)
+        self._see(now, hit)
         self._say_blocked(hit)
 
     def _say_blocked(self, hit: PathHit) -> None:
@@ -264,7 +310,7 @@ class Replanner:
     def _go_round(self, hit: PathHit, followed: FollowedPath, now: Now) -> None:
         """Plan a path round what was sensed on this one, and take it unless waiting is better."""
         drive = self._drive
-        self._see(now)
+        self._see(now, hit)
         self._say_blocked(hit)
         if not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
             return

@@ -39,8 +39,8 @@ class NavigatorSettings(Config):
             longer by more than 3 m.
         patience_s: How long it stands [s] where something that is not on the map leaves no path, or occupies the goal,
             before it gives up.
-        goal_patience_s: How long it stands [s], if that is longer, where what occupies the goal was seen to move:
-            it may leave.
+        mover_patience_s: How long it stands [s], if that is longer, where what leaves no path, occupies the goal or
+            stands beside the robot was seen to move: it may leave.
         recovery: What a robot does that makes no progress, in order: `replan`, `back_up`, `drive_clear`, `spin`,
             `wait`, `drive_on_heading`, `clear_costmap`, `replan_with` or one of a plug-in; with a value (`back_up=0.5`)
             or options (`{back_up: {distance: 0.5}}`). Each time that it is blocked, the next step runs; where one
@@ -64,7 +64,7 @@ class NavigatorSettings(Config):
     planning_deadline_s: Positive | None = 2.0
     wait_s: NotNegative = 2.0
     patience_s: NotNegative = 20.0
-    goal_patience_s: NotNegative = 60.0
+    mover_patience_s: NotNegative = 60.0
     recovery: BehaviorChoices = (
         BehaviorChoice(name="replan"),
         BehaviorChoice(name="back_up"),

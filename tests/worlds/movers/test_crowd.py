@@ -122,6 +122,16 @@ def test_crowds_keep_clear_of_movers_at_the_start():
         assert np.hypot(places[:, 0], places[:, 1]).min() > radius_of(mover.parts) + 0.3
 
 
+def test_a_crowd_is_placed_again_where_the_first_leave_no_room_for_the_last():
+    crowd = Crowd("people", 4, area=(0.0, 0.0, 3.2, 0.9))
+    walk = walk_of((crowd,), ())
+    for seed in range(10):
+        walk.reset(seed, RobotMotion(20.0, 0.0, 0.0, 0.0, 0.5))
+        places = walk.at(0.0)[:, :2]
+        apart = np.linalg.norm(places[:, None] - places, axis=-1)[np.triu_indices(4, 1)]
+        assert apart.min() > 2.0 * radius_of(crowd.body)
+
+
 def test_a_world_without_room_is_refused():
     box = Solid("box", Box((0.5, 0.5, 1.0)), Pose3D((0.0, 0.0, 0.5)))
     with pytest.raises(WorldError, match="no room for one"):

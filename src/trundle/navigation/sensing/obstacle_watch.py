@@ -11,6 +11,8 @@ PLAN_EVERY_S, SELDOM_S = 0.5, 4.0
 """Between two plans for the same blocked path [s]: twice as long after each that found none, up to the second."""
 LONG_DETOUR_M = 3.0
 """A detour longer than what is left of the path by more than this [m] is taken after a wait."""
+STAND_OFF_M = 1.2
+"""Room that the robot leaves to what was seen to move and blocks its path [m], so that it can turn and drive off."""
 _BACK_UP_EVERY_S = 5.0
 _THOROUGH_EVERY_S = 10.0
 
@@ -21,32 +23,36 @@ class ObstacleWatch:
     Args:
         wait_s: How long a long detour is put off [s]: what may move gets time to do so.
         patience_s: How long the robot stands without any path before it gives up [s].
-        goal_patience_s: The same while what was seen to move occupies the goal [s], if that is longer.
+        mover_patience_s: The same where what blocks the path, or stands beside the robot, was seen to move [s], if that
+            is longer.
 
     Attributes:
         since: When the path was found blocked [s]; None where it is free.
-        by_mover_at_goal: Whether what was seen to move occupies the goal, or did since the path was found blocked.
+        by_mover: Whether what blocks the path, or the goal, was seen to move.
+        beside_mover: Whether something was seen to move beside the robot.
+        gap_m: How far ahead on the path the footprint would first touch it [m]; infinite without a path.
     """
 
-    def __init__(self, wait_s: float, patience_s: float, goal_patience_s: float = 0.0) -> None:
+    def __init__(self, wait_s: float, patience_s: float, mover_patience_s: float = 0.0) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
-        self._patience, self._goal_patience = (
+        self._patience, self._mover_patience = (
             ProgressChecker(required_movement_angle=7.0, movement_time_allowance=seconds)
-            for seconds in (patience_s, max(patience_s, goal_patience_s))
+            for seconds in (patience_s, max(patience_s, mover_patience_s))
         )
         self.reset()
 
     def reset(self) -> None:
         """Start over."""
         self._patience.reset()
-        self._goal_patience.reset()
-        self._is_spent = self._is_goal_spent = False
+        self._mover_patience.reset()
+        self._is_spent = self._is_mover_spent = self.beside_mover = False
         self.clear()
 
     def clear(self) -> None:
         """The path is free."""
         self.since: float | None = None
-        self.by_mover_at_goal = False
+        self.by_mover = False
+        self.gap_m = math.inf
         self._planned_at: float | None = None
         self._every_s = PLAN_EVERY_S
         self._back_up_at = 0.0
@@ -60,10 +66,16 @@ class ObstacleWatch:
     @property
     def gives_up(self) -> bool:
         """Whether the robot has stood at one place for too long."""
-        return self._is_goal_spent if self.by_mover_at_goal else self._is_spent
+        return self._is_mover_spent if self.by_mover or self.beside_mover else self._is_spent
 
-    def see(self, time: float) -> None:
-        """The path is blocked at this time [s]."""
+    @property
+    def room_m(self) -> float:
+        """How far the robot may drive on towards what blocks its path [m]; below 0, how far it is to stand back."""
+        return self.gap_m - STAND_OFF_M if self.is_blocked and self.by_mover else math.inf
+
+    def see(self, time: float, gap_m: float = math.inf) -> None:
+        """The path is blocked at this time [s], so far ahead [m]."""
+        self.gap_m = gap_m
         if self.since is None:
             self.since, self._back_up_at = time, time + self._back_up_s
 
@@ -86,6 +98,10 @@ class ObstacleWatch:
         self._thorough_at = time
         return True
 
+    def plan_soon(self) -> None:
+        """Plan at the next chance, and thoroughly."""
+        self._planned_at, self._every_s = None, PLAN_EVERY_S
+
     def fail(self) -> None:
         """The plan found no path."""
         self._every_s = min(2.0 * self._every_s, SELDOM_S)
@@ -105,4 +121,4 @@ class ObstacleWatch:
     def follow(self, pose: Pose2D, time: float) -> None:
         """Take where the robot is now [s]."""
         self._is_spent = not self._patience.is_moving_on(pose, time)
-        self._is_goal_spent = not self._goal_patience.is_moving_on(pose, time)
+        self._is_mover_spent = not self._mover_patience.is_moving_on(pose, time)

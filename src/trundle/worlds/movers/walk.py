@@ -23,6 +23,7 @@ PERIOD_S = 0.05
 
 _CLEAR_OF_ROBOT = 2.0  # at the start [m], beside both radii
 _TRIES = 400
+_PLACINGS = 20  # of a whole crowd, where the first to be placed leave no room for the last
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _LEAST_RETREAT_M = 1.5  # the same for one who is stuck
 _RETREATS = 12  # places that one who is stuck chooses from
@@ -120,26 +121,35 @@ class CrowdWalk:
 
     def _place(self, index: int, part: slice, robot: RobotMotion) -> None:
         """Put the members of a crowd at random places, and let each draw where it goes."""
-        crowd, floor, rng = self._crowds[index], self._floors[index], self._rngs[index]
+        crowd, floor = self._crowds[index], self._floors[index]
         low, high = self._top[part] * 0.7, self._top[part]
-        self._preferred[part] = rng.uniform(low, high)
+        self._preferred[part] = self._rngs[index].uniform(low, high)
         self._fields[index] = np.zeros((crowd.count, *floor.shape), dtype=np.float32)
-        for number in range(part.start, part.stop):
-            radius = float(self._radii[number])
-            for _ in range(_TRIES):
-                point = floor.middles_of(floor.free[int(rng.integers(len(floor.free)))])
-                gaps = np.hypot(*(self._from[:number, :2] - point).T) - self._radii[:number] - radius
-                from_robot = math.hypot(point[0] - robot.x, point[1] - robot.y) - robot.radius - radius
-                if from_robot > _CLEAR_OF_ROBOT and (gaps > 0.1).all() and self._is_off_movers(point, radius):
-                    break
-            else:
-                raise WorldError(
-                    f"the crowd {crowd.name!r}: found no place for {self.names[number]!r} with a radius of "
-                    f"{radius:.2f} m that is {_CLEAR_OF_ROBOT:g} m from the robot and clear of the others; make the "
-                    "crowd smaller"
-                )
-            self._from[number, :3] = *point, rng.uniform(-math.pi, math.pi)
-            self._draw_goal(index, number)
+        number = part.start
+        for _ in range(_PLACINGS):
+            number = part.start
+            while number < part.stop and self._place_one(index, number, robot):
+                number += 1
+            if number == part.stop:
+                return
+        raise WorldError(
+            f"the crowd {crowd.name!r}: found no place for {self.names[number]!r} with a radius of "
+            f"{self._radii[number]:.2f} m that is {_CLEAR_OF_ROBOT:g} m from the robot and clear of the others; make "
+            "the crowd smaller"
+        )
+
+    def _place_one(self, index: int, number: int, robot: RobotMotion) -> bool:
+        """Put one at a random place that is clear of those before it, and draw where it goes; whether there is one."""
+        floor, rng, radius = self._floors[index], self._rngs[index], float(self._radii[number])
+        for _ in range(_TRIES):
+            point = floor.middles_of(floor.free[int(rng.integers(len(floor.free)))])
+            gaps = np.hypot(*(self._from[:number, :2] - point).T) - self._radii[:number] - radius
+            from_robot = math.hypot(point[0] - robot.x, point[1] - robot.y) - robot.radius - radius
+            if from_robot > _CLEAR_OF_ROBOT and (gaps > 0.1).all() and self._is_off_movers(point, radius):
+                self._from[number, :3] = *point, rng.uniform(-math.pi, math.pi)
+                self._draw_goal(index, number)
+                return True
+        return False
 
     def _is_off_movers(self, point: FloatArray, radius: float) -> bool:
         states = [mover.motion.at(0.0) for mover in self._movers]
