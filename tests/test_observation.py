@@ -85,3 +85,14 @@ def test_old_poses_are_forgotten():
         buffer.add(0.1 * step, Pose2D(float(step), 0.0))
     assert buffer.at(50.0) is None
     assert buffer.at(95.0).x == pytest.approx(950.0)
+
+
+def test_a_pose_is_looked_up_again_when_there_are_newer_ones():
+    buffer = PoseBuffer()
+    buffer.add(1.0, Pose2D(0.0, 0.0))
+    buffer.add(2.0, Pose2D(1.0, 0.0))
+    assert buffer.at(2.05).x == buffer.at(2.05).x == pytest.approx(1.05)
+    buffer.add(2.1, Pose2D(3.0, 0.0))
+    assert buffer.at(2.05).x == pytest.approx(2.0)
+    buffer.clear()
+    assert buffer.at(2.05) is None

@@ -17,6 +17,7 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import wilson
 from trundle.maps import OccupancyGrid
 from trundle.mission import Scenario
+from trundle.mission.scenario import Setting
 from trundle.planning import create_planner
 
 
@@ -73,13 +74,7 @@ def describe(evaluation: Evaluation, rows: list[Row], *, listed: bool) -> tuple[
 def has_path(scenario: Scenario) -> bool:
     """Whether `least_cost` finds a path through the world as it is."""
     setting = scenario.prepare()
-    seen = OccupancyGrid.from_world(
-        setting.world,
-        resolution=scenario.resolution,
-        z_range=setting.robot.z_range,
-        seeds=[setting.start.as_tuple()[:2]],
-    )
-    costmap = Costmap.from_grid(seen, setting.robot)
+    costmap = true_costmap(setting)
     start = setting.start
     try:
         for goal in setting.goals:
@@ -88,6 +83,17 @@ def has_path(scenario: Scenario) -> bool:
     except PlanningError:
         return False
     return True
+
+
+def true_costmap(setting: Setting) -> Costmap:
+    """The costmap of the world as it is, with what is not on the map, for the robot's true outline."""
+    seen = OccupancyGrid.from_world(
+        setting.world,
+        resolution=setting.scenario.resolution,
+        z_range=setting.robot.z_range,
+        seeds=[setting.start.as_tuple()[:2]],
+    )
+    return Costmap.from_grid(seen, setting.robot)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """CPU time of a control period among movers: navigator and collision monitor, median and 99th percentile.
 
-    python benchmarks/sensing/ticks.py [--missions 3] [--seconds 40]
+    python -m benchmarks.sensing.ticks [--missions 3] [--seconds 40] [--controller mppi]
 
 Nova Carter with its two lidars of 720 beams and 1 cm of noise, in the generated warehouse with 6 forklifts and 8
 people.

@@ -17,6 +17,8 @@ from trundle.values import as_array, as_number
 FloatArray = npt.NDArray[np.float64]
 """An array of float64; each use states its shape and unit."""
 
+_HALF_TURN = math.pi
+
 
 def wrap_angle(angle: float) -> float:
     """Wrap an angle [rad] to (−π, π]."""
@@ -47,7 +49,10 @@ class Pose2D:
 
     def __post_init__(self) -> None:
         x, y, yaw = self.x, self.y, self.yaw
-        if not (type(x) is type(y) is type(yaw) is float):  # faster than converting each
+        if type(x) is type(y) is type(yaw) is float:  # faster than converting each
+            if -_HALF_TURN < yaw <= _HALF_TURN and math.isfinite(x) and math.isfinite(y):
+                return
+        else:
             x, y, yaw = as_number(x, "x of a pose"), as_number(y, "y of a pose"), as_number(yaw, "yaw of a pose")
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
             raise InputError(f"a pose needs finite numbers, got x={x}, y={y}, yaw={yaw}")
@@ -182,7 +187,10 @@ class Twist2D:
 
     def __post_init__(self) -> None:
         v, w = self.v, self.w
-        if not (type(v) is type(w) is float):
+        if type(v) is type(w) is float:
+            if math.isfinite(v) and math.isfinite(w):
+                return
+        else:
             v, w = as_number(v, "v of a twist"), as_number(w, "w of a twist")
         if not (math.isfinite(v) and math.isfinite(w)):
             raise InputError(f"a twist needs finite numbers, got v={v}, w={w}")

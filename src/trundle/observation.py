@@ -9,7 +9,7 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -93,7 +93,10 @@ class Scan:
         """
         hit = (self.ranges >= self.range_min) & (self.ranges <= self.range_max)
         angles, ranges = self.angles[hit] + self.mount.yaw, self.ranges[hit]
-        return np.c_[self.mount.x + ranges * np.cos(angles), self.mount.y + ranges * np.sin(angles)]
+        points = np.empty((len(ranges), 2))
+        points[:, 0] = self.mount.x + ranges * np.cos(angles)
+        points[:, 1] = self.mount.y + ranges * np.sin(angles)
+        return points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,12 +130,15 @@ class Estimate:
     time: float
     pose: Pose2D
     covariance: FloatArray | None = None
-    T_map_odom: Pose2D = field(default_factory=lambda: Pose2D(0.0, 0.0))
+    T_map_odom: Pose2D = _SAME_FRAME
 
     @property
     def odom_pose(self) -> Pose2D:
         """Pose of base_link in the odom frame."""
-        return self.T_map_odom.inverse() @ self.pose
+        T_map_odom = self.T_map_odom
+        if T_map_odom is _SAME_FRAME or T_map_odom == _SAME_FRAME:
+            return self.pose
+        return T_map_odom.inverse() @ self.pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,6 +210,7 @@ class PoseBuffer:
         """Forget all poses."""
         self._times: list[float] = []
         self._poses: list[Pose2D] = []
+        self._last_answer: tuple[float, Pose2D] | None = None
 
     def add(self, time: float, pose: Pose2D) -> None:
         """Add the newest pose.
@@ -215,6 +222,7 @@ class PoseBuffer:
             raise InputError(f"times must increase: a pose at {time:g} s came after one at {self._times[-1]:g} s")
         self._times.append(time)
         self._poses.append(pose)
+        self._last_answer = None
         if self._times[0] < time - 2.0 * _KEPT_S:
             first = bisect.bisect_left(self._times, time - _KEPT_S)
             del self._times[:first], self._poses[:first]
@@ -226,6 +234,8 @@ class PoseBuffer:
 
     def at(self, time: float) -> Pose2D | None:
         """Pose at a time [s]; None before the first pose and more than 0.1 s after the last one."""
+        if self._last_answer is not None and self._last_answer[0] == time:  # lidars often measure at one time
+            return self._last_answer[1]
         times = self._times
         if not times or time < times[0] - 1e-9 or time > times[-1] + _FORWARD_S:
             return None
@@ -234,11 +244,13 @@ class PoseBuffer:
         after = min(max(1, bisect.bisect_left(times, time)), len(times) - 1)
         first, last = self._poses[after - 1], self._poses[after]
         share = (time - times[after - 1]) / (times[after] - times[after - 1])
-        return Pose2D(
+        pose = Pose2D(
             first.x + share * (last.x - first.x),
             first.y + share * (last.y - first.y),
             wrap_angle(first.yaw + share * wrap_angle(last.yaw - first.yaw)),
         )
+        self._last_answer = time, pose
+        return pose
 
 
 def check_scans(scans: Sequence[Scan]) -> tuple[Scan, ...]:
@@ -247,6 +259,8 @@ def check_scans(scans: Sequence[Scan]) -> tuple[Scan, ...]:
     Raises:
         InputError: If they are no sequence of scans.
     """
+    if type(scans) is tuple and all(type(scan) is Scan for scan in scans):
+        return scans
     advice = "give a list of them, scans=[scan]"
     check_kind(scans, Sequence, "scans", advice)
     for scan in scans:

@@ -207,10 +207,14 @@ class Played:
         shown = {**self.recorded.run["frames"][0], "doing": "driving to the goal", "factor": 0.98, "speed": 1.0}
         self.send("frame", **{**shown, "paused": False, "manual": None, "held_back": None, **fields})
 
-    def wait_for(self, kind: str, count: int = 1) -> list[dict[str, Any]]:
-        """The messages of a kind, once there are so many."""
+    def wait_for(self, kind: str, count: int = 1, **least: float) -> list[dict[str, Any]]:
+        """The messages of a kind, and with more than these values, once there are so many."""
         for _ in range(WAIT_MS // 20):
-            found = [message for message in self.got if message["type"] == kind]
+            found = [
+                message
+                for message in self.got
+                if message["type"] == kind and all(message[key] > value for key, value in least.items())
+            ]
             if len(found) >= count:
                 return found
             self.tab.wait_for_timeout(20)

@@ -16,7 +16,7 @@ from trundle.geometry import FloatArray
 
 def make_grid(generator: random.Random) -> oracle.Grid:
     """An empty grid near or far from the origin."""
-    shape = generator.choice(((1, 1), (7, 30), (25, 25)))
+    shape = generator.choice(((1, 1), (7, 30), (25, 25), (6, 200)))
     far = generator.choice((0, 0, 1000, -123_456_789))
     row, col = far + generator.randrange(-20, 5), far + generator.randrange(-20, 5)
     timed = shape if generator.random() < 0.7 else (0, 0)
@@ -42,12 +42,13 @@ def scan_of(generator: random.Random, grid: oracle.Grid, time: float) -> tuple[A
         poses = np.round(poses / (edge / 2)) * (edge / 2)
     angles = rng.uniform(-7, 7, count)
     angles[rng.random(count) < 0.3] = generator.choice((0.0, math.pi / 4, math.pi / 2, -math.pi))
-    ranges = rng.uniform(0, 25, count) * edge
+    longer = generator.choice((1.0, 1.0, 7.0)) * edge
+    ranges = rng.uniform(0, 25, count) * longer
     ranges[rng.random(count) < 0.3] = generator.choice((math.nan, math.inf, -math.inf, 0.0, 10.0 * edge, 1e300))
     low = generator.choice((0.0, 2.0)) * edge
-    nearest, farthest = generator.choice((0.0, 1.0)) * edge, generator.choice((12.0, 30.0)) * edge
-    clears = 0.5 * low, generator.choice((5.0, 18.0)) * edge
-    limits = np.array([nearest, farthest, low, 15.0 * edge, *clears])
+    nearest, farthest = generator.choice((0.0, 1.0)) * edge, generator.choice((12.0, 30.0)) * longer
+    clears = 0.5 * low, generator.choice((5.0, 18.0)) * longer
+    limits = np.array([nearest, farthest, low, 15.0 * longer, *clears])
     half = generator.uniform(0.5, 4.0) * edge
     outline = np.array([(half, half), (-half, half), (-half, -half), (half, -half)])
     outline = outline if generator.random() < 0.5 else np.zeros((0, 2))

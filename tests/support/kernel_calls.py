@@ -80,7 +80,7 @@ MPPI_STEP = (
 )
 RIM = 2.0 * np.column_stack([np.cos(np.linspace(-3.0, 3.0, 60)), np.sin(np.linspace(-3.0, 3.0, 60))])
 TURN = (np.arange(60) % 7 + 1.0, np.arange(60) * 0.1, np.zeros((1, 3)), np.array([0.0, 0.0, 0.0, 0.0, 9.0]))
-TRACKER = _core.ScanTracker(np.array([15.0, 3.0, 1.0, 0.07, 0.6, 0.2, 2.0, 0.8]), OUTLINE)
+TRACKER = _core.ScanTracker(np.array([15.0, 3.0, 1.0, 0.07, 0.6, 0.2, 2.0, 0.8, 1.5]), OUTLINE)
 TRACKER.see(0, 0.0, *TURN)
 MPPI = _core.Mppi(128, 10, 3)
 MPPI.step(*MPPI_STEP)
@@ -160,7 +160,7 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "cast_outline_rays": lambda: _core.cast_outline_rays(
         np.array([(2.0, -1.0, 2.0, 1.0)]), np.array([(-2.0, 0.0, 0.5)]), 0.0, 0.0, 0.0, 0.1, 60, 10.0
     ),
-    "ScanTracker": lambda: _core.ScanTracker(np.ones(8), OUTLINE) is not None,
+    "ScanTracker": lambda: _core.ScanTracker(np.ones(9), OUTLINE) is not None,
     "ScanTracker.see": lambda: TRACKER.see(0, 0.0, *TURN),
     "ScanTracker.tracks": lambda: TRACKER.tracks(0.5),
     "find_moved": lambda: _core.find_moved(

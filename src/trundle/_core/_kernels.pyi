@@ -116,7 +116,8 @@ class ScanTracker:
 
     Calls of several threads wait for each other.
 
-    `settings` are max_range, max_size, min_points, same_surface, acceleration, min_speed, confirm_scans, hidden_s.
+    `settings` are max_range, max_size, min_points, same_surface, acceleration, min_speed, confirm_scans, hidden_s,
+    aside_s.
     `body` is the robot's outline in base_link, counter-clockwise: hits inside are left out.
     """
 

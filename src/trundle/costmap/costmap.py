@@ -213,16 +213,15 @@ class Costmap(GridFrame):
         changed = widen((row, row_end, col, col_end), reach, self.shape)
         window = widen(changed, reach, self.shape)
         old = self.data[slices_of(window)]
-        cells = np.full(old.shape, FREE, dtype=np.int8)
-        cells[old == LETHAL] = OCCUPIED
-        cells[old == NO_INFORMATION] = UNKNOWN
+        cells = (old == LETHAL).view(np.int8) * np.int8(OCCUPIED)  # the others are free
+        cells += (old == NO_INFORMATION).view(np.int8) * np.int8(UNKNOWN)
         cells[row - window[0] : row_end - window[0], col - window[2] : col_end - window[2]] = values
         floor = None if self.keepout is None else self.keepout[slices_of(window)]
         unseen = None if self.unseen is None else self.unseen.copy()
         if unseen is not None:
             unseen[row:row_end, col:col_end] = values == UNKNOWN
             unseen.flags.writeable = False
-            cells[cells == UNKNOWN] = FREE
+            np.maximum(cells, np.int8(FREE), out=cells)
         costs = inflate(cells, table, floor)
         if unseen is not None and self.unknown == "costly":
             costs = raise_unknown(costs, unseen[slices_of(window)], self.unknown_cost)

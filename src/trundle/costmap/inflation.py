@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import numpy.typing as npt
 
@@ -49,11 +51,19 @@ def cost_table(
     """
     check_inflation(inflation_radius, cost_scaling_factor, resolution)
     check_inflation(inscribed, cost_scaling_factor, resolution)
+    return _costs_by_distance(inscribed, inflation_radius, cost_scaling_factor, resolution)
+
+
+@functools.lru_cache(maxsize=4)
+def _costs_by_distance(
+    inscribed: float, inflation_radius: float, cost_scaling_factor: float, resolution: float
+) -> npt.NDArray[np.uint8]:
     reach = (max(inflation_radius, inscribed) + 1e-9) / resolution
     distances = np.sqrt(np.arange(int(reach * reach) + 1)) * resolution
     costs = (252.0 * np.exp(-cost_scaling_factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)
     costs[distances <= inscribed + 1e-9] = INSCRIBED
     costs[0] = LETHAL
+    costs.flags.writeable = False
     return costs
 
 

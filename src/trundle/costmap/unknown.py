@@ -47,4 +47,4 @@ def open_unknown(cells: npt.NDArray[np.int8]) -> tuple[npt.NDArray[np.int8], npt
 
 def raise_unknown(costs: npt.NDArray[np.uint8], unseen: npt.NDArray[np.bool_], cost: int) -> npt.NDArray[np.uint8]:
     """Costs with those of unknown cells at least as high."""
-    return np.maximum(costs, np.where(unseen, np.uint8(cost), np.uint8(0)))
+    return np.maximum(costs, unseen.view(np.uint8) * np.uint8(cost))

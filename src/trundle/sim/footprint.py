@@ -94,20 +94,21 @@ class FootprintChecker:
                     self._names.append(solid.name)
                     self._sections.append(section)
         bounds = [_bounds(section) for section in self._sections]
-        self._bounds = np.array(bounds).reshape(-1, 4)
+        self._bounds: FloatArray = np.ascontiguousarray(np.array(bounds).reshape(-1, 4).T[[0, 2, 1, 3]])
 
     def find(self, poses: FloatArray) -> tuple[Contact, ...]:
         """Return the contacts at any of the poses (x, y, yaw), map frame, shape (P, 3), one per solid."""
         reach = self._footprint.circumscribed_radius
-        low, high = poses[:, :2].min(axis=0) - reach, poses[:, :2].max(axis=0) + reach
-        box = self._bounds
-        near = (box[:, 0] < high[0]) & (box[:, 2] > low[0]) & (box[:, 1] < high[1]) & (box[:, 3] > low[1])
-        outlines = self._footprint.at_poses(poses) if near.any() or self._fields else None
-        contacts: list[Contact] = []
-        if outlines is None:
+        x, y = poses[:, 0].tolist(), poses[:, 1].tolist()
+        left, right, below, above = self._bounds
+        near = (left < max(x) + reach) & (right > min(x) - reach) & (below < max(y) + reach) & (above > min(y) - reach)
+        indices = near.nonzero()[0]
+        if len(indices) == 0 and not self._fields:
             return ()
+        outlines = self._footprint.at_poses(poses)
+        contacts: list[Contact] = []
         touched: set[str] = set()
-        for index in np.flatnonzero(near):
+        for index in indices:
             if self._names[index] in touched:  # by another piece of the solid
                 continue
             section = self._sections[index]

@@ -186,7 +186,10 @@ class KinematicSimulator:
     def _odometry(self) -> Pose2D:
         """What wheels that never slip measure: the pose, but for where the robot was placed."""
         pose = Pose2D(self._pose[0], self._pose[1], math.remainder(self._pose[2], math.tau))
-        return pose if self._T_odom_map == _NOT_PLACED else self._T_odom_map @ pose
+        return self._odometry_at(pose)
+
+    def _odometry_at(self, pose: Pose2D) -> Pose2D:
+        return pose if self._T_odom_map is _NOT_PLACED else self._T_odom_map @ pose
 
     def _state(self, motion: Motion, poses: FloatArray, touched: dict[str, Contact], since: float) -> RobotState:
         time = self._steps * self._timestep
@@ -197,7 +200,7 @@ class KinematicSimulator:
             twist=Twist2D(motion.v, motion.w),
             wheel_positions=WheelSpeeds(*self._wheels),
             wheel_speeds=WheelSpeeds(motion.left, motion.right),
-            odometry=self._odometry,
+            odometry=self._odometry_at(pose),
             contacts=(*self._footprint.find(poses), *touched.values()),
             scans=self._lidars.scan(pose, since, time),
             movers=() if self._movers is None else self._movers.states(),

@@ -7,15 +7,22 @@
 // gathered on the way to a mark: a range that is too long now and then does not thicken a wall on its far side, where no
 // beam clears.
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "layers/evidence.hpp"
+#include "shared/registers.hpp"
+
+#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
+#define TRUNDLE_AVX2 1
+#endif
 
 namespace trundle {
 
 namespace {
 
 constexpr std::uint8_t kBehind = 1, kPassed = 2, kHit = 3;
+constexpr std::ptrdiff_t kBlock = 64;        // cells
 constexpr double kMostReach = 1e5;           // cells
 constexpr double kMostPixels = 268435456.0;  // 16384 x 16384
 constexpr double kMostAngle = 1e6;
@@ -112,17 +119,27 @@ struct Picture {
   }
 };
 
+// How far the robot's outline goes from the sensor, and a little more than the rounding of `is_inside`.
+double reach_of(const Sensor &sensor) {
+  double reach = 0.0;
+  for (std::size_t i = 0; i < sensor.corner_count; ++i) {
+    reach = std::max(reach, std::hypot(sensor.corners[2 * i], sensor.corners[2 * i + 1]));
+  }
+  return 1.001 * reach;
+}
+
 // Beams that mark or clear something, in cells of a grid with cell (0, 0) at (col, row).
 std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, const In<double, 1> &ranges,
                              const Limits &limit, bool infinite_is_free, double row, double col, double resolution) {
   std::vector<Beam> beams;
   beams.reserve(angles.size());
+  const double body_reach = reach_of(sensor);
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const double range = ranges.data()[i], angle = angles.data()[i];
     const bool endless = range == std::numeric_limits<double>::infinity();
     const bool is_usable = endless ? infinite_is_free : range >= limit.range_min && range <= limit.range_max;
     if (!is_usable || !(std::abs(angle) <= kMostAngle)) continue;
-    if (!endless &&
+    if (!endless && range <= body_reach &&
         is_inside(sensor.corners, sensor.corner_count, range * std::cos(angle), range * std::sin(angle))) {
       continue;
     }
@@ -140,9 +157,10 @@ std::vector<Beam> read_beams(const Sensor &sensor, const In<double, 1> &angles, 
   return beams;
 }
 
-// What a scan does to a row of cells; returns whether it changed a cell that matters.
-bool add_row(const EvidenceRule &rule, const std::uint8_t *__restrict drawn, std::uint8_t *__restrict evidence,
-             std::uint8_t *__restrict changed, std::ptrdiff_t count) {
+// What a scan does to some cells of a row; returns whether it changed one that matters.
+TRUNDLE_INLINE std::uint8_t add_cells(const EvidenceRule &rule, const std::uint8_t *__restrict drawn,
+                                      std::uint8_t *__restrict evidence, std::uint8_t *__restrict changed,
+                                      std::ptrdiff_t count) {
   const std::uint8_t hit = rule.hit, miss = rule.miss, neutral = rule.neutral, top = rule.top;
   std::uint8_t any = 0;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -168,6 +186,28 @@ bool add_row(const EvidenceRule &rule, const std::uint8_t *__restrict drawn, std
     changed[i] = differs;
     any |= differs;
   }
+  return any;
+}
+
+TRUNDLE_INLINE bool is_blank(const std::uint8_t *drawn) {
+  std::uint8_t any = 0;
+  for (std::ptrdiff_t i = 0; i < kBlock; ++i) any |= drawn[i];
+  return any == 0;
+}
+
+// What a scan does to a row of cells, block by block: far away, most blocks lie between two beams.
+TRUNDLE_INLINE bool add_row(const EvidenceRule &rule, const std::uint8_t *drawn, std::uint8_t *evidence,
+                            std::uint8_t *changed, std::ptrdiff_t count) {
+  std::uint8_t any = 0;
+  std::ptrdiff_t i = 0;
+  for (; i + kBlock <= count; i += kBlock) {
+    if (is_blank(drawn + i)) {
+      std::memset(changed + i, 0, kBlock);
+    } else {
+      any |= add_cells(rule, drawn + i, evidence + i, changed + i, kBlock);
+    }
+  }
+  any |= add_cells(rule, drawn + i, evidence + i, changed + i, count - i);
   return any != 0;
 }
 
@@ -179,8 +219,8 @@ void add_ends(CellBox &box, std::ptrdiff_t row, std::ptrdiff_t col, const std::u
 }
 
 // Add a picture to the evidence of a grid; returns where that made a difference.
-CellBox add_picture(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
-                    std::ptrdiff_t cols) {
+TRUNDLE_INLINE CellBox add_all_rows(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
+                                    std::ptrdiff_t rows, std::ptrdiff_t cols) {
   CellBox box;
   const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, picture.col), end = std::min(cols, picture.col + picture.cols);
   if (first >= end) return box;
@@ -193,6 +233,21 @@ CellBox add_picture(const EvidenceRule &rule, const Picture &picture, std::uint8
     }
   }
   return box;
+}
+
+#ifdef TRUNDLE_AVX2
+TRUNDLE_TARGET("avx2") CellBox add_picture_avx2(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence,
+                                                std::ptrdiff_t rows, std::ptrdiff_t cols) {
+  return add_all_rows(rule, picture, evidence, rows, cols);
+}
+#endif
+
+CellBox add_picture(const EvidenceRule &rule, const Picture &picture, std::uint8_t *evidence, std::ptrdiff_t rows,
+                    std::ptrdiff_t cols) {
+#ifdef TRUNDLE_AVX2
+  if (__builtin_cpu_supports("avx2")) return add_picture_avx2(rule, picture, evidence, rows, cols);
+#endif
+  return add_all_rows(rule, picture, evidence, rows, cols);
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ constexpr std::size_t kLeastPoints = 3;
 constexpr double kNear = 5.0;             // from the sensor: farther away, nothing turns into the robot soon
 constexpr std::size_t kAtOnce = 200;      // points, which bounds the work
 constexpr double kFastest = 4.0;
+constexpr double kSure = 1e-9;  // share by which two squares differ, whatever their rounding
+constexpr double kLeastLimit = 1e-3;  // below, a limit itself is rounded by more
 
 struct Points {
   const double *xy;
@@ -32,20 +34,37 @@ struct Points {
   double y(std::size_t i) const { return xy[2 * i + 1]; }
 };
 
+// -1 where (x, y) is surely nearer than a positive limit, 1 where it is surely farther; 0 where `std::hypot` must tell,
+// which takes longer than all else here.
+int side_of(double x, double y, double limit) {
+  const double square = x * x + y * y, allowed = limit * limit;
+  return square < allowed * (1.0 - kSure) ? -1 : square > allowed * (1.0 + kSure) ? 1 : 0;
+}
+
+bool is_within(double x, double y, double limit) {
+  const int side = side_of(x, y, limit);
+  return side != 0 ? side < 0 : std::hypot(x, y) <= limit;
+}
+
+bool is_farther(double x, double y, double limit) {
+  const int side = side_of(x, y, limit);
+  return side != 0 ? side > 0 : std::hypot(x, y) > limit;
+}
+
 struct Thing {  // a run of neighbouring points without a gap, and the box around it
   std::size_t first, end;
   double low_x, low_y, high_x, high_y;
 
   double middle_x() const { return 0.5 * (low_x + high_x); }
   double middle_y() const { return 0.5 * (low_y + high_y); }
-  bool is_small() const { return std::hypot(high_x - low_x, high_y - low_y) <= kLargest; }
+  bool is_small() const { return is_within(high_x - low_x, high_y - low_y, kLargest); }
 };
 
 std::vector<Thing> things_of(const Points &points) {
   std::vector<Thing> things;
   for (std::size_t i = 0; i < points.count; ++i) {
     const double x = points.x(i), y = points.y(i);
-    if (i == 0 || std::hypot(x - points.x(i - 1), y - points.y(i - 1)) > kGap) {
+    if (i == 0 || is_farther(x - points.x(i - 1), y - points.y(i - 1), kGap)) {
       things.push_back({i, i, x, y, x, y});
     }
     Thing &thing = things.back();
@@ -74,7 +93,9 @@ std::vector<char> appeared_of(const Points &points, const double *sensor, const 
       continue;
     }
     const auto after = static_cast<std::size_t>(std::lower_bound(angles, angles + beams, bearing) - angles);
-    appeared[i] = std::hypot(dx, dy) + kSame < through[std::min(after, beams - 1)];
+    const double least = through[std::min(after, beams - 1)], limit = least - kSame;
+    const int side = limit > kLeastLimit ? side_of(dx, dy, limit) : 0;
+    appeared[i] = side != 0 ? side < 0 : std::hypot(dx, dy) + kSame < least;
   }
   return appeared;
 }
@@ -124,7 +145,7 @@ std::vector<double> edges_of(const Points &points, const double *sensor, const P
     const auto at = [&](std::size_t ahead) { return appeared[(i + ahead) % count] != 0; };
     const std::size_t back = count - 1, back2 = 2 * count - 2;
     const bool run = at(0) && (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back)));
-    if (run && std::hypot(points.x(i) - sensor[0], points.y(i) - sensor[1]) <= kNear) {
+    if (run && is_within(points.x(i) - sensor[0], points.y(i) - sensor[1], kNear)) {
       index.push_back(i);
     }
   }

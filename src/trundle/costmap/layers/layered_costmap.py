@@ -328,16 +328,23 @@ class LayeredCostmap:
         if not windows or self._T_map_odom is None:
             return None
         rows, cols = self._base.shape
-        bounds = np.array(windows)
-        x0, y0, x1, y1 = *bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0)
-        if not np.isfinite([x0, y0, x1, y1]).all():
+        low_x, low_y, high_x, high_y = zip(*windows, strict=True)
+        x0, y0, x1, y1 = min(low_x), min(low_y), max(high_x), max(high_y)
+        if not math.isfinite(x0 + y0 + x1 + y1):
             return slice(0, rows), slice(0, cols)
         place = self._extent.origin.inverse() @ self._T_map_odom
-        corners = place.transform_points([(x0, y0), (x1, y0), (x0, y1), (x1, y1)]) / self._extent.resolution
+        edge, cos, sin = self._extent.resolution, math.cos(place.yaw), math.sin(place.yaw)
+        corners = (x0, y0), (x1, y0), (x0, y1), (x1, y1)
+        across = [(place.x + cos * x - sin * y) / edge for x, y in corners]
+        up = [(place.y + sin * x + cos * y) / edge for x, y in corners]
         # Centres are looked up in the evidence, so cells up to half a cell's diagonal away may change.
-        col, row = np.clip(np.floor(corners.min(axis=0)) - 1, 0, (cols, rows)).astype(int).tolist()
-        col_end, row_end = np.clip(np.ceil(corners.max(axis=0)) + 1, 0, (cols, rows)).astype(int).tolist()
+        (row, row_end), (col, col_end) = _cells_between(up, rows), _cells_between(across, cols)
         return (slice(row, row_end), slice(col, col_end)) if row < row_end and col < col_end else None
+
+
+def _cells_between(places: Sequence[float], count: int) -> tuple[int, int]:
+    """The first of `count` cells that some places, in cells, lie around, with one cell more, and the one after them."""
+    return max(0, min(count, math.floor(min(places)) - 1)), max(0, min(count, math.ceil(max(places)) + 1))
 
 
 def _read_static(
@@ -376,8 +383,10 @@ def _read_static(
 def _differences(one: npt.NDArray[np.int8], other: npt.NDArray[np.int8]) -> _Slices | None:
     """The smallest rectangle outside of which two arrays are equal; None if they are."""
     differ = one != other
-    rows = np.flatnonzero(differ.any(axis=1))
-    if not len(rows):
+    cells = differ.tobytes()  # searched faster than an array
+    first = cells.find(1)
+    if first < 0:
         return None
-    cols = np.flatnonzero(differ[rows[0] : rows[-1] + 1].any(axis=0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
+    rows = slice(first // differ.shape[1], cells.rfind(1) // differ.shape[1] + 1)
+    cols = differ[rows].any(axis=0).tobytes()
+    return rows, slice(cols.find(1), cols.rfind(1) + 1)

@@ -18,6 +18,7 @@ from trundle.robots import Robot
 from trundle.values import check_kind, check_number
 
 _LARGEST_CELL_M = 10.0
+_MOST_SENSORS = 32  # whose place is remembered: some robots move theirs
 _BESIDE_M = 2.0  # room for the mount, and for what the robot drives while a scan is on its way
 
 
@@ -59,6 +60,7 @@ class ObstacleLayer:
         timed = self.settings.observation_persistence is not None
         self._grid = EvidenceGrid(edge, timed=timed, rolling=keep_within is not None)
         self._rule = self.settings.misses_to_clear, self.settings.hits_to_mark
+        self._sensors: dict[tuple[Pose2D, float, float], tuple[FloatArray, FloatArray]] = {}
 
     @property
     def warnings(self) -> Mapping[str, int]:
@@ -123,17 +125,8 @@ class ObstacleLayer:
         return self._grid.marks()
 
     def _mark(self, scan: Scan, poses: FloatArray) -> tuple[int, int, int, int]:
-        grid, settings = self._grid, self.settings
-        limits = np.array(
-            [
-                scan.range_min,
-                scan.range_max,
-                settings.obstacle_min_range,
-                settings.obstacle_max_range,
-                settings.raytrace_min_range,
-                settings.raytrace_max_range,
-            ]
-        )
+        grid = self._grid
+        outline, limits = self._seen_from(scan)
         return _core.mark_scan(
             grid.cells,
             grid.points,
@@ -144,17 +137,33 @@ class ObstacleLayer:
             poses,
             scan.angles,
             scan.ranges,
-            scan.mount.inverse().transform_points(self._robot.planar.outline),
+            outline,
             limits,
             self._robot.lidars[scan.lidar].inf_is_valid,
             *self._rule,
             scan.time,
         )
 
+    def _seen_from(self, scan: Scan) -> tuple[FloatArray, FloatArray]:
+        """The robot's outline in the frame of a scan's sensor, and the ranges that mark and clear; kept by sensor."""
+        sensor = scan.mount, scan.range_min, scan.range_max
+        if sensor not in self._sensors:
+            if len(self._sensors) >= _MOST_SENSORS:
+                self._sensors.clear()
+            settings = self.settings
+            limits = [
+                *(scan.range_min, scan.range_max),
+                *(settings.obstacle_min_range, settings.obstacle_max_range),
+                *(settings.raytrace_min_range, settings.raytrace_max_range),
+            ]
+            outline = scan.mount.inverse().transform_points(self._robot.planar.outline)
+            self._sensors[sensor] = outline, np.array(limits)
+        return self._sensors[sensor]
+
 
 def _union(boxes: Sequence[tuple[int, int, int, int]]) -> tuple[int, int, int, int]:
     changed = [box for box in boxes if box[0] < box[1]]
     if not changed:
         return 0, 0, 0, 0
-    low, high = np.min(changed, axis=0).tolist(), np.max(changed, axis=0).tolist()
-    return low[0], high[1], low[2], high[3]
+    row, row_end, col, col_end = zip(*changed, strict=True)
+    return min(row), max(row_end), min(col), max(col_end)

@@ -85,38 +85,40 @@ class ScanGate:
             if poses is not None:
                 yield scan, poses
 
-    def warn(self, kind: str, message: str) -> None:
+    def warn(self, kind: str, message: str, *, stacklevel: int = 4) -> None:
         """Count an event, and warn of the first of its kind."""
         self.counts[kind] += 1
         if self.counts[kind] == 1 and self._warns:
-            warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=4)
+            warnings.warn(f"{message} (more of this kind are counted only)", SensorWarning, stacklevel=stacklevel)
 
     def _place(self, scan: Scan) -> FloatArray | None:
         now = -math.inf if self._last is None else self._last.time
-        what, end = f"scan of lidar {scan.lidar!r} of {scan.time:g} s", self._end(scan)
+        end = self._end(scan)
         if scan.lidar not in self._robot.lidars:
             known = ", ".join(self._robot.lidars) or "none"
-            self.warn("unknown lidar", f"{what} is left out: {self._robot.name} has no such lidar; it has: {known}")
+            self._leave_out(scan, "unknown lidar", f"{self._robot.name} has no such lidar; it has: {known}")
         elif end > now + _AHEAD_S:
-            self.warn("future", f"{what} is left out: it lies {end - now:.2g} s after the estimate of {now:g} s")
+            self._leave_out(scan, "future", f"it lies {end - now:.2g} s after the estimate of {now:g} s")
         elif scan.time <= self._newest.get(scan.lidar, -math.inf):
-            self.warn(
-                "out of order", f"{what} is left out: one of {self._newest[scan.lidar]:g} s has already been used"
-            )
+            self._leave_out(scan, "out of order", f"one of {self._newest[scan.lidar]:g} s has already been used")
         elif scan.time < now - self._source_timeout:
-            self.warn(
+            self._leave_out(
+                scan,
                 "stale",
-                f"{what} is left out: it is {now - scan.time:.2g} s old, and source_timeout is "
-                f"{self._source_timeout:g} s",
+                f"it is {now - scan.time:.2g} s old, and source_timeout is {self._source_timeout:g} s",
             )
         else:
-            first, last = self._poses.at(scan.time), self._poses.at(end)
+            first = self._poses.at(scan.time)
+            last = first if end == scan.time else self._poses.at(end)
             if first is None or last is None:
                 self.counts["before the first pose"] += 1
                 return None
             self._newest[scan.lidar] = scan.time
             return _sensor_poses(first, last, scan)
         return None
+
+    def _leave_out(self, scan: Scan, kind: str, reason: str) -> None:
+        self.warn(kind, f"scan of lidar {scan.lidar!r} of {scan.time:g} s is left out: {reason}", stacklevel=5)
 
     @staticmethod
     def _end(scan: Scan) -> float:
