@@ -31,6 +31,9 @@ BUILD = --no-build-isolation $(FLAGS)
 # Written once here, so that no start has to compile Python first, whatever PYTHONDONTWRITEBYTECODE says.
 COMPILE := $(BIN)/python -m compileall -q src/trundle
 
+# A test that hangs fails after so many seconds, and says where; none takes a fifth of it.
+HANGS := --timeout 600
+
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
@@ -40,7 +43,7 @@ demo: setup
 	$(BIN)/trundle demo
 
 test: dev
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not wheel and not ray and not ros2"
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "not wheel and not ray and not ros2"
 
 # Builds wheels without the compiled files of this folder: minutes.
 test-wheels: dev
@@ -48,11 +51,11 @@ test-wheels: dev
 
 # Ray opens ports: its tests run in a network namespace with lo alone, and are skipped where there is none.
 test-ray: dev $(VENV)/.trundle-ray
-	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest -m ray tests/evaluation/cluster
+	$(BIN)/python scripts/only_lo.py $(BIN)/python -m pytest $(HANGS) -m ray tests/evaluation/cluster
 
 # The other tests of this folder run in `make test` too, where the environments are there.
 test-ros2: dev ros2-env
-	$(BIN)/python -m pytest -n 2 --dist loadfile tests/ros2
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile tests/ros2
 
 # Wheels of ROS, and messages compiled with them: minutes. Where it cannot be built, it says why, and so do the tests skipped.
 ros2-env: dev

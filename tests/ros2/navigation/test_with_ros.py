@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from ros2.conftest import JAZZY, KILTED, Ros
+from ros2.lines import Lines
 from ros2.navigation.conftest import Served, make_scenario, wait_for
 from trundle.messages import Codec
 from trundle.ros2.bridge import Bridge
@@ -81,15 +82,8 @@ def test_a_script_for_nav2_runs_unchanged(ros: Ros, served: Served) -> None:
 @pytest.mark.parametrize("distro", KILTED)
 def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, served: Served) -> None:
     script = ros.script(SCRIPTS / "survivor.py")
-
-    def read() -> dict[str, Any]:
-        assert script.stdout is not None
-        assert script.stderr is not None
-        line = script.stdout.readline()
-        assert line, script.stderr.read()
-        return json.loads(line)
-
-    assert read() == {"accepted": True}
+    lines = Lines(script)
+    assert lines.next() == {"accepted": True}
     wait_for(lambda: served.goals)
     os.kill(served.bridge.wire.transport.pid, signal.SIGKILL)  # pyright: ignore[reportAttributeAccessIssue]
     wait_for(lambda: served.goals == ())
@@ -98,5 +92,5 @@ def test_a_navigator_that_goes_away_stands_and_comes_back(ros: Ros, served: Serv
     assert script.stdin is not None
     script.stdin.write("go on\n")
     script.stdin.flush()
-    assert read() == {"done": False}
-    assert read() == {"status": SUCCEEDED}
+    assert lines.next() == {"done": False}
+    assert lines.next() == {"status": SUCCEEDED}

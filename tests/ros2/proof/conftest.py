@@ -5,62 +5,19 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import queue
 import signal
 import subprocess
 import sys
-import threading
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from ros2.conftest import Ros, real_ros
+from ros2.lines import QUICK_S, Lines
 
 CLIENTS = Path(__file__).parent / "clients"
-
-QUICK_S = 40.0
-"""Longer than anything waits here, on a loaded machine."""
-
-
-class Lines:
-    """What a process prints, line by line, without blocking for ever."""
-
-    def __init__(self, process: subprocess.Popen[str]) -> None:
-        self.process = process
-        self.errors: list[str] = []
-        self._lines: queue.Queue[str | None] = queue.Queue()
-        for stream, take in ((process.stdout, self._lines.put), (process.stderr, self.errors.append)):
-            threading.Thread(target=self._read, args=(stream, take), daemon=True).start()
-
-    def _read(self, stream: Any, take: Callable[[str], object]) -> None:
-        with contextlib.suppress(ValueError):  # closed after the test
-            for line in stream:
-                take(line)
-        if stream is self.process.stdout:
-            self._lines.put(None)
-
-    def next(self, within_s: float = QUICK_S) -> Any:
-        """The next line, which is JSON."""
-        try:
-            line = self._lines.get(timeout=within_s)
-        except queue.Empty:
-            line = None
-        assert line is not None, f"it said no more:\n{''.join(self.errors)}"
-        return json.loads(line)
-
-    def until(self, wanted: Callable[[Any], bool], within_s: float = QUICK_S) -> Any:
-        """The first line that is wanted."""
-        end = time.monotonic() + within_s
-        while not wanted(found := self.next(max(0.1, end - time.monotonic()))):
-            assert time.monotonic() < end, f"it said something else for {within_s:g} s, at last {str(found)[:200]}"
-        return found
-
-    def wait_for_error(self, words: str) -> None:
-        """Wait until it complained so."""
-        wait_for(lambda: any(words in line for line in self.errors), lambda: f"not said: {words}\n{self.errors}")
 
 
 class Server:
@@ -86,14 +43,6 @@ class Server:
 def asked(offered: Iterable[dict[str, Any]]) -> str:
     """What a listener asks for, who wants each topic as it is offered."""
     return json.dumps({one["topic"]: {key: one[key] for key in one if key != "topic"} for one in offered})
-
-
-def wait_for(true: Callable[[], object], complaint: Callable[[], str] = lambda: "waited in vain") -> None:
-    """Wait until something is true."""
-    until = time.monotonic() + QUICK_S
-    while not true():
-        assert time.monotonic() < until, complaint()
-        time.sleep(0.02)
 
 
 _LONG = pytest.mark.ros2

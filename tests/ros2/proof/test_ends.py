@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from ros2.proof.conftest import PAIRS, QUICK_S, Bench, Lines, Server, asked
+from ros2.lines import QUICK_S, Lines
+from ros2.proof.conftest import PAIRS, Bench, Server, asked
 from support.processes import are_gone, started_by
 
 GONE_S = 10.0

@@ -16,7 +16,8 @@ import pytest
 from mcap.reader import make_reader
 
 from ros2.conftest import hashes
-from ros2.proof.conftest import PAIRS, QUICK_S, Bench, Lines, asked, bench_of
+from ros2.lines import QUICK_S, Lines
+from ros2.proof.conftest import PAIRS, Bench, asked, bench_of
 from trundle.messages import Codec
 
 COMMANDS = [

@@ -19,19 +19,26 @@ def make_goal(x, y):
     return NavigateToPose.Goal(pose=pose)
 
 
+def send(client, node, goal, tries=10):
+    """Send a goal until it is answered: what is sent before both sides have found each other is lost."""
+    for _ in range(tries):
+        sent = client.send_goal_async(goal)
+        rclpy.spin_until_future_complete(node, sent, timeout_sec=3.0)
+        if sent.done():
+            return sent.result()
+    raise SystemExit("no goal was answered")
+
+
 rclpy.init()
 node = rclpy.create_node("survivor")
 client = ActionClient(node, NavigateToPose, "navigate_to_pose")
 client.wait_for_server()
-sent = client.send_goal_async(make_goal(6.5, 1.5), lambda message: None)
-rclpy.spin_until_future_complete(node, sent)
-say(accepted=sent.result().accepted)
-result = sent.result().get_result_async()
+goal = send(client, node, make_goal(6.5, 1.5))
+say(accepted=goal.accepted)
+result = goal.get_result_async()
 input()  # the navigator has gone, and is back
 rclpy.spin_once(node, timeout_sec=0.2)
 say(done=result.done())
-sent = client.send_goal_async(make_goal(1.5, 2.5))
-rclpy.spin_until_future_complete(node, sent)
-result = sent.result().get_result_async()
+result = send(client, node, make_goal(1.5, 2.5)).get_result_async()
 rclpy.spin_until_future_complete(node, result)
 say(status=result.result().status)
