@@ -214,9 +214,8 @@ def _saw_through(scan: Scan) -> tuple[FloatArray, FloatArray]:
     angles, ranges = scan.angles, np.where(scan.ranges >= scan.range_min, scan.ranges, -np.inf)
     if len(angles) and angles[0] > angles[-1]:
         angles, ranges = angles[::-1], ranges[::-1]
-    if len(ranges) < _BEAMS_ASIDE:
+    count = len(ranges)
+    if count < _BEAMS_ASIDE:
         return angles, np.full_like(ranges, ranges.min(initial=np.inf))
-    least = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
-    for step in range(1, _BEAMS_ASIDE + 1):  # the least of 2 beams, then of 4, then of 7
-        least = np.minimum(least[:-step], least[step:])
-    return angles, least
+    around = np.concatenate([ranges[-_BEAMS_ASIDE:], ranges, ranges[:_BEAMS_ASIDE]])
+    return angles, np.minimum.reduce([around[shift : shift + count] for shift in range(2 * _BEAMS_ASIDE + 1)])

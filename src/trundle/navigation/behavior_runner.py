@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 
-from trundle.control.collision import can_stop
 from trundle.errors import BehaviorFailedError
-from trundle.geometry import FloatArray, Twist2D
+from trundle.geometry import Twist2D
 from trundle.navigation.behaviors import Behavior, BehaviorContext, BehaviorResult, BehaviorRun
+from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.sensing.sensed_map import SensedMap
@@ -30,8 +29,7 @@ class BehaviorRunner:
         robot: The robot.
         sensed: The costmap with what its scans saw.
         replanner: Plans again, where a behavior asks for it.
-        slow_down: The same arc, within the speed mask's limit and within what was seen.
-        padded: The footprint's outline [m], base_link, widened by the clearance to keep.
+        check: Checks its commands.
         dt: Control period [s].
     """
 
@@ -41,12 +39,11 @@ class BehaviorRunner:
         robot: Robot,
         sensed: SensedMap,
         replanner: Replanner,
-        slow_down: Callable[[Twist2D, Now], Twist2D],
-        padded: FloatArray,
+        check: CommandCheck,
         dt: float,
     ) -> None:
         self._drive, self._robot, self._sensed, self._replanner = drive, robot, sensed, replanner
-        self._slow_down, self._padded, self._dt = slow_down, padded, dt
+        self._check, self._dt = check, dt
         self.reset()
 
     def reset(self) -> None:
@@ -105,9 +102,8 @@ class BehaviorRunner:
         if wish is None:
             return self._end("succeeded", "")
         check_kind(wish, Twist2D, f"the command of behavior {behavior.name!r}", "return Twist2D(v, w), or None")
-        command = self._slow_down(self._robot.limits.clamp(wish), now)
-        limits = self._robot.limits
-        if not can_stop(now.costmap, limits, now.pose, now.twist, command, self._dt, padded=self._padded):
+        command = self._check.slow_down(self._robot.limits.clamp(wish), now, self._replanner.followed)
+        if not self._check.can_stop(command, now):
             return self._end("failed", f"blocked at ({now.pose.x:.2f}, {now.pose.y:.2f}): it would touch something")
         return command
 

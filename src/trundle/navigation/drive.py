@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from trundle.control import GoalChecker, ProgressChecker
+from trundle.control import Controller, GoalChecker, ProgressChecker
 from trundle.costmap import Costmap
 from trundle.errors import PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
@@ -37,6 +37,7 @@ class Drive:
 
     costmap: Costmap
     planner: Planner
+    controller: Controller
 
     def __init__(self, settings: NavigatorSettings) -> None:
         self.settings = settings
@@ -59,3 +60,9 @@ class Drive:
         self.standing_reasons: dict[str, int] = {}
         self.speed_limit = math.inf
         self.progress_checker.reset()
+
+    def count_reason(self, reason: str) -> None:
+        """Count, and say, why the controller makes no progress in this control period; "" where it does."""
+        if reason:
+            self.standing_reasons[reason] = self.standing_reasons.get(reason, 0) + 1
+            self.message = self.message or reason

@@ -10,12 +10,11 @@ from types import NoneType
 from typing import Literal, cast, overload
 
 from trundle.control import Controller, Rollouts, create_controller
-from trundle.control.collision import FOOTPRINT_PADDING_M, can_stop
 from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
-from trundle.errors import InputError, NoValidControlError
+from trundle.errors import InputError
 from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.latency import Latency
@@ -26,17 +25,18 @@ from trundle.navigation.assisted_teleop import AssistedCommand, assist_teleop
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import Behavior, BehaviorRun, create_behavior
 from trundle.navigation.behaviors.behavior import check_behavior_kind
+from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
+from trundle.navigation.path_driver import PathDriver
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
 from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.navigation.sensing.sensed_tracks import SensedTracks
-from trundle.navigation.sensing.unseen_space import slow_down_in_unseen
 from trundle.navigation.settings import NavigatorSettings
-from trundle.navigation.speed_limiter import SpeedLimiter, slow_down
+from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.waypoint import Route
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
@@ -141,11 +141,11 @@ class Navigator(Drive):
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
-        self._limiter: SpeedLimiter | None = None
+        limiter: SpeedLimiter | None = None
         if self.speed_mask is not None:
             if static is not None:
                 check_overlap(self.speed_mask.grid, static, self.speed_mask.name)
-            self._limiter = SpeedLimiter(self.speed_mask, self.robot)
+            limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = split_choice(planner)
         self.planner = create_planner(planner, **options)
         quick: Planner | None = None
@@ -157,12 +157,10 @@ class Navigator(Drive):
             _, smoother, options = split_choice(smoother)
             self.smoother = create_smoother(smoother, **options)
         self.dt = 1.0 / self.settings.control_frequency
-        self._padded = self.robot.planar.padded(FOOTPRINT_PADDING_M).outline
         self._delayed = DelayedCommands(self.robot.limits)
+        self._check = CommandCheck(self, self.robot, self._sensed, limiter, self.dt)
         self._replanner = Replanner(self, self.robot, self._sensed, quick, self._take)
-        self._runner = BehaviorRunner(
-            self, self.robot, self._sensed, self._replanner, self._slow_down, self._padded, self.dt
-        )
+        self._runner = BehaviorRunner(self, self.robot, self._sensed, self._replanner, self._check, self.dt)
         steps = [step.make() for step in self.settings.recovery] if recovery is None else recovery
         self._recovery = Recovery(
             self,
@@ -173,6 +171,7 @@ class Navigator(Drive):
             Retries(self.dt, self.settings.recovery_retries),
         )
         self._agenda = Agenda(self, self._runner, self._replanner, self._recovery)
+        self._driver = PathDriver(self, self._replanner, self._runner, self._recovery, self._check, self.dt)
         self.reset()
 
     def __repr__(self) -> str:
@@ -397,8 +396,7 @@ class Navigator(Drive):
     def _take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
         self.controller.set_path(followed.path)
-        if self._limiter is not None:
-            self._limiter.set_path(followed.check)
+        self._check.set_path(followed)
 
     @overload
     def update(self, pose: Observation, twist: Estimate, /) -> Twist2D: ...
@@ -478,17 +476,13 @@ class Navigator(Drive):
         moving = credible_twist(observation.twist, self.robot)
         soon = self._when_taking_effect(Now(time, estimate.pose, moving, self.costmap))
         wish = self.robot.limits.clamp(command)
-        allowed = self._slow_down(wish, soon)
+        allowed = self._check.slow_down(wish, soon, self._replanner.followed)
         assisted = assist_teleop(
-            wish, allowed, lambda slower: self._can_stop(slower, soon), "an obstacle of the costmap"
+            wish, allowed, lambda slower: self._check.can_stop(slower, soon), "an obstacle of the costmap"
         )
         self._command = assisted.command
         self._delayed.send(self._command, time)
         return assisted
-
-    def _can_stop(self, command: Twist2D, now: Now) -> bool:
-        limits = self.robot.limits
-        return can_stop(now.costmap, limits, now.pose, now.twist, command, self.dt, padded=self._padded)
 
     def _last_command(self, now: float) -> Twist2D:
         """The command that the robot follows now."""
@@ -529,7 +523,8 @@ class Navigator(Drive):
         self._agenda.pass_goals(now.pose)
         if len(self.ahead) == 1 and self._is_reached(now) and self._is_reached(soon):
             return self._agenda.stop_at_goal(soon)
-        return self._drive(soon)
+        held, self._is_held = self._is_held, False
+        return self._driver.step(soon, held=held)
 
     def _when_taking_effect(self, now: Now) -> Now:
         """Where the robot is when the next command reaches its wheels."""
@@ -541,77 +536,3 @@ class Navigator(Drive):
     def _is_reached(self, now: Now) -> bool:
         goal = self.target
         return goal is not None and self.goal_checker.is_reached(now.pose, now.twist, goal.pose, any_yaw=goal.yaw_free)
-
-    def _drive(self, now: Now) -> Twist2D:
-        pose, twist, replanner = now.pose, now.twist, self._replanner
-        replanner.follow(now)
-        if replanner.is_given and replanner.followed is None:  # the pose has jumped away from it
-            self.status = NavigationStatus.STUCK
-            return _STAND
-        if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
-            self._count_reason(replanner.standing_reason)
-            return _STAND
-        recovering = self._runner.is_recovering
-        held, self._is_held = self._is_held, False
-        if held and not replanner.obstacle.gives_up:  # what stops the robot may move away
-            self.progress_checker.reset()
-        if not recovering and not self.progress_checker.is_moving_on(pose, now.time):
-            self.status = NavigationStatus.STUCK
-            return _STAND
-        followed = cast("FollowedPath", replanner.followed)
-        followed.advance(pose)
-        if not recovering:
-            replanner.reconsider(followed, now)
-        if replanner.tries.pending:
-            return _STAND
-        if recovering:
-            return self._recovery.continue_step(now)
-        self._limit_speed(now)
-        blocked = ""
-        if callable(set_through := getattr(self.controller, "set_through", None)):
-            set_through(followed.marks, self.settings.through_tolerance)
-        try:
-            command = self.controller.compute_velocity(pose, twist, now.costmap, self.dt)
-        except NoValidControlError:
-            command, blocked = _STAND, self._why_waiting("no valid control")
-        if command != _STAND and (command := slow_down(command, replanner.fastest)) == _STAND:
-            blocked = self._why_waiting("blocked by a mover")
-        reason = getattr(self.controller, "reason", "") or blocked
-        self._count_reason(reason)
-        return self._recovery.watch(self._cut(command, now), now, reason)
-
-    def _why_waiting(self, reason: str) -> str:
-        """The reason, or that the goal is occupied."""
-        replanner = self._replanner
-        occupied = replanner.obstacle.is_blocked and replanner.standing_reason == "goal occupied"
-        return "goal occupied" if occupied else reason
-
-    def _count_reason(self, reason: str) -> None:
-        """Count, and say, why the controller makes no progress."""
-        if reason:
-            self.standing_reasons[reason] = self.standing_reasons.get(reason, 0) + 1
-            self.message = self.message or reason
-
-    # Speed limits ---------------------------------------------------------------------------------------------------
-
-    def _limit_speed(self, now: Now, *, backwards: bool = False) -> None:
-        """Hand the speed that the mask allows to the controller."""
-        if self._limiter is None:
-            return
-        followed = self._replanner.followed
-        index = 0 if followed is None else followed.index
-        self.speed_limit = self._limiter.limit(now.pose, now.twist, index, self.dt, backwards=backwards)
-        self.controller.set_speed_limit(self.speed_limit)
-
-    def _slow_down(self, command: Twist2D, now: Now) -> Twist2D:
-        """The same arc within the speed limit of now, and within what was seen."""
-        self._limit_speed(now, backwards=command.v < 0.0)
-        return self._cut(command, now)
-
-    def _cut(self, command: Twist2D, now: Now) -> Twist2D:
-        """The same arc within the speed limit, and within what was seen."""
-        command = slow_down(command, self.speed_limit)
-        if not self._sensed.is_active:
-            return command
-        limits = self.robot.limits
-        return slow_down_in_unseen(now.costmap, limits, now.pose, now.twist, command, self.dt, padded=self._padded)

@@ -18,6 +18,7 @@ from trundle.navigation.sensing.mover_memory import MoverMemory
 from trundle.navigation.sensing.obstacle_watch import ObstacleWatch
 from trundle.navigation.sensing.sensed_map import SensedMap
 from trundle.navigation.sensing.window_goal import goal_in_window
+from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.status import NavigationStatus
 from trundle.path import Path
 from trundle.planning import PathHit, Planner
@@ -30,7 +31,6 @@ _LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
 _AROUND_M, _BESIDE_M = 2.0, 0.3
 """What was seen to move so near the robot [m] may be what leaves no path; so near the path, what blocks it."""
 _SEE_AGAIN_S = 1.0
-_BRAKING = 1.0  # of the limit of deceleration, doubled: half of it
 _ROUND_WITHIN = 0.7
 """Share of the tolerance of a goal that the robot drives through which rounding a bend there may use."""
 
@@ -254,12 +254,8 @@ class Replanner:
     @property
     def fastest(self) -> float:
         """How fast the robot may drive on [m/s] towards something that moves and blocks its path."""
-        room_m = self.obstacle.room_m
-        return (
-            math.inf
-            if room_m == math.inf
-            else math.sqrt(_BRAKING * self._robot.limits.linear_acceleration * max(0.0, room_m))
-        )
+        braking = BRAKING_SHARE * self._robot.limits.linear_acceleration
+        return math.sqrt(2.0 * braking * max(0.0, self.obstacle.room_m))
 
     # Planning again -------------------------------------------------------------------------------------------------
 

@@ -10,9 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-#define TRUNDLE_AVX2 1
-#endif
+#include "shared/registers.hpp"
 
 namespace trundle {
 
@@ -181,7 +179,7 @@ inline __attribute__((always_inline)) void inflate_any(const Job &job) {
 void inflate_portable(const Job &job) { inflate_any<16>(job); }
 
 #ifdef TRUNDLE_AVX2
-__attribute__((target("avx2"))) void inflate_avx2(const Job &job) { inflate_any<32>(job); }
+TRUNDLE_TARGET("avx2") void inflate_avx2(const Job &job) { inflate_any<32>(job); }
 #endif
 
 }  // namespace

@@ -5,10 +5,6 @@
 
 #include <cmath>
 
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-#define TRUNDLE_AVX2 1
-#endif
-
 namespace trundle {
 
 // Writes the costs of `count` cells of a row in the caller's unit, infinity where they are not reached. Returns the

@@ -13,10 +13,6 @@
 #include "layers/evidence.hpp"
 #include "shared/registers.hpp"
 
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-#define TRUNDLE_AVX2 1
-#endif
-
 namespace trundle {
 
 namespace {

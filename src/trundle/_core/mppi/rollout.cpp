@@ -1,10 +1,7 @@
 #include "mppi/rollout.hpp"
 
 #include "mppi/kernels.hpp"
-
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-#define TRUNDLE_AVX2 1
-#endif
+#include "shared/registers.hpp"
 
 namespace trundle::mppi {
 

@@ -17,6 +17,11 @@
 #define TRUNDLE_TARGET(...) __attribute__((target(__VA_ARGS__)))
 #endif
 
+// Where a kernel may choose AVX2 when it runs.
+#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
+#define TRUNDLE_AVX2 1
+#endif
+
 namespace trundle {
 
 // A register of `kBytes` bytes as a vector of numbers.
