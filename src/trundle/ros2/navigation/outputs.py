@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from trundle.control import Rollouts
-from trundle.costmap import Costmap
 from trundle.geometry import FloatArray, Goal, Pose2D, wrap_angle
 from trundle.messages.qos import LATCHED, TRANSFORMS, Qos
 from trundle.mission import Step
@@ -142,19 +141,14 @@ class GlobalCostmapOutput:
         if not is_new and costmap.version is self._version:
             return
         windows = None if is_new else costmap.changes_since(self._version)
-        if windows is None:
+        if windows is not None and self._updates.is_wanted:
+            for rows, cols in windows:
+                self._updates.write(self._kit.make.costmap_update(time, costmap, rows, cols, self._kit.map_frame))
+        elif windows is None or readers > 0 or self._kit.context.wire.record is not None:
             self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
-        elif self._updates.is_wanted:
-            self._write_updates(costmap, windows, time)
-        elif readers == 0 and self._kit.context.wire.record is None:
-            return
         else:
-            self._whole.write(self._kit.make.costmap(time, costmap, self._kit.map_frame))
+            return
         self._version, self._frame = costmap.version, frame
-
-    def _write_updates(self, costmap: Costmap, windows: list[tuple[slice, slice]], time: float) -> None:
-        for rows, cols in windows:
-            self._updates.write(self._kit.make.costmap_update(time, costmap, rows, cols, self._kit.map_frame))
 
 
 class LocalCostmapOutput:
