@@ -190,3 +190,31 @@ def test_the_range_is_set_as_the_distribution_reads_it(
         monkeypatch.setenv(name, "OFF")
     child._set_range(where, distro)
     assert {name: child.os.environ[name] for name in names if name in child.os.environ} == expected
+
+
+class _Handle:
+    """Of a goal, as rclpy has it: it can be canceled only once rclpy has it as being canceled."""
+
+    def __init__(self) -> None:
+        self.is_cancel_requested = False
+        self.how = ""
+
+    def succeed(self) -> None:
+        self.how = "succeeded"
+
+    def abort(self) -> None:
+        self.how = "aborted"
+
+    def canceled(self) -> None:
+        if not self.is_cancel_requested:
+            raise RuntimeError("invalid transition from state EXECUTING with event CANCELED")
+        self.how = "canceled"
+
+
+def test_a_goal_that_trundle_cancels_sooner_than_rclpy_ends_as_canceled() -> None:
+    handle = _Handle()
+    threading.Timer(0.05, lambda: setattr(handle, "is_cancel_requested", True)).start()
+    child.end_goal(handle, child.CANCELED)
+    assert handle.how == "canceled"
+    child.end_goal(handle, child.SUCCEEDED)
+    assert handle.how == "succeeded"

@@ -48,6 +48,7 @@ MAX_GOALS = 32
 
 PATIENCE_S = 0.05
 LEAVING_S = 1.2
+CANCELING_S = 2.0
 COUNTS_EVERY_S = 0.1
 
 # Both sides ----------------------------------------------------------------------------------------------------------
@@ -612,7 +613,7 @@ class Relay:
         try:
             if data:
                 result = deserialize_message(data, goal.kind.Result)
-            (handle.succeed, handle.abort, handle.canceled)[how]()
+            end_goal(handle, how)
         except Exception as error:  # noqa: BLE001 - of rclpy, such as canceled without a request to cancel
             self._note(f"a goal could not end as asked and is aborted: {error}")
             handle.abort()
@@ -635,6 +636,18 @@ class Relay:
         goal = self._goals.get(number)
         if goal is not None:
             goal.end.put((payload[0], payload[1:]))
+
+
+def end_goal(handle, how):
+    """Let a goal end as trundle says.
+
+    Trundle may be done with canceling it before rclpy, whose callback asked trundle, has the goal as being canceled:
+    until then it cannot end so.
+    """
+    until = time.monotonic() + CANCELING_S
+    while how == CANCELED and not handle.is_cancel_requested and time.monotonic() < until:
+        time.sleep(0.001)
+    (handle.succeed, handle.abort, handle.canceled)[how]()
 
 
 def _profile(qos):
