@@ -1,16 +1,21 @@
-"""A small map, a robot and a simulator that follows commands exactly."""
+"""A small map, a robot, a simulator that follows commands exactly, and sessions that are steered."""
 
 import math
 
 import numpy as np
 import pytest
 
+from support.sessions import Watch
 from trundle.errors import SimulationError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
+from trundle.mission import Session, Steering
 from trundle.navigation import Navigator
 from trundle.robots import Robot, WheelSpeeds
-from trundle.sim import Contact, RobotState
+from trundle.sim import Contact, RobotState, simulate
+from trundle.worlds import World
+
+BACKENDS = ("kinematic", "mujoco")
 
 
 def make_room(width_m=8.0, height_m=6.0, resolution=0.05):
@@ -21,6 +26,12 @@ def make_room(width_m=8.0, height_m=6.0, resolution=0.05):
     data[:, [0, -1]] = 100
     data[: round(3.0 / resolution), round(3.6 / resolution) : round(4.4 / resolution)] = 100
     return OccupancyGrid(data, resolution)
+
+
+def write_scenario(folder, text):
+    path = folder / "scenario.yaml"
+    path.write_text(text)
+    return path
 
 
 class ExactSimulator:
@@ -87,3 +98,36 @@ def make_sim(carter):
 @pytest.fixture
 def start():
     return Pose2D(1.5, 1.5, 0.0)
+
+
+@pytest.fixture(scope="session")
+def world(room):
+    return World.from_map(room)
+
+
+@pytest.fixture(params=BACKENDS)
+def sim(request, world, carter):
+    with simulate(world, carter, backend=request.param) as made:
+        yield made
+
+
+@pytest.fixture
+def kinematic_sim(world, carter):
+    with simulate(world, carter, backend="kinematic") as made:
+        yield made
+
+
+@pytest.fixture
+def steering():
+    return Steering()
+
+
+@pytest.fixture
+def watch():
+    return Watch()
+
+
+@pytest.fixture
+def session(kinematic_sim, navigator, start, steering):
+    """A steered session without a goal."""
+    return Session(kinematic_sim, navigator, start, None, steering=steering)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from support.sessions import drive
 from trundle.errors import InputError
 from trundle.geometry import Pose2D
 from trundle.mission import (
@@ -21,29 +22,8 @@ from trundle.mission import (
 )
 from trundle.navigation import CommandScript
 from trundle.sim import simulate
-from trundle.worlds import World
 
 GOAL, THERE = (3.0, 4.5), (6.0, 4.5, math.pi)
-
-
-@pytest.fixture(scope="module")
-def world(room):
-    return World.from_map(room)
-
-
-@pytest.fixture(params=("kinematic", "mujoco"))
-def sim(request, world, carter):
-    with simulate(world, carter, backend=request.param) as made:
-        yield made
-
-
-@pytest.fixture
-def steering():
-    return Steering()
-
-
-def drive(session, periods):
-    return [session.step() for _ in range(periods)]
 
 
 def test_the_robot_drives_on_from_where_it_was_put(sim, navigator, start, steering):

@@ -3,27 +3,13 @@
 import numpy as np
 import pytest
 
+from support.observers import Recorder
 from trundle.maps import OccupancyGrid
 from trundle.mission import run
 from trundle.navigation import Navigator
 from trundle.robots import Robot
 from trundle.sim import simulate
 from trundle.worlds import World
-
-
-class Recorder:
-    def __init__(self):
-        self.info = self.episode = None
-        self.steps = []
-
-    def on_start(self, run):
-        self.info = run
-
-    def on_step(self, step):
-        self.steps.append(step)
-
-    def on_end(self, episode):
-        self.episode = episode
 
 
 @pytest.fixture(scope="session")
