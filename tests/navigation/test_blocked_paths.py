@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from support.walled_rooms import walled_room
 from trundle.control import create_controller
 from trundle.errors import NoPathError
 from trundle.geometry import Pose2D, Twist2D
-from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator
 from trundle.navigation.block_watch import BlockWatch
@@ -15,13 +15,6 @@ from trundle.sim import simulate
 from trundle.worlds import World
 
 CELL = 0.05
-
-
-def hall():
-    """A free room of 12 m × 8 m with walls and its lower-left corner at (0, 0)."""
-    data = np.zeros((160, 240), dtype=np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    return OccupancyGrid(data, CELL)
 
 
 def closed(grid, x, angle):
@@ -57,7 +50,7 @@ class Closing:
 
 
 def drive_at_wall(backend, robot, angle, *, goal_y=4.0, **when):
-    grid = hall()
+    grid = walled_room()
     world, navigator = World.from_map(grid), Navigator(grid, robot)
     closing = Closing(navigator, closed(grid, 7.5, angle), **when)
     with simulate(world, navigator.robot, backend=backend) as sim:
@@ -99,7 +92,7 @@ def test_a_path_that_is_freed_again_is_driven_to_its_end(backend):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_of_the_pose_hides_no_block(seed):
-    grid, rng = hall(), np.random.default_rng(seed)
+    grid, rng = walled_room(), np.random.default_rng(seed)
     navigator = Navigator(grid, "turtlebot3_waffle")
     navigator.set_goal(10.5, 4.0)
     with simulate(World.from_map(grid), navigator.robot, backend="kinematic") as sim:
@@ -125,9 +118,9 @@ def test_where_the_planner_finds_a_path_that_cannot_be_driven_the_robot_is_stuck
         def compute_velocity(self, pose, twist, costmap, dt):
             return Twist2D()
 
-    navigator = Navigator(hall(), Robot.load("nova_carter"), controller=NeverOn())
+    navigator = Navigator(walled_room(), Robot.load("nova_carter"), controller=NeverOn())
     navigator.set_goal(10.5, 4.0)
-    with simulate(World.from_map(hall()), navigator.robot, backend="kinematic") as sim:
+    with simulate(World.from_map(walled_room()), navigator.robot, backend="kinematic") as sim:
         episode = run(sim, navigator, (3.0, 4.0, 0.0), (10.5, 4.0), time_limit_s=120.0)
     assert episode.outcome is Outcome.STUCK
     assert navigator.error is None
@@ -187,8 +180,8 @@ def test_a_controller_that_creeps_before_a_block_is_planned_again_like_one_that_
 
     robot = Robot.load("nova_carter")
     controller = Creeping(create_controller("regulated_pure_pursuit", robot))
-    navigator = Navigator(hall(), robot, controller=controller)
-    with simulate(World.from_map(hall()), robot, backend="kinematic") as sim:
+    navigator = Navigator(walled_room(), robot, controller=controller)
+    with simulate(World.from_map(walled_room()), robot, backend="kinematic") as sim:
         episode = run(sim, navigator, (3.0, 4.0, 0.0), (6.0, 4.0), time_limit_s=60.0)
     assert episode.outcome is Outcome.ARRIVED
     assert episode.metrics.replans == 1

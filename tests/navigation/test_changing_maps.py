@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from support.walled_rooms import walled_room
 from trundle.control import create_controller
 from trundle.costmap import LETHAL, Costmap
 from trundle.errors import BlockedPoseError, InputError, MapError
@@ -14,13 +15,6 @@ from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
-
-
-def room(width=12.0, depth=8.0):
-    """A free room with walls and its lower-left corner at (0, 0)."""
-    data = np.zeros((round(depth / 0.05), round(width / 0.05)), dtype=np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    return OccupancyGrid(data, 0.05)
 
 
 def box(costmap, x0, y0, x1, y1, value=100):
@@ -52,7 +46,7 @@ def drive(navigator, pose, *, seconds=90.0, watch=lambda navigator, pose, twist:
 
 
 def test_a_path_that_a_changed_map_blocks_is_replanned_at_the_next_update():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     navigator.update((1.5, 4.0, 0.0), Twist2D())
     straight = navigator.path
@@ -66,7 +60,7 @@ def test_a_path_that_a_changed_map_blocks_is_replanned_at_the_next_update():
 
 
 def test_a_change_beside_the_path_or_behind_the_robot_plans_nothing():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     navigator.update((1.5, 4.0, 0.0), Twist2D())
     path = navigator.path
@@ -81,7 +75,7 @@ def test_a_change_beside_the_path_or_behind_the_robot_plans_nothing():
 
 
 def test_where_no_other_path_is_left_it_stops_in_front_and_goes_on_when_it_is_freed():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     free = navigator.costmap
     closed = box(free, 7.0, 0.0, 7.5, 8.0)
@@ -104,7 +98,7 @@ def test_where_no_other_path_is_left_it_stops_in_front_and_goes_on_when_it_is_fr
 
 def flips(margin):
     """How often the robot switches between two paths round a block whose costs differ only by noise."""
-    grid = room()
+    grid = walled_room()
     navigator = Navigator(grid, CARTER, settings=NavigatorSettings(replan_interval_s=0.5, replan_margin=margin))
     base = box(navigator.costmap, 5.0, 2.6, 7.0, 5.4)
     # A speck near one of the paths, then near the other, that costs a little.
@@ -137,7 +131,7 @@ def test_replanning_does_not_oscillate_between_equal_cost_paths():
 
 
 def test_a_path_that_becomes_much_cheaper_is_taken():
-    navigator = Navigator(room(), CARTER, settings=NavigatorSettings(replan_interval_s=0.5))
+    navigator = Navigator(walled_room(), CARTER, settings=NavigatorSettings(replan_interval_s=0.5))
     free = navigator.costmap
     navigator.costmap = box(free, 5.0, 0.0, 5.5, 6.0)
     navigator.set_goal(10.5, 1.5, 0.0)
@@ -159,7 +153,7 @@ def test_options_of_replanning_out_of_range_are_refused(options):
 
 def test_it_drives_around_a_zone_to_keep_out_of():
     keepout = KeepoutMask(zone(100, 5.0, 2.0, 7.03, 6.01))
-    navigator = Navigator(room(), CARTER, keepout=keepout)
+    navigator = Navigator(walled_room(), CARTER, keepout=keepout)
     navigator.set_goal(10.5, 4.0, 0.0)
     poses, _ = drive(navigator, Pose2D(1.5, 4.0, 0.0))
     assert navigator.status is NavigationStatus.ARRIVED
@@ -171,7 +165,7 @@ def test_it_drives_around_a_zone_to_keep_out_of():
 
 
 def test_a_goal_in_a_zone_to_keep_out_of_is_named_as_such():
-    navigator = Navigator(room(), CARTER, keepout=KeepoutMask(zone(100, 5.0, 2.0, 7.0, 6.0)))
+    navigator = Navigator(walled_room(), CARTER, keepout=KeepoutMask(zone(100, 5.0, 2.0, 7.0, 6.0)))
     navigator.set_goal(6.0, 4.0)
     with pytest.raises(BlockedPoseError, match="the keep-out mask keeps the robot out"):
         navigator.plan((1.5, 4.0, 0.0))
@@ -179,7 +173,7 @@ def test_a_goal_in_a_zone_to_keep_out_of_is_named_as_such():
 
 def test_a_keepout_mask_for_a_finished_costmap_is_refused():
     with pytest.raises(InputError, match="from_grid"):
-        Navigator(Costmap.from_grid(room(), CARTER), CARTER, keepout=KeepoutMask(room()))
+        Navigator(Costmap.from_grid(walled_room(), CARTER), CARTER, keepout=KeepoutMask(walled_room()))
 
 
 @pytest.mark.parametrize("controller", ["regulated_pure_pursuit", "lookahead"])
@@ -191,7 +185,7 @@ def test_a_keepout_mask_for_a_finished_costmap_is_refused():
     ],
 )
 def test_it_never_exceeds_the_limit_in_a_zone_and_drives_fast_before_and_after(mask, limit, controller):
-    navigator = Navigator(room(), CARTER, speed_mask=mask, controller=controller)
+    navigator = Navigator(walled_room(), CARTER, speed_mask=mask, controller=controller)
     navigator.set_goal(11.0, 4.0)
     poses, speeds = drive(navigator, Pose2D(1.0, 4.0, 0.0))
     assert navigator.status is NavigationStatus.ARRIVED
@@ -208,7 +202,7 @@ def test_a_robot_that_brakes_badly_begins_early():
     robot = CARTER.model_copy(update={"limits": limits})
     # From 0.8 to 0.2 m/s with half of 0.3 m/s² takes 2 m.
     mask = SpeedMask(zone(20, 7.0, 0.0, 9.0, 8.0), "absolute", multiplier=0.01)
-    navigator = Navigator(room(), robot, speed_mask=mask)
+    navigator = Navigator(walled_room(), robot, speed_mask=mask)
     navigator.set_goal(11.0, 4.0)
     poses, speeds = drive(navigator, Pose2D(1.0, 4.0, 0.0))
     assert navigator.status is NavigationStatus.ARRIVED
@@ -221,7 +215,7 @@ def test_a_robot_that_brakes_badly_begins_early():
 
 def test_a_limit_round_a_corner_holds_as_soon_as_the_robot_is_there():
     # The path turns into the zone; there is no zone straight ahead.
-    grid = room()
+    grid = walled_room()
     data = grid.data.copy()
     data[60:, 60:] = 100
     mask = SpeedMask(zone(10, 0.0, 4.0, 3.0, 8.0))
@@ -248,7 +242,7 @@ def test_the_limit_is_handed_to_the_controller():
             return Twist2D(1.0, 0.5)
 
     mask = SpeedMask(zone(20, 5.0, 0.0, 8.0, 8.0), "absolute", multiplier=0.01)
-    navigator = Navigator(room(), CARTER, speed_mask=mask, controller=Recorder())
+    navigator = Navigator(walled_room(), CARTER, speed_mask=mask, controller=Recorder())
     navigator.set_goal(11.0, 4.0)
     command = navigator.update((6.0, 4.0, 0.0), Twist2D())
     assert limits == [pytest.approx(0.2)]
@@ -261,7 +255,7 @@ def test_the_limit_is_handed_to_the_controller():
 
 
 def test_regulated_pure_pursuit_keeps_a_limit_until_it_is_lifted():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goal(10.5, 4.0)
     path = navigator.plan((1.5, 4.0, 0.0))
     controller = create_controller("regulated_pure_pursuit", CARTER)
@@ -276,13 +270,13 @@ def test_regulated_pure_pursuit_keeps_a_limit_until_it_is_lifted():
 
 def test_a_speed_mask_beside_the_map_is_refused():
     with pytest.raises(MapError, match="does not overlap the map"):
-        Navigator(room(), CARTER, speed_mask=SpeedMask(zone(50, 20.0, 0.0, 21.0, 1.0)))
+        Navigator(walled_room(), CARTER, speed_mask=SpeedMask(zone(50, 20.0, 0.0, 21.0, 1.0)))
 
 
 def test_masks_are_read_from_their_files(tmp_path):
     zone(100, 5.0, 2.0, 7.0, 6.0).save(tmp_path / "keepout.yaml")
     zone(50, 1.0, 1.0, 3.0, 3.0).save(tmp_path / "speed.yaml", mode="raw")
-    navigator = Navigator(room(), CARTER, keepout=tmp_path / "keepout.yaml", speed_mask=tmp_path / "speed.yaml")
+    navigator = Navigator(walled_room(), CARTER, keepout=tmp_path / "keepout.yaml", speed_mask=tmp_path / "speed.yaml")
     assert navigator.costmap.cost_at(6.0, 4.0) == LETHAL
     assert navigator.speed_mask is not None
     assert navigator.speed_mask.limit_at(2.0, 2.0, 1.0) == 0.5

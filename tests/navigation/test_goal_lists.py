@@ -6,10 +6,10 @@ import pickle
 import numpy as np
 import pytest
 
+from support.walled_rooms import walled_room
 from trundle.control import create_controller
 from trundle.errors import BlockedPoseError, InputError, PlanningError
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.maps import OccupancyGrid
 from trundle.navigation import Choice, NavigationStatus, Navigator, NavigatorSettings, Waypoint
 from trundle.navigation.behaviors import DriveOnHeading, Spin, Wait
 from trundle.planning import PathCheck
@@ -22,14 +22,6 @@ ARRIVED, BEHAVING = NavigationStatus.ARRIVED, NavigationStatus.BEHAVING
 START = Pose2D(1.5, 4.0, 0.0)
 BENT = [(4.0, 4.6), (6.5, 3.8), (9.0, 4.6), (10.8, 4.0)]
 CORNERS = [(6.0, 4.0), (6.0, 6.5), (10.0, 6.5)]
-
-
-def room(*boxes):
-    data = np.zeros((160, 240), np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    for x0, y0, x1, y1 in boxes:
-        data[round(y0 / 0.05) : round(y1 / 0.05), round(x0 / 0.05) : round(x1 / 0.05)] = 100
-    return OccupancyGrid(data, 0.05)
 
 
 class Drive:
@@ -62,7 +54,7 @@ class Drive:
 
 @pytest.mark.parametrize("planner", ["auto", "least_cost", "any_angle", "astar", "hybrid_astar"])
 def test_it_drives_through_poses_without_stopping(planner):
-    navigator = Navigator(room(), CARTER, planner=planner)
+    navigator = Navigator(walled_room(), CARTER, planner=planner)
     navigator.set_goals(BENT, through=True)
     drive = Drive(navigator)
     assert navigator.status is ARRIVED
@@ -77,7 +69,7 @@ def test_it_drives_through_poses_without_stopping(planner):
 
 
 def test_corners_at_poses_are_rounded_where_there_is_room():
-    navigator = Navigator(room(), CARTER, planner="least_cost")
+    navigator = Navigator(walled_room(), CARTER, planner="least_cost")
     navigator.set_goals(CORNERS, through=True)
     drive = Drive(navigator)
     assert navigator.status is ARRIVED
@@ -85,13 +77,13 @@ def test_corners_at_poses_are_rounded_where_there_is_room():
         speed, distance = drive.speed_at(x, y)
         assert speed > 0.2
         assert distance <= 0.5
-    stopped = Navigator(room(), CARTER, planner="least_cost")
+    stopped = Navigator(walled_room(), CARTER, planner="least_cost")
     stopped.set_goals(CORNERS)
     assert Drive(stopped).time > drive.time + 3.0
 
 
 def test_the_whole_path_is_free_where_corners_are_tight():
-    grid = room((6.9, 0.0, 9.0, 5.5), (0.0, 5.1, 5.1, 8.0))
+    grid = walled_room((6.9, 0.0, 9.0, 5.5), (0.0, 5.1, 5.1, 8.0))
     navigator = Navigator(grid, CARTER, planner="least_cost")
     navigator.set_goals([(6.0, 4.2), (6.0, 6.6), (10.0, 6.6)], through=True)
     path = navigator.plan(START)
@@ -102,7 +94,7 @@ def test_the_whole_path_is_free_where_corners_are_tight():
 
 
 def test_without_through_it_stops_at_each():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goals(BENT)
     drive = Drive(navigator)
     assert navigator.status is ARRIVED
@@ -116,7 +108,7 @@ def test_without_through_it_stops_at_each():
 
 
 def test_one_that_is_bent_back_by_its_yaw_is_passed_with_it():
-    navigator = Navigator(room(), CARTER, planner="hybrid_astar")
+    navigator = Navigator(walled_room(), CARTER, planner="hybrid_astar")
     navigator.set_goals([(6.0, 4.0, 1.57), (10.0, 6.0)], through=True)
     drive = Drive(navigator)
     assert navigator.status is ARRIVED
@@ -125,7 +117,7 @@ def test_one_that_is_bent_back_by_its_yaw_is_passed_with_it():
 
 
 def test_a_replan_keeps_the_poses_that_are_left():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goals(BENT, through=True)
 
     def watch(navigator, pose, time):
@@ -162,7 +154,7 @@ class Astray:
 
 
 def test_a_pose_that_was_missed_is_driven_to_again():
-    navigator = Navigator(room(), CARTER, controller=Astray())
+    navigator = Navigator(walled_room(), CARTER, controller=Astray())
     navigator.set_goals([(5.0, 5.2), (10.0, 5.2)], through=True)
     drive = Drive(navigator)
     assert navigator.status is ARRIVED
@@ -171,7 +163,7 @@ def test_a_pose_that_was_missed_is_driven_to_again():
 
 @pytest.mark.parametrize("through", [False, True])
 def test_the_goal_that_cannot_be_reached_is_named(through):
-    navigator = Navigator(room((8.0, 3.0, 10.0, 5.0)), CARTER)
+    navigator = Navigator(walled_room((8.0, 3.0, 10.0, 5.0)), CARTER)
     navigator.set_goals([(4.0, 4.0), (9.0, 4.0), (10.8, 6.0)], through=through)
     if through:
         with pytest.raises(BlockedPoseError, match=r"goal 2: .*\(9"):
@@ -183,7 +175,7 @@ def test_the_goal_that_cannot_be_reached_is_named(through):
 
 
 def test_tasks_run_in_order_and_then_it_drives_on():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goals(
         [
             Waypoint(4.0, 4.0, tasks=[Wait(1.0), Spin(1.57)]),
@@ -205,7 +197,7 @@ def test_tasks_run_in_order_and_then_it_drives_on():
 
 
 def test_a_task_that_fails_ends_the_drive_and_says_which():
-    navigator = Navigator(room((6.0, 3.0, 6.5, 5.0)), CARTER)
+    navigator = Navigator(walled_room((6.0, 3.0, 6.5, 5.0)), CARTER)
     navigator.set_goals([Waypoint(4.5, 4.0, 0.0, tasks=[DriveOnHeading(3.0, speed=0.5)]), (10.0, 4.0)])
     Drive(navigator)
     assert navigator.status is NavigationStatus.STUCK
@@ -214,7 +206,7 @@ def test_a_task_that_fails_ends_the_drive_and_says_which():
 
 
 def test_another_goal_forgets_the_list():
-    navigator = Navigator(room(), CARTER)
+    navigator = Navigator(walled_room(), CARTER)
     navigator.set_goals(BENT, through=True)
     navigator.set_goal(3.0, 4.0)
     assert navigator.goals == (Goal(3.0, 4.0),)
@@ -249,11 +241,11 @@ def test_a_waypoint_is_a_goal():
 )
 def test_bad_goals_are_refused(make):
     with pytest.raises(InputError):
-        make(Navigator(room(), CARTER))
+        make(Navigator(walled_room(), CARTER))
 
 
 def test_it_drives_through_poses_in_mujoco():
-    grid = room()
+    grid = walled_room()
     navigator = Navigator(grid, CARTER)
     with simulate(World.from_map(grid), CARTER, backend="mujoco") as sim:
         state = sim.reset(START)
@@ -273,7 +265,7 @@ def test_it_drives_through_poses_in_mujoco():
 def test_mppi_drives_through_random_poses_without_a_contact(seed):
     """Whatever the poses: each is passed in order within the tolerance, and the footprint touches nothing."""
     rng = np.random.default_rng(seed)
-    grid = room(*((x, y, x + 0.5, y + 0.5) for x, y in rng.uniform((3.0, 1.0), (10.0, 6.5), (4, 2))))
+    grid = walled_room(*((x, y, x + 0.5, y + 0.5) for x, y in rng.uniform((3.0, 1.0), (10.0, 6.5), (4, 2))))
     navigator = Navigator(grid, CARTER, controller=Choice(name="mppi", options={"samples": 512}))
     free = navigator.costmap
     goals: list[tuple[float, float]] = []

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from support.walled_rooms import walled_room
 from trundle.costmap import Costmap
 from trundle.errors import InputError, NoPathError, PlanningStoppedError
 from trundle.geometry import Pose2D, Twist2D
-from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.navigation import replanner as module
@@ -25,9 +25,7 @@ EVERYTHING = (slice(0, 100), slice(0, 240))
 
 
 def hall():
-    data = np.zeros((100, 240), np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    return OccupancyGrid(data, 0.05)
+    return walled_room(depth=5.0)
 
 
 def blocked_ahead():

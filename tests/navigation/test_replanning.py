@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trundle.maps import OccupancyGrid
+from support.walled_rooms import walled_room
 from trundle.mission import Outcome, run
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.sim import simulate
@@ -41,10 +41,7 @@ class Flicker:
 
 def flips(planner, margin):
     """How often the robot changes sides before the block, and how many paths it takes."""
-    data = np.zeros((160, 240), dtype=np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    data[52:108, 100:140] = 100
-    grid = OccupancyGrid(data, 0.05)
+    grid = walled_room((5.0, 2.6, 7.0, 5.4))
     navigator = Navigator(
         grid, "nova_carter", planner=planner, settings=NavigatorSettings(replan_interval_s=0.5, replan_margin=margin)
     )

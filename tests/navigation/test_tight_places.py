@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from support.walled_rooms import walled_room
 from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.geometry import Pose2D, Twist2D
-from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, run
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.robots import Robot
@@ -17,12 +17,7 @@ REAR, FRONT = float(CARTER.outline[:, 0].min()), float(CARTER.outline[:, 0].max(
 
 
 def room(*boxes):
-    """10 x 10 m with its lower-left corner at (0, 0), and boxes (x0, y0, x1, y1) [m] in it."""
-    data = np.zeros((200, 200), np.int8)
-    data[[0, -1]] = data[:, [0, -1]] = 100
-    for x0, y0, x1, y1 in boxes:
-        data[round(y0 / 0.05) : round(y1 / 0.05), round(x0 / 0.05) : round(x1 / 0.05)] = 100
-    return OccupancyGrid(data, 0.05)
+    return walled_room(*boxes, width=10.0, depth=10.0)
 
 
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
