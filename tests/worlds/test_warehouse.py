@@ -7,7 +7,7 @@ import pytest
 from trundle.errors import InputError, WorldError
 from trundle.solids import Solid
 from trundle.worlds import World
-from trundle.worlds.generators.warehouse import CROSS_AISLE, FREE_BESIDE, LANE, generate_warehouse
+from trundle.worlds.generators.warehouse import CROSS_AISLE, FORKLIFT_ROOM, FREE_BESIDE, LANE, generate_warehouse
 
 BAND = (0.10, 0.62)
 VARIANTS = [
@@ -16,6 +16,8 @@ VARIANTS = [
     {"seed": 2, "aisle_width": 1.8, "size": (24.0, 16.0)},
     {"seed": 3, "aisle_width": 2.5, "size": (14.0, 11.0)},
     {"seed": 4, "aisle_width": 1.3, "size": (45.0, 30.0), "levels": 2},
+    {"seed": 5, "forklifts": 2},
+    {"seed": 6, "forklifts": 2, "aisle_width": 1.3, "size": (24.0, 16.0)},
 ]
 
 
@@ -58,6 +60,11 @@ def rows(world: World) -> list[tuple[float, float]]:
     return merged
 
 
+def room_of(options):
+    """What is free everywhere for forklifts [m]."""
+    return FORKLIFT_ROOM if options.get("forklifts") else 0.0
+
+
 def test_the_same_seed_makes_the_same_warehouse_and_another_seed_another():
     assert generate_warehouse(seed=5) == generate_warehouse(seed=5)
     assert generate_warehouse(seed=5) != generate_warehouse(seed=6)
@@ -70,7 +77,7 @@ def test_aisles_are_exactly_as_wide_as_asked(options):
     faces = rows(world)
     assert len(faces) >= 2
     for (_, north), (south, _) in itertools.pairwise(faces):
-        assert south - north == pytest.approx(options.get("aisle_width", 1.6), abs=1e-9)
+        assert south - north == pytest.approx(options.get("aisle_width", max(1.6, room_of(options))), abs=1e-9)
 
 
 @pytest.mark.parametrize("options", VARIANTS)
@@ -78,10 +85,11 @@ def test_there_is_room_to_turn_around_the_racks(options):
     world = generate_warehouse(**options)
     length, width = options.get("size", (30.0, 20.0))
     low, high = field(world)
-    assert low[0] + length / 2.0 >= CROSS_AISLE - 1e-9
-    assert length / 2.0 - high[0] >= CROSS_AISLE - 1e-9
-    assert low[1] + width / 2.0 >= LANE - 1e-9
-    assert width / 2.0 - high[1] >= LANE - 1e-9
+    cross_aisle, lane = max(CROSS_AISLE, room_of(options)), max(LANE, room_of(options))
+    assert low[0] + length / 2.0 >= cross_aisle - 1e-9
+    assert length / 2.0 - high[0] >= cross_aisle - 1e-9
+    assert low[1] + width / 2.0 >= lane - 1e-9
+    assert width / 2.0 - high[1] >= lane - 1e-9
 
 
 @pytest.mark.parametrize("options", VARIANTS)
@@ -90,15 +98,16 @@ def test_loose_things_leave_the_aisles_free_and_room_beside_them(options):
     length, width = options.get("size", (30.0, 20.0))
     low, high = field(world)
     things = loose_things(world)
+    cross_aisle, beside = max(CROSS_AISLE, room_of(options)), max(FREE_BESIDE, room_of(options))
     for name, (thing_low, thing_high) in things.items():
         gap = np.maximum(0.0, np.maximum(low - thing_high, thing_low - high))[:2]
-        assert gap[0] >= CROSS_AISLE or gap[1] >= FREE_BESIDE, name
+        assert gap[0] >= cross_aisle or gap[1] >= beside, name
         half = np.array([length, width]) / 2.0
         edges = [*(thing_low[:2] + half), *(half - thing_high[:2])]
-        assert all(0.04 < edge < 0.11 or edge >= FREE_BESIDE for edge in edges), name
+        assert all(0.04 < edge < 0.11 or edge >= beside for edge in edges), name
     for (first, a), (second, b) in itertools.combinations(things.items(), 2):
         gap = np.maximum(0.0, np.maximum(a[0] - b[1], b[0] - a[1]))[:2]
-        assert math.hypot(*gap) >= FREE_BESIDE, (first, second)
+        assert math.hypot(*gap) >= beside, (first, second)
 
 
 def test_the_default_has_what_a_warehouse_has_within_the_walls():

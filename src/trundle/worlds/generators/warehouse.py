@@ -3,7 +3,8 @@
 The floor is `size` between the walls, centred on the origin. Rows of racks run along x. West of them is a loading area,
 east of them a cross aisle, and long rows have another cross aisle in the middle; along the north and the south wall
 runs a lane. Loose objects are only in the loading area and the lanes, with `FREE_BESIDE` clear on every side that is
-not against a wall, so that a robot of Nova Carter's size can reach every place between them and turn there.
+not against a wall, so that a robot of Nova Carter's size can reach every place between them and turn there. Where
+forklifts drive, all of that is at least `FORKLIFT_ROOM` wide.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ from trundle.worlds.world import World
 CROSS_AISLE = 2.4  # [m]: room to turn for Nova Carter, whose tail swings on a radius of 0.656 m
 LANE = 2.2  # least width of the lanes along the north and south walls [m]
 FREE_BESIDE = 1.6  # least free width beside loose objects [m]
+AISLE = 1.6  # [m]
+FORKLIFT_ROOM = 2.8  # [m]: for a forklift of `forklift_body`, which turns on the spot within a radius of 1.1 m
 RACK_DEPTH = 1.0  # [m]
 FLUE = 0.1  # gap between two racks that stand back to back [m]
 BAY = 2.7  # clear pitch of the uprights [m]
@@ -72,23 +75,35 @@ class _Layout:
     """Positions of the rows of racks.
 
     Attributes:
+        room: What has to be free everywhere [m], because of what drives there.
         floor: The floor between the walls.
         field: Bounds of all rows, with the aisles between them.
         rows: South edge and number of racks back to back (1 or 2) of each row.
         runs: West end and number of bays of each run of racks within a row.
     """
 
+    room: float
     floor: _Rect
     field: _Rect
     rows: tuple[tuple[float, int], ...]
     runs: tuple[tuple[float, int], ...]
+
+    @property
+    def cross_aisle(self) -> float:
+        """Width of the cross aisles [m]."""
+        return max(CROSS_AISLE, self.room)
+
+    @property
+    def beside(self) -> float:
+        """Least free width beside loose objects [m]."""
+        return max(FREE_BESIDE, self.room)
 
 
 def generate_warehouse(
     *,
     seed: int = 0,
     size: Sequence[float] = (30.0, 20.0),
-    aisle_width: float = 1.6,
+    aisle_width: float | None = None,
     levels: int = 3,
     fill: float = 0.85,
     clutter: float = 1.0,
@@ -104,7 +119,7 @@ def generate_warehouse(
     Args:
         seed: The same seed and options make the same warehouse.
         size: Of the floor between the walls, along x and y [m], up to 100 each.
-        aisle_width: Between the faces of two rows of racks [m], 1 to 10.
+        aisle_width: Between the faces of two rows of racks [m], 1 to 10; none means 1.6, or 2.8 where forklifts drive.
         levels: Shelf levels per rack, 1 to 6.
         fill: Share of rack places that hold goods, 0 to 1.
         clutter: Number of loose objects, relative to the default; 0 (none) to 3.
@@ -112,7 +127,8 @@ def generate_warehouse(
         low_objects: Whether there are objects that a planar lidar does not see, such as empty pallets, forks, low
             boxes and empty shelves. Without them its beams meet every object at any height from 0.2 to 0.42 m, and
             forklifts that drive carry crates.
-        forklifts: Number of forklifts that drive to random places, as a `Crowd` named `forklifts`; 0 to 100.
+        forklifts: Number of forklifts that drive to random places, as a `Crowd` named `forklifts`; 0 to 100. With any,
+            lanes and cross aisles are at least 2.8 m wide, and so is what is free beside loose objects.
         people: Number of people who walk to random places, as a `Crowd` named `people`; 0 to 100.
         mover_speed: The fastest of them [m/s], 0.1 to 10.
         sees_robot: Whether they stop for the robot and go around it.
@@ -122,6 +138,10 @@ def generate_warehouse(
     """
     seed = check_seed("warehouse", seed)
     levels = check_whole("warehouse", "levels", levels, 1, 6)
+    forklifts = check_whole("warehouse", "forklifts", forklifts, 0, 100)
+    room = FORKLIFT_ROOM if forklifts else 0.0
+    if aisle_width is None:
+        aisle_width = max(AISLE, room)
     aisle_width = check_number("warehouse", "aisle_width", aisle_width, 1.0, 10.0)
     fill = check_number("warehouse", "fill", fill, 0.0, 1.0)
     clutter = check_number("warehouse", "clutter", clutter, 0.0, 3.0)
@@ -132,17 +152,12 @@ def generate_warehouse(
     movers = tuple(
         Crowd(name, count, kind, mover_speed, sees_robot, parts=parts)
         for name, kind, count, parts in (
-            (
-                "forklifts",
-                "forklift",
-                check_whole("warehouse", "forklifts", forklifts, 0, 100),
-                None if low_objects else forklift_body(loaded=True),
-            ),
+            ("forklifts", "forklift", forklifts, None if low_objects else forklift_body(loaded=True)),
             ("people", "person", check_whole("warehouse", "people", people, 0, 100), None),
         )
         if count
     )
-    layout = _lay_out(check_size("warehouse", size, 1.0, MAX_SIZE), aisle_width)
+    layout = _lay_out(check_size("warehouse", size, 1.0, MAX_SIZE), aisle_width, room)
     rng = np.random.default_rng(seed)
     solids = _walls(layout.floor, wall_height)
     number = 0
@@ -167,26 +182,27 @@ def _row_depth(racks: int) -> float:
     return racks * RACK_DEPTH + (racks - 1) * FLUE
 
 
-def _lay_out(size: tuple[float, float], aisle: float) -> _Layout:
+def _lay_out(size: tuple[float, float], aisle: float, room: float) -> _Layout:
     length, width = size
-    least = (2.0 * CROSS_AISLE + _run_length(1), 2.0 * LANE + 2.0 * RACK_DEPTH + aisle)
+    cross, lane = max(CROSS_AISLE, room), max(LANE, room)
+    least = (2.0 * cross + _run_length(1), 2.0 * lane + 2.0 * RACK_DEPTH + aisle)
     if length < least[0] or width < least[1]:
         raise WorldError(
             f"warehouse: size {length:g} x {width:g} m has no room for two rows of racks with an aisle of {aisle:g} m "
             f"and room to turn at their ends; make it at least {least[0]:.1f} x {least[1]:.1f} m"
         )
     floor = _Rect(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0)
-    loading = min(8.0, max(CROSS_AISLE, 0.22 * length, min(0.4 * length, 6.0)))
-    loading = min(loading, length - CROSS_AISLE - _run_length(1))
-    room = length - loading - CROSS_AISLE
-    bays = int((room - _POST - 2.0 * _GUARD) / BAY)
+    loading = min(8.0, max(cross, 0.22 * length, min(0.4 * length, 6.0)))
+    loading = min(loading, length - cross - _run_length(1))
+    left = length - loading - cross
+    bays = int((left - _POST - 2.0 * _GUARD) / BAY)
     west = floor.x0 + loading
     runs: list[tuple[float, int]] = [(west, bays)]
     if bays >= _ROWS_SPLIT_AT:
-        bays = int((room - CROSS_AISLE - 2.0 * (_POST + 2.0 * _GUARD)) / BAY)
+        bays = int((left - cross - 2.0 * (_POST + 2.0 * _GUARD)) / BAY)
         first = bays // 2
-        runs = [(west, first), (west + _run_length(first) + CROSS_AISLE, bays - first)]
-    racks = _racks_in_rows(width - 2.0 * LANE, aisle)
+        runs = [(west, first), (west + _run_length(first) + cross, bays - first)]
+    racks = _racks_in_rows(width - 2.0 * lane, aisle)
     depth = sum(_row_depth(count) for count in racks) + (len(racks) - 1) * aisle
     south = -depth / 2.0
     rows: list[tuple[float, int]] = []
@@ -194,7 +210,7 @@ def _lay_out(size: tuple[float, float], aisle: float) -> _Layout:
         rows.append((south, count))
         south += _row_depth(count) + aisle
     east = runs[-1][0] + _run_length(runs[-1][1])
-    return _Layout(floor, _Rect(west, -depth / 2.0, east, depth / 2.0), tuple(rows), tuple(runs))
+    return _Layout(room, floor, _Rect(west, -depth / 2.0, east, depth / 2.0), tuple(rows), tuple(runs))
 
 
 def _racks_in_rows(room: float, aisle: float) -> list[int]:
@@ -367,16 +383,15 @@ class _Clutter:
         return x, y
 
     def _fits(self, rect: _Rect) -> bool:
-        floor, field = self._layout.floor, self._layout.field
+        floor, field, beside = self._layout.floor, self._layout.field, self._layout.beside
         gaps = (rect.x0 - floor.x0, rect.y0 - floor.y0, floor.x1 - rect.x1, floor.y1 - rect.y1)
-        if any(gap < 0.05 or 0.1 < gap < FREE_BESIDE for gap in gaps):
+        if any(gap < 0.05 or 0.1 < gap < beside for gap in gaps):
             return False
         along, across = _gap(rect.x0, rect.x1, field.x0, field.x1), _gap(rect.y0, rect.y1, field.y0, field.y1)
-        if along < CROSS_AISLE and across < FREE_BESIDE:
+        if along < self._layout.cross_aisle and across < beside:
             return False
         return all(
-            math.hypot(_gap(rect.x0, rect.x1, other.x0, other.x1), _gap(rect.y0, rect.y1, other.y0, other.y1))
-            >= FREE_BESIDE
+            math.hypot(_gap(rect.x0, rect.x1, other.x0, other.x1), _gap(rect.y0, rect.y1, other.y0, other.y1)) >= beside
             for other in self._taken
         )
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, wrap_angles
@@ -26,10 +27,10 @@ _TRIES = 400
 _PLACINGS = 20  # of a whole crowd, where the first to be placed leave no room for the last
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _LEAST_RETREAT_M = 1.5  # the same for one who is stuck
-_RETREATS = 12  # places that one who is stuck chooses from
+_RETREATS = 12  # places that one who is stuck looks at
 _BLOCKING_M = 0.5  # those who are nearer than this block it
 _THERE_M = 0.4
-_STUCK_S = 4.0  # one that gets nowhere for so long goes elsewhere
+_STUCK_S = 2.0  # one that gets nowhere for so long goes elsewhere
 _SLOW = 0.1  # [m/s]
 _SWING_M = 0.2  # bodies that are farther from the robot's circle do not swing into it [m]
 _TURN, _STEER = 4.0, 1.2  # how fast those who step aside, and those who steer, turn [rad/s]
@@ -158,29 +159,33 @@ class CrowdWalk:
             for state, other in zip(states, self._mover_radii.tolist(), strict=True)
         )
 
-    def _draw_goal(self, index: int, number: int, blockers: FloatArray | None = None) -> None:
-        """Draw where one goes.
+    def _draw_goal(self, index: int, number: int) -> None:
+        """Draw where one goes."""
+        floor = self._floors[index]
+        cell = self._far_cell(floor, self._rngs[index], self._from[number, :2], _LEAST_WALK_M)
+        self._go_to(index, number, cell, floor.field_to(cell))
 
-        Args:
-            index: Of the crowd.
-            number: Of the member.
-            blockers: Directions of those who block it, unit vectors, shape (K, 2): of some places it takes the one
-                whose path leads most away from all of them.
-        """
-        floor, rng = self._floors[index], self._rngs[index]
-        here = self._from[number, :2]
-        stuck = blockers is not None and len(blockers) > 0
-        walk, tries = (_LEAST_RETREAT_M, _RETREATS) if stuck else (_LEAST_WALK_M, 1)
-        least = math.inf
-        for _ in range(tries):
-            cell = self._far_cell(floor, rng, here, walk)
-            field = floor.field_to(cell)
-            towards = float((blockers @ (floor.ahead(here[None], field[None])[0] - here)).max()) if stuck else 0.0
-            if towards < least:
-                least = towards
-                self._goals[number] = floor.middles_of(cell)
-                self._fields[index][number - self._slices[index].start] = field
-        self._waits[number] = 0.0
+    def _back_out(self, index: int, number: int) -> None:
+        """Draw where one who is stuck goes: where it gets without passing those next to it, if there is any."""
+        floor, here = self._floors[index], self._from[number, :2]
+        apart = np.hypot(*(self._from[:, :2] - here).T)
+        least = self._radii + self._radii[number]
+        near = (apart < least + _BLOCKING_M) & (apart > 0.0)
+        if not near.any():
+            self._draw_goal(index, number)
+            return
+        discs = np.column_stack([self._from[near, :2], np.minimum(least[near], apart[near] - floor.resolution)])
+        reached = floor.field_to(floor.cells_of(here[None])[0], discs)
+        for choice in self._rngs[index].integers(len(floor.free), size=_RETREATS).tolist():
+            cell = floor.free[choice]
+            is_far = math.hypot(*(floor.middles_of(cell) - here)) >= _LEAST_RETREAT_M
+            if is_far and math.isfinite(reached[cell[0], cell[1]]):
+                self._go_to(index, number, cell, floor.field_to(cell, discs))
+                return
+
+    def _go_to(self, index: int, number: int, cell: IndexArray, field: npt.NDArray[np.float32]) -> None:
+        self._goals[number] = self._floors[index].middles_of(cell)
+        self._fields[index][number - self._slices[index].start] = field
 
     @staticmethod
     def _far_cell(floor: WalkableFloor, rng: np.random.Generator, here: FloatArray, walk: float) -> IndexArray:
@@ -191,13 +196,6 @@ class CrowdWalk:
                 break
             cell = floor.free[int(rng.integers(len(floor.free)))]
         return cell
-
-    def _blockers_of(self, number: int) -> FloatArray:
-        """Directions of those next to one, unit vectors, shape (K, 2)."""
-        offset = self._from[:, :2] - self._from[number, :2]
-        apart = np.hypot(offset[:, 0], offset[:, 1])
-        near = (apart < self._radii + self._radii[number] + _BLOCKING_M) & (apart > 0.0)
-        return offset[near] / apart[near, None]
 
     def _next(self, robot: RobotMotion | None) -> FloatArray:
         """The state a period later; its velocities are those of the period between."""
@@ -241,7 +239,7 @@ class CrowdWalk:
         there = np.hypot(*(self._goals - points).T) < np.maximum(_THERE_M, self._radii)
         for index, part in enumerate(self._slices):
             for number in np.flatnonzero(there[part] | (self._waits[part] > _STUCK_S)) + part.start:
-                self._draw_goal(index, int(number), None if there[number] else self._blockers_of(int(number)))
+                (self._draw_goal if there[number] else self._back_out)(index, int(number))
                 # Two who block each other do not both try again at the same time, and those who steer turn first.
                 turning = math.pi / _STEER if self._steers[number] else 0.0
                 self._waits[number] = -float(self._rngs[index].uniform(0.0, _STUCK_S)) - turning

@@ -90,10 +90,30 @@ class WalkableFloor:
         cells = self.cells_of(points)
         return self._costs[cells[:, 0], cells[:, 1]] != _WALL
 
-    def field_to(self, cell: IndexArray) -> npt.NDArray[np.float32]:
-        """Cost of the cheapest path from every cell to one, infinity where there is none."""
-        _, field = cost_field(self._costs, cell.reshape(1, 2), 8, 1, None, None)
+    def field_to(self, cell: IndexArray, discs: FloatArray | None = None) -> npt.NDArray[np.float32]:
+        """Cost of the cheapest path from every cell to one, infinity where there is none.
+
+        Args:
+            cell: (row, col).
+            discs: (x, y, radius) [m] that the path goes round, shape (K, 3).
+        """
+        costs = self._costs if discs is None or len(discs) == 0 else self._without(discs)
+        _, field = cost_field(costs, cell.reshape(1, 2), 8, 1, None, None)
         return field if field is not None else np.full(self._costs.shape, np.inf, dtype=np.float32)
+
+    def _without(self, discs: FloatArray) -> npt.NDArray[np.uint8]:
+        """What the cells cost without those in discs."""
+        costs = self._costs.copy()
+        cells = self.cells_of(discs[:, :2]).tolist()
+        for (x, y, radius), (row, col) in zip(discs.tolist(), cells, strict=True):
+            reach = math.ceil(radius / self.resolution) + 1
+            rows, cols = (np.arange(max(0, at - reach), at + reach + 1) for at in (row, col))
+            rows, cols = rows[rows < costs.shape[0]], cols[cols < costs.shape[1]]
+            away_x = (cols + 0.5) * self.resolution + self._corner[0] - x
+            away_y = (rows + 0.5) * self.resolution + self._corner[1] - y
+            inside = np.hypot(away_x, away_y[:, None]) < radius
+            costs[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1][inside] = _WALL
+        return costs
 
     def ahead(self, points: FloatArray, fields: npt.NDArray[np.float32]) -> FloatArray:
         """Points [m] a little ahead on the path down each one's field, shape (N, 2); fields (N, rows, cols)."""
