@@ -43,7 +43,16 @@ def test_a_push_that_is_over_spares_nothing_more():
     steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *slides, (("rack",), 0.3, STAND)]
     assert not make_log(*steps).contacts
     steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *(12 * slides), (("rack",), 0.3, STAND)]
-    assert tuple(make_log(*steps).contacts) == ("rack",)
+    assert not make_log(*steps).contacts
+    stops, drives, again = (
+        [((), 0.0, STAND)],
+        [((), 0.4, Twist2D(0.4, 0.0))],
+        [((), 0.4, STAND), (("rack",), 0.3, STAND)],
+    )
+    for ends in (stops, drives):
+        steps = [((), 0.0, STAND), (("cart",), 0.4, STAND), *(12 * slides), *ends, *again]
+        assert not make_log(*steps[:2], *steps[-3:]).contacts  # at once
+        assert tuple(make_log(*steps).contacts) == ("rack",)
 
 
 def test_what_it_is_pushed_against_at_once_is_spared_too():
@@ -62,3 +71,11 @@ def test_what_it_leans_against_after_a_push_is_the_same_touch_until_it_has_moved
     assert tuple(make_log(*pushed, (("shelf",), 0.01, creeps)).contacts) == ("shelf",)
     assert tuple(make_log(*pushed, ((), 0.2, creeps), (("rack",), 0.2, creeps)).contacts) == ("rack",)
     assert tuple(make_log(*pushed, (("rack",), 0.01, creeps), moved_m=0.1).contacts) == ("rack",)
+
+
+def test_a_robot_that_slides_back_after_a_push_touches_nothing_by_itself():
+    pushed = [((), 0.0, STAND), (("cart",), 0.4, STAND)]
+    waits = [((), 0.0, STAND)]
+    assert not make_log(*pushed, *(40 * waits), (("rack",), 0.1, STAND)).contacts
+    assert tuple(make_log(*pushed, *(40 * waits), (("rack",), 0.0, Twist2D(0.01, 0.0))).contacts) == ("rack",)
+    assert tuple(make_log(*pushed, *(80 * waits), (("rack",), 0.1, STAND)).contacts) == ("rack",)

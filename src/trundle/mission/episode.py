@@ -82,7 +82,8 @@ class Metrics:
             either, or nothing was measured.
         standing_contacts: Names of moving obstacles that ran into the robot while it stood: its true speeds were below
             0.05 m/s and 0.05 rad/s when the touch began; and of what they pushed it against while it stood so, or while
-            its commands were to stand, until it has moved on by 0.05 m. They do not end a run.
+            its commands were to stand, until it has moved on by 0.05 m. A robot is pushed until it does what it is told
+            again, and 0.5 s at least; while it stands and is told to, 3 s. They do not end a run.
         unseen_contacts: Those of `contacts` and `standing_contacts` that no lidar could have seen, as the plane of none
             that sent a scan crosses them; empty without scans.
         position_error_m: Distance [m] from the true position to the estimated one at the end; 0 without a localizer.

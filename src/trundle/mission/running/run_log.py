@@ -21,11 +21,14 @@ _STANDING_V = 0.05
 _STANDING_W = 0.05
 """A robot whose speeds [m/s, rad/s] are below these stands."""
 _PUSH_S = 0.5
-"""A robot that something has run into slides on, and is touched again."""
+"""A robot that something has run into is touched again for so long [s], and for as long as it does not move as told."""
+_SETTLE_S = 3.0
+"""So long after that [s] it may slide or tip back while it stands, and touch something."""
 _SAME_PLACE_M = 0.05
 """A robot that was pushed against something, and is still within this of there, goes on touching it."""
 
 
+_STAND = Twist2D()
 _PATH = Trajectory.columns().index("path")
 
 
@@ -59,8 +62,9 @@ class RunLog:
         self._touching: frozenset[str] = frozenset()
         self._spared: frozenset[str] = frozenset()
         self._pushed_at = -math.inf
+        self._is_pushed = False
         self._spared_at: dict[str, tuple[float, Pose2D]] = {}
-        self._twist = Twist2D()
+        self._twist = _STAND
         self._lidars: set[str] = set()
         self._stopped = False
 
@@ -92,6 +96,8 @@ class RunLog:
         )
         if state.contacts or self._touching:
             self._note_contacts(state, sent)
+        if not state.contacts and _stands(Twist2D(state.twist.v - sent.v, state.twist.w - sent.w)):
+            self._is_pushed = False
         if state.scans:
             self._lidars.update(scan.lidar for scan in state.scans)
         self._twist = state.twist
@@ -137,11 +143,13 @@ class RunLog:
         # A touch that broke off for a moment is the same touch.
         spared |= {name for name in new if self._touches_again(name, state, stood=stood)}
         # What pushes the robot may press it against something in the same period.
-        if (stood or _stands(sent)) and (spared & movers or state.time - self._pushed_at <= _PUSH_S):
+        since_s = state.time - self._pushed_at
+        is_pushed = self._is_pushed or since_s <= _PUSH_S or (stood and sent == _STAND and since_s <= _SETTLE_S)
+        if (stood or _stands(sent)) and (spared & movers or is_pushed):
             spared |= new
         self._spared = frozenset() if self._every_contact else frozenset(spared)
         if self._spared:
-            self._pushed_at = state.time
+            self._pushed_at, self._is_pushed = state.time, True
             self._spared_at.update(dict.fromkeys(self._spared, (state.time, state.pose)))
         self._touching = names
         self.hit = None
