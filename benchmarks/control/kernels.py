@@ -98,11 +98,12 @@ def make_request(boxes: int, movers: int) -> oracle.Request:
 
 
 def mover_table(request: oracle.Request) -> npt.NDArray[np.float32]:
-    """x, y, peak, slope, weight, certainty by step and mover, as the kernel makes them."""
+    """x, y, peak, slope, weight, what a contact costs by step and mover, as the kernel makes them."""
     cell, dt = request.resolution, request.model[0]
     radius = request.discs[:, 1].max()
     rows: list[list[float]] = []
-    for t in dt * np.arange(1, request.steps + 1):
+    for step in range(request.steps):
+        t, soon = dt * (step + 1), 1.0 - 0.5 * step / request.steps
         for x, y, vx, vy, own, place, velocity in request.movers:
             variance = place + velocity * t * t
             touch = (own + radius) / cell
@@ -110,7 +111,7 @@ def mover_table(request: oracle.Request) -> npt.NDArray[np.float32]:
             slope = 1.0 / (reach**2 - touch**2)
             certainty = touch**2 / (touch**2 + 2.0 * variance / cell**2)
             weight = request.weights[9] * certainty * dt
-            rows.append([(x + vx * t) / cell, (y + vy * t) / cell, reach**2 * slope, slope, weight, certainty])
+            rows.append([(x + vx * t) / cell, (y + vy * t) / cell, reach**2 * slope, slope, weight, certainty * soon])
     return np.array(rows, np.float32).reshape(-1, 6)
 
 
