@@ -57,9 +57,9 @@ class MonitorSettings(Config):
         moving_clearance: A command that takes the robot away passes only if nothing that moves comes nearer than this
             [m]: a robot that is about to be touched anyway stands.
         moving_time: How far ahead that is looked [s].
-        moving_hold: For so long [s] after such a stop the robot stands on where anything is nearer than
-            `moving_padding`, unless the command takes it away: what passes or turns beside the robot seems to stand for
-            a moment, and may come round. Commands that a controller's intention begins with are not held.
+        moving_hold: For so long [s] after such a stop the robot stands on, unless the command takes it away: what turns
+            beside the robot seems to stand for a moment, and is about to come round. Commands that a controller's
+            intention begins with are not held.
         simulation_time_step: Between two poses that are tested on the way [s].
         min_points: So many points of scans count as something.
         source_timeout: A lidar that is silent for longer than this [s] stops the robot.
@@ -76,7 +76,7 @@ class MonitorSettings(Config):
     moving_padding: NotNegative = 0.4
     moving_clearance: NotNegative = 0.15
     moving_time: NotNegative = 0.8
-    moving_hold: NotNegative = 1.5
+    moving_hold: NotNegative = 0.5
     simulation_time_step: Positive = 0.05
     min_points: Annotated[int, Field(ge=1)] = 3
     source_timeout: Positive = 1.0
@@ -242,7 +242,7 @@ class CollisionMonitor:
         if settings.moving_padding <= 0.0 or command == _STAND:
             return None
         intended = self._intends(command)
-        is_held = now < self._held_until and not intended and self._has_near(points)
+        is_held = now < self._held_until and not intended
         moving = np.flatnonzero((points.velocities != 0.0).any(axis=1))
         if len(moving) < settings.min_points:
             return self._nearest(points.places) if is_held else None
@@ -263,15 +263,6 @@ class CollisionMonitor:
         elif not is_held:
             return None
         return int(moving[self._nearest(places)])
-
-    def _has_near(self, points: Points) -> bool:
-        """Whether anything is nearer to the footprint than `moving_padding`."""
-        padding = self.settings.moving_padding
-        near = points.within(*box_around(self._robot.planar, _AT_HERE, padding))
-        if len(near.places) < self.settings.min_points:
-            return False
-        apart = np.sort(self._edges.distances(near.places, _AT_HERE)[0])
-        return bool(apart[self.settings.min_points - 1] < padding)
 
     def _nearest(self, places: FloatArray) -> int:
         """Index of the place that is nearest to the footprint."""
