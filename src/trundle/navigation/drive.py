@@ -61,8 +61,9 @@ class Drive:
         self.speed_limit = math.inf
         self.progress_checker.reset()
 
-    def count_reason(self, reason: str) -> None:
-        """Count, and say, why the controller makes no progress in this control period; "" where it does."""
-        if reason:
-            self.standing_reasons[reason] = self.standing_reasons.get(reason, 0) + 1
-            self.message = self.message or reason
+
+def count_reason(drive: Drive, reason: str) -> None:
+    """Count, and say, why the controller makes no progress in this control period; "" where it does."""
+    if reason:
+        drive.standing_reasons[reason] = drive.standing_reasons.get(reason, 0) + 1
+        drive.message = drive.message or reason

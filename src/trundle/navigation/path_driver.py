@@ -8,7 +8,7 @@ from trundle.errors import NoValidControlError
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.command_check import CommandCheck
-from trundle.navigation.drive import Drive, Now
+from trundle.navigation.drive import Drive, Now, count_reason
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
@@ -55,7 +55,7 @@ class PathDriver:
             drive.status = NavigationStatus.STUCK
             return _STAND
         if (replanner.followed is None or replanner.tries.pending) and not replanner.plan_first(now):
-            drive.count_reason(replanner.standing_reason)
+            count_reason(drive, replanner.standing_reason)
             return _STAND
         recovering = self._runner.is_recovering
         if held and not replanner.obstacle.gives_up:  # what stops the robot may move away
@@ -86,7 +86,7 @@ class PathDriver:
         if command != _STAND and (command := slow_down(command, self._replanner.fastest)) == _STAND:
             blocked = self._why_waiting("blocked by a mover")
         reason = getattr(controller, "reason", "") or blocked
-        drive.count_reason(reason)
+        count_reason(drive, reason)
         return self._recovery.watch(self._check.cut(command, now), now, reason)
 
     def _why_waiting(self, reason: str) -> str:
