@@ -145,17 +145,20 @@ def main() -> None:
 
 
 def _summary(rows: list[tuple[Drive, Drive]], room: float) -> str:
+    def mean(name: str, which: int) -> float:
+        return float(np.mean([getattr(row[which], name) for row in rows]))
+
     def ratio(name: str) -> float:
-        one, other = (np.mean([getattr(row[which], name) for row in rows]) for which in (0, 1))
-        return float(other / one)
+        return mean(name, 1) / mean(name, 0)
 
     arrived = sum(row[1].status == "arrived" and not row[1].contact for row in rows)
     least = [min(row[which].clearance for row in rows) for which in (1, 0)]
     roomy = [row[1].clearance for row in rows if row[1].at_ends >= room]
     ticks = float(np.median([row[1].tick_ms for row in rows]))
     return (
-        f"{arrived} of {len(rows)} arrived without contact; time {ratio('seconds'):.3f}, jerk {ratio('jerk'):.3f}, "
-        f"turning jerk {ratio('turning_jerk'):.3f} of the other's; smallest clearance {least[0]:.3f} m "
+        f"{arrived} of {len(rows)} arrived without contact; time {ratio('seconds'):.3f}, jerk {ratio('jerk'):.3f} "
+        f"({mean('jerk', 1):.3f} m/s³), turning jerk {ratio('turning_jerk'):.3f} ({mean('turning_jerk', 1):.3f} rad/s³) of "
+        f"the other's; smallest clearance {least[0]:.3f} m "
         f"({least[1]:.3f} m), {min(roomy, default=np.nan):.3f} m in the {len(roomy)} with room "
         f"at both ends; tick {ticks:.2f} ms"
     )
