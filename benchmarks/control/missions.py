@@ -157,8 +157,8 @@ def _summary(rows: list[tuple[Drive, Drive]], room: float) -> str:
     ticks = float(np.median([row[1].tick_ms for row in rows]))
     return (
         f"{arrived} of {len(rows)} arrived without contact; time {ratio('seconds'):.3f}, jerk {ratio('jerk'):.3f} "
-        f"({mean('jerk', 1):.3f} m/s³), turning jerk {ratio('turning_jerk'):.3f} ({mean('turning_jerk', 1):.3f} rad/s³) of "
-        f"the other's; smallest clearance {least[0]:.3f} m "
+        f"({mean('jerk', 1):.3f} m/s³), turning jerk {ratio('turning_jerk'):.3f} "
+        f"({mean('turning_jerk', 1):.3f} rad/s³) of the other's; smallest clearance {least[0]:.3f} m "
         f"({least[1]:.3f} m), {min(roomy, default=np.nan):.3f} m in the {len(roomy)} with room "
         f"at both ends; tick {ticks:.2f} ms"
     )
