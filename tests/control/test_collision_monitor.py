@@ -78,6 +78,14 @@ def test_it_lets_the_robot_drive_along_a_wall_close_by():
     assert report.action == "none"
 
 
+def test_it_does_not_creep_into_what_it_approaches():
+    slow = Twist2D(0.1, 0.0)
+    near = check(slow, wall_ahead(0.05))
+    assert near.action == "approach"
+    assert 0.02 <= near.command.v < 0.1
+    assert check(slow, wall_ahead(0.021)).command == Twist2D()
+
+
 def test_fewer_points_than_min_points_are_nothing():
     angles = np.array([-0.1, 0.0, 0.1, 1.0])
     two = Scan("front", 0.0, Pose2D(0, 0), 0.4, angles, np.array([9.0, 0.3, 0.3, 9.0]), 0.0, 12.0)

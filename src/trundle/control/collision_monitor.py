@@ -38,6 +38,7 @@ _MARGIN_M = 0.1
 _MOST_STEPS = 1000
 _MOVER_STEPS = 5
 _INTENT_S, _INTENT_STEPS = 2.0, 11
+_SLOWEST_MPS = 0.02  # of any point of the robot: slower, it would creep until the noise of a scan lets it touch
 _AT_HERE = np.zeros((1, 3))
 
 
@@ -230,7 +231,10 @@ class CollisionMonitor:
         if contact.time < math.inf and not (here <= 0.0 and leaves):
             share = self._share(contact, twist)
             slower = Twist2D(share * command.v, share * command.w)
-            return _report(slower, "approach" if share > 0.0 else "stop", contact.points, contact.index, contact.time)
+            if abs(slower.v) + abs(slower.w) * self._robot.circumscribed_radius < _SLOWEST_MPS:
+                slower = _STAND
+            action: MonitorAction = "stop" if slower == _STAND else "approach"
+            return _report(slower, action, contact.points, contact.index, contact.time)
         if here < settings.slowdown_padding and not leaves and command != _STAND:
             slower = Twist2D(settings.slowdown_ratio * command.v, settings.slowdown_ratio * command.w)
             return _report(slower, "slow", near, int(apart[0].argmin()), contact.time)
