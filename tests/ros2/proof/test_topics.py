@@ -162,9 +162,9 @@ def converse(bench: Bench, role: str, out: Path) -> Talk:
     for (topic, kind, _), lines in zip(commands, talking, strict=True):
         sent[topic, kind] = base64.b64decode(lines.next()["data"])
     graph = looking.next()
-    # Our reader finds a writer a moment after the writer has found it.
+    # Our reader finds a writer some time after the writer has found it: on a busy machine, seconds.
     listening.until(lambda line: line.get("topic") == "/odom" and line["value"]["twist"]["twist"]["linear"]["x"] > 0.1)
-    collect(listening, {"/odom"}, 50)
+    collect(listening, {"/odom"}, 300)
     ended = server.end()
     return Talk(bench.distro, role, offered, heard, late, sent, graph, recorded(out), ended, hashes(bench.ros))
 
