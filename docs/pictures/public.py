@@ -138,9 +138,9 @@ class Film:
                 low, high = (np.asarray(end)[:2] for end in solid.bounds())
                 view.polygon(np.array([low, (high[0], low[1]), high, (low[0], high[1])]), SOLID)
         goal = self._mission.goals[-1]
-        view.disc(goal[0], goal[1], 1.0, GOAL, outline=True)
+        view.disc(goal[0], goal[1], self._mission.navigator.settings.goal_tolerance, GOAL, outline=True)
         for mover in step.state.movers:
-            view.disc(mover.pose.x, mover.pose.y, 0.5, MOVER)
+            view.polygon(mover.pose.transform_points(mover.outline), MOVER)
         for point in self._scan[::4]:
             view.disc(point[0], point[1], 0.035, SCAN)
         sampled = self._controller.rollouts(40)
@@ -158,9 +158,13 @@ class Film:
         return view.finish()
 
 
-def film(suite: Suite, view: View, name: str, folder: Path, still_s: float) -> None:
-    """Drive the first episode of a suite, and write its animation and one of its frames."""
-    mission = EpisodeTask(suite).scenario_of(0).build()
+def first_of(suite: Suite) -> Mission:
+    """The first episode of a suite."""
+    return EpisodeTask(suite).scenario_of(0).build()
+
+
+def film(mission: Mission, view: View, name: str, folder: Path, still_s: float, *, every: int = 1) -> None:
+    """Drive a mission, and write its animation, of every so many frames, and one of its frames."""
     watcher = Film(mission, view)
     with mission:
         mission.run(observers=[watcher])
@@ -168,13 +172,12 @@ def film(suite: Suite, view: View, name: str, folder: Path, still_s: float) -> N
     still.quantize(64, COVERING).save(folder / f"{name}.png", optimize=True)
     small = [
         frame.resize((frame.width * 2 // 3, frame.height * 2 // 3), Image.Resampling.LANCZOS)
-        for frame in watcher.frames
+        for frame in watcher.frames[::every]
     ]
     colors = still.quantize(32, COVERING)
     first, *rest = [frame.quantize(palette=colors, dither=Image.Dither.NONE) for frame in small]
-    first.save(
-        folder / f"{name}.gif", save_all=True, append_images=rest, duration=round(1000 * FRAME_S), loop=0, optimize=True
-    )
+    lasts = round(1000 * FRAME_S * every)
+    first.save(folder / f"{name}.gif", save_all=True, append_images=rest, duration=lasts, loop=0, optimize=True)
 
 
 def main() -> None:
@@ -191,10 +194,10 @@ def main() -> None:
         robot = write_robot(place, benchmark_robot("jackal", speed=2.0, noise=0.01))
         drifting = Conditions(robots=[robot], controllers=["mppi"], seeds=1)
         barn = barn_suite(options.barn, drifting, numbers=[options.barn_world])
-        film(barn, View((-4.9, 2.4), (0.4, 14.2), 60.0), "barn", options.folder, 3.5)
+        film(first_of(barn), View((-4.9, 2.4), (0.4, 14.2), 60.0), "barn", options.folder, 3.5)
         moving = replace(drifting, seeds=[options.phase], drift=False, collision_monitor=False)
         suite = dynabarn_suite(options.dynabarn, moving, numbers=[options.dynabarn_world])
-        film(suite, View((-10.6, -10.6), (12.2, 10.6), 32.0), "dynabarn", options.folder, 4.0)
+        film(first_of(suite), View((-10.6, -10.6), (12.2, 10.6), 32.0), "dynabarn", options.folder, 4.0)
 
 
 if __name__ == "__main__":
