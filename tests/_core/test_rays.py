@@ -36,11 +36,29 @@ def test_what_has_moved_is_found_as_in_numpy():
     points = np.concatenate([rim + np.array((2.0, 0.5)), rim + np.array((2.0, -1.0)), wall])
     angles, here = np.linspace(-math.pi, math.pi, 720), np.zeros(3)
     through = np.where(np.abs(angles) < 0.5, 4.9, 0.0)
-    arguments = (points, here, earlier, here, angles, through, 0.5)
+    nowhere = np.zeros(720)
+    arguments = (points, here, angles, nowhere, earlier, here, angles, through, 0.5)
     velocities, moves, edges = find_moved(*arguments)
     assert moves
     assert velocities[:8] == pytest.approx(np.full((8, 2), (0.0, -2.0)))
     assert not velocities[8:].any()
+    for found, expected in zip((velocities, moves, edges), find_moved_slowly(*arguments), strict=True):
+        assert np.allclose(found, expected)
+
+
+@pytest.mark.parametrize("sees", ["what comes", "what leaves"])
+def test_all_of_a_thing_that_slides_along_the_beams_moves(sees):
+    """A wall of 2 m passes at 0.5 m; only its ends tell."""
+    earlier = np.column_stack([np.full(101, 0.5), np.linspace(-1.0, 1.0, 101)])
+    points, angles, here = earlier + (0.0, 0.3), np.linspace(-math.pi, math.pi, 720), np.zeros(3)
+    nothing, everywhere = np.full(720, -np.inf), np.full(720, 9.0)
+    ends = np.where(np.abs(angles) > math.atan2(1.05, 0.5), everywhere, nothing)
+    through = (nothing, ends) if sees == "what comes" else (np.where(angles < -math.atan2(0.75, 0.5), 9.0, -9.0), nothing)
+    arguments = (points, here, angles, through[0], earlier, here, angles, through[1], 0.25)
+    velocities, moves, edges = find_moved(*arguments)
+    assert moves
+    assert velocities == pytest.approx(np.full((101, 2), (0.0, 1.2)))
+    assert (len(edges) > 0) == (sees == "what comes")
     for found, expected in zip((velocities, moves, edges), find_moved_slowly(*arguments), strict=True):
         assert np.allclose(found, expected)
 
@@ -50,12 +68,13 @@ def test_what_has_moved_is_found_as_in_numpy():
     [
         (0, np.zeros((2, 3)), "points"),
         (1, np.zeros(2), "poses"),
-        (4, np.zeros(3), "a range for each angle"),
-        (6, 0.0, "one after the other"),
+        (2, np.zeros(3), "a range for each angle"),
+        (7, np.zeros(3), "a range for each angle"),
+        (8, 0.0, "one after the other"),
     ],
 )
 def test_scans_that_cannot_be_compared_are_refused(index, value, message):
-    arguments = [np.zeros((2, 2)), np.zeros(3), np.zeros((2, 2)), np.zeros(3), np.zeros(2), np.zeros(2), 0.25]
+    arguments = [*2 * [np.zeros((2, 2)), np.zeros(3), np.zeros(2), np.zeros(2)], 0.25]
     arguments[index] = value
     with pytest.raises(ValueError, match=message):
         find_moved(*arguments)

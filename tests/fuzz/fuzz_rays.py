@@ -105,12 +105,17 @@ def check_outlines(generator: random.Random) -> None:
     assert near[steady].all()
 
 
+def _beams(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Angles, ascending, and how far each beam saw."""
+    through = rng.choice([-np.inf, np.inf, 1.0, 5.0], count) + rng.uniform(0.0, 1.0, count)
+    return np.sort(rng.uniform(-math.pi, math.pi, count)), through
+
+
 def check_moved(generator: random.Random) -> None:
     """Clusters that have moved since an earlier scan, among others that have not, and points everywhere."""
     rng = rng_of(generator)
-    beams, seconds = generator.choice((0, 1, 2, 37, 360)), generator.uniform(0.2, 0.5)
-    angles = np.sort(rng.uniform(-math.pi, math.pi, beams))
-    through = rng.choice([-np.inf, np.inf, 1.0, 5.0], beams) + rng.uniform(0.0, 1.0, beams)
+    seconds = generator.uniform(0.2, 0.5)
+    beams = [_beams(rng, generator.choice((0, 1, 2, 37, 360))) for _ in range(2)]
     middles = rng.uniform(-6.0, 6.0, (generator.choice((0, 1, 8)), 2))
     shape = rng.uniform(-0.2, 0.2, (generator.choice((1, 4, 60)), 2)).cumsum(axis=0) * 0.3
     earlier = (middles[:, None] + shape).reshape(-1, 2)
@@ -118,7 +123,7 @@ def check_moved(generator: random.Random) -> None:
     if generator.random() < 0.3:
         points = rng.uniform(-6.0, 6.0, (generator.choice((0, 1, 5, 900)), 2))
     sensors = rng.uniform(-2.0, 2.0, (2, 3))
-    arguments = (points, sensors[0], earlier, sensors[1], angles, through, seconds)
+    arguments = (points, sensors[0], *beams[0], earlier, sensors[1], *beams[1], seconds)
     if generator.random() < 0.3:
         attempt(find_moved, spoil(generator, arguments))
         return

@@ -164,7 +164,9 @@ CALLS_OF: dict[str, Callable[[], Any]] = {
     "ScanTracker.see": lambda: TRACKER.see(0, 0.0, *TURN),
     "ScanTracker.tracks": lambda: TRACKER.tracks(0.5),
     "find_moved": lambda: _core.find_moved(
-        RIM + 0.3, np.zeros(3), RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0), 0.25
+        *(RIM + 0.3, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
+        *(RIM, np.zeros(3), np.linspace(-3.0, 3.0, 60), np.full(60, 9.0)),
+        0.25,
     ),
     "mark_scan": lambda: marked(_core.mark_scan, EVIDENCE, HIT_POINTS.copy(), HIT_TIMES.copy(), *SCAN),
     "unmark_before": lambda: marked(_core.unmark_before, MARKS, HIT_TIMES, 1.0, 5, 2),

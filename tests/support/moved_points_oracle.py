@@ -6,14 +6,16 @@ import math
 import numpy as np
 
 
-def find_moved(points, sensor, earlier, earlier_sensor, angles, through, seconds):
+def find_moved(points, sensor, angles, through, earlier, earlier_sensor, earlier_angles, earlier_through, seconds):
     """As the kernel of that name."""
-    appeared = _appeared(points, earlier_sensor, angles, through)
-    velocities, moves = _velocities(points, earlier, appeared, seconds)
-    return velocities, moves, _edges(points, sensor, earlier, appeared, seconds)
+    appeared = _seen_through(points, earlier_sensor, earlier_angles, earlier_through)
+    came = _runs(appeared, points, sensor)
+    left = _runs(_seen_through(earlier, sensor, angles, through), earlier, earlier_sensor)
+    velocities, moves = _velocities(points, earlier, appeared, came, left, seconds)
+    return velocities, moves, _edges(points, earlier, came, seconds)
 
 
-def _appeared(points, sensor, angles, through):
+def _seen_through(points, sensor, angles, through):
     if len(angles) == 0:
         return np.zeros(len(points), dtype=bool)
     dx, dy = points[:, 0] - sensor[0], points[:, 1] - sensor[1]
@@ -24,30 +26,37 @@ def _appeared(points, sensor, angles, through):
     return (np.hypot(dx, dy) + 0.1 < through[np.minimum(after, len(angles) - 1)]) & ~beyond
 
 
-def _velocities(points, earlier, appeared, seconds):
+def _runs(some, points, sensor):
+    runs = some.copy()
+    for shift in (1, -1):
+        runs &= np.roll(some, shift) | np.roll(some, 2 * shift) & np.roll(some, -shift)
+    return runs & (np.hypot(points[:, 0] - sensor[0], points[:, 1] - sensor[1]) <= 5.0)
+
+
+def _velocities(points, earlier, appeared, came, left, seconds):
     velocities, moves = np.zeros_like(points), False
-    old = [_extent(earlier[part]) for part in _things(earlier)]
-    middles = np.array([0.5 * (low + high) for low, high in old if math.dist(low, high) <= 3.0])
+    old = [(part, _extent(earlier[part])) for part in _things(earlier)]
+    old = [(part, 0.5 * (low + high)) for part, (low, high) in old if math.dist(low, high) <= 3.0]
     for part in _things(points):
-        count = int(appeared[part].sum())
-        if count < 3 or count < 0.3 * (part.stop - part.start) or len(middles) == 0:
-            continue
         low, high = _extent(points[part])
-        offsets = 0.5 * (low + high) - middles
-        velocity = offsets[int(np.hypot(offsets[:, 0], offsets[:, 1]).argmin())] / seconds
-        if math.dist(low, high) <= 3.0 and math.hypot(*velocity) <= 4.0:
+        length = part.stop - part.start
+        if length < 3 or math.dist(low, high) > 3.0 or not old:
+            continue
+        offsets = 0.5 * (low + high) - np.array([middle for _, middle in old])
+        nearest = int((offsets**2).sum(axis=1).argmin())
+        count = int(appeared[part].sum())
+        has_moved = count >= 3 and count >= 0.3 * length
+        has_moved = has_moved or came[part].sum() >= 3 or left[old[nearest][0]].sum() >= 3
+        velocity = offsets[nearest] / seconds
+        if has_moved and math.hypot(*velocity) <= 4.0:
             velocities[part] = velocity
             moves = True
     return velocities, moves
 
 
-def _edges(points, sensor, earlier, appeared, seconds):
+def _edges(points, earlier, came, seconds):
     nothing = np.zeros((0, 4))
-    runs = appeared.copy()
-    for shift in (1, -1):
-        runs &= np.roll(appeared, shift) | np.roll(appeared, 2 * shift) & np.roll(appeared, -shift)
-    runs &= np.hypot(points[:, 0] - sensor[0], points[:, 1] - sensor[1]) <= 5.0
-    index = np.flatnonzero(runs)
+    index = np.flatnonzero(came)
     if len(index) < 3 or len(earlier) == 0:
         return nothing
     points = points[index[:: max(1, math.ceil(len(index) / 200))]]

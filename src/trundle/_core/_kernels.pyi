@@ -546,10 +546,12 @@ def cast_outline_rays(
 def find_moved(
     points: npt.NDArray[np.float64],
     sensor: npt.NDArray[np.float64],
-    earlier: npt.NDArray[np.float64],
-    earlier_sensor: npt.NDArray[np.float64],
     angles: npt.NDArray[np.float64],
     through: npt.NDArray[np.float64],
+    earlier: npt.NDArray[np.float64],
+    earlier_sensor: npt.NDArray[np.float64],
+    earlier_angles: npt.NDArray[np.float64],
+    earlier_through: npt.NDArray[np.float64],
     seconds: float,
 ) -> tuple[npt.NDArray[np.float64], bool, npt.NDArray[np.float64]]:
     """What has moved since an earlier scan `seconds` ago, both of one lidar and in the order of its beams.

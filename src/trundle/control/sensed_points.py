@@ -66,8 +66,9 @@ class SensedPoints:
     """Keeps the scans of the last second and places them by the odometry at their own times.
 
     What moves is told from what stands by comparing two scans of a lidar that are a quarter of a second apart: where
-    the first one saw through, and the second one hits something, something has moved in. Its velocity is that of the
-    middle of its points. What turns on the spot has none, and its end is fast: points that have moved in also count
+    the first one saw through, and the second one hits something, something has moved in; and where the second one sees
+    through what the first one hit, it has moved away. All of it, also what slides along the beams, gets the velocity of
+    the middle of its points. What turns on the spot has none, and its end is fast: points that have moved in also count
     with their own velocity, from the nearest hit of the first scan.
 
     Args:
@@ -200,8 +201,7 @@ def _find_moved(seen: _Seen, before: _Seen) -> None:
     """Set the velocities and the edges of what has moved since an older scan."""
     seconds = seen.scan.time - before.scan.time
     own, old = np.array(seen.sensor.as_tuple()), np.array(before.sensor.as_tuple())
-    angles, through = before.through
-    found = _core.find_moved(seen.points, own, before.points, old, angles, through, seconds)
+    found = _core.find_moved(seen.points, own, *seen.through, before.points, old, *before.through, seconds)
     seen.velocities, seen.moves, edges = found
     seen.edges = (edges[:, :2], edges[:, 2:])
 

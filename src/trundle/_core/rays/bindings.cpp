@@ -7,6 +7,6 @@ void bind_rays(nanobind::module_ &m) {
   m.def("cast_grid_rays", &cast_grid_rays, arg("blocked"), arg("x"), arg("y"), arg("angles"), arg("reach"));
   m.def("cast_outline_rays", &cast_outline_rays, arg("segments"), arg("discs"), arg("x"), arg("y"), arg("first"),
         arg("step"), arg("count"), arg("reach"));
-  m.def("find_moved", &find_moved, arg("points"), arg("sensor"), arg("earlier"), arg("earlier_sensor"), arg("angles"),
-        arg("through"), arg("seconds"));
+  m.def("find_moved", &find_moved, arg("points"), arg("sensor"), arg("angles"), arg("through"), arg("earlier"),
+        arg("earlier_sensor"), arg("earlier_angles"), arg("earlier_through"), arg("seconds"));
 }

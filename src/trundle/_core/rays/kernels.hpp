@@ -16,9 +16,10 @@ nb::ndarray<nb::numpy, double> cast_outline_rays(In<double, 2> segments, In<doub
 
 // What has moved since an earlier scan of the same lidar, `seconds` ago, both of what they hit in the order of the beams:
 // a velocity for each point (0 for what stands), whether there is any, and (x, y, vx, vy) of points that have moved in.
-// `sensor` and `earlier_sensor` are poses (x, y, yaw); `angles` of the earlier beams are ascending, in its sensor's frame,
-// and `through` is how far each of them saw.
-nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 2> earlier, In<double, 1> earlier_sensor,
-                     In<double, 1> angles, In<double, 1> through, double seconds);
+// `sensor` is a pose (x, y, yaw); `angles` of its beams are ascending, in its frame, and `through` is how far each of
+// them saw.
+nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 1> angles, In<double, 1> through,
+                     In<double, 2> earlier, In<double, 1> earlier_sensor, In<double, 1> earlier_angles,
+                     In<double, 1> earlier_through, double seconds);
 
 }  // namespace trundle

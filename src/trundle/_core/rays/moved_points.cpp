@@ -1,6 +1,7 @@
-// What moves, by two scans of one lidar alone: hits that are where the earlier scan saw through. A thing that has moved
-// in gets the velocity of the middle of its box; what turns on the spot has none, so hits that have moved in also get
-// one each, from the nearest hit of the earlier scan.
+// What moves, by two scans of one lidar alone: hits that are where the earlier scan saw through, and hits of the earlier
+// scan that the later one sees through. A thing of which either is found gets the velocity of the middle of its box;
+// what turns on the spot has none, so hits that have moved in also get one each, from the nearest hit of the earlier
+// scan.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -75,58 +76,84 @@ std::vector<Thing> things_of(const Points &points) {
   return things;
 }
 
-// Which points are where an earlier scan from (x, y, yaw) saw through.
-std::vector<char> appeared_of(const Points &points, const double *sensor, const double *angles, const double *through,
-                              std::size_t beams) {
-  std::vector<char> appeared(points.count, 0);
-  if (beams == 0) {
-    return appeared;
+// One scan, placed: its hits, where its sensor was, and how far its beams saw.
+struct Seen {
+  Points points;
+  const double *sensor, *angles, *through;
+  std::size_t beams;
+};
+
+// Which points are where another scan saw through.
+std::vector<char> seen_through(const Points &points, const Seen &by) {
+  std::vector<char> found(points.count, 0);
+  if (by.beams == 0) {
+    return found;
   }
-  const double first = angles[0], last = angles[beams - 1];
-  const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(beams - 1, 1));
+  const double first = by.angles[0], last = by.angles[by.beams - 1];
+  const double spacing = (last - first) / static_cast<double>(std::max<std::size_t>(by.beams - 1, 1));
   for (std::size_t i = 0; i < points.count; ++i) {
-    const double dx = points.x(i) - sensor[0], dy = points.y(i) - sensor[1];
-    double rest = std::fmod(std::atan2(dy, dx) - sensor[2] - first, kTurn);
+    const double dx = points.x(i) - by.sensor[0], dy = points.y(i) - by.sensor[1];
+    double rest = std::fmod(std::atan2(dy, dx) - by.sensor[2] - first, kTurn);
     rest = rest < 0.0 ? rest + kTurn : rest;
     const double bearing = rest + first;
     if (bearing - last > 2.0 * spacing) {
       continue;
     }
-    const auto after = static_cast<std::size_t>(std::lower_bound(angles, angles + beams, bearing) - angles);
-    const double least = through[std::min(after, beams - 1)], limit = least - kSame;
+    const auto after = static_cast<std::size_t>(std::lower_bound(by.angles, by.angles + by.beams, bearing) - by.angles);
+    const double least = by.through[std::min(after, by.beams - 1)], limit = least - kSame;
     const int side = limit > kLeastLimit ? side_of(dx, dy, limit) : 0;
-    appeared[i] = side != 0 ? side < 0 : std::hypot(dx, dy) + kSame < least;
+    found[i] = side != 0 ? side < 0 : std::hypot(dx, dy) + kSame < least;
   }
-  return appeared;
+  return found;
 }
 
-// The velocities of things that have moved since an earlier scan; whether there are any.
-bool move_things(const Points &points, const Points &before, const std::vector<char> &appeared, double seconds,
+// Those of some points near the sensor that have two neighbours beside them among these.
+std::vector<char> runs_of(const std::vector<char> &some, const Points &points, const double *sensor) {
+  const std::size_t count = points.count;
+  std::vector<char> runs(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = [&](std::size_t ahead) { return some[(i + ahead) % count] != 0; };
+    const std::size_t back = count - 1, back2 = 2 * count - 2;
+    runs[i] = at(0) && (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back))) &&
+              is_within(points.x(i) - sensor[0], points.y(i) - sensor[1], kNear);
+  }
+  return runs;
+}
+
+bool has_run(const Thing &thing, const std::vector<char> &runs) {
+  return std::count(runs.begin() + static_cast<std::ptrdiff_t>(thing.first),
+                    runs.begin() + static_cast<std::ptrdiff_t>(thing.end), 1) >= static_cast<std::ptrdiff_t>(kLeastPoints);
+}
+
+// The velocities of things that have moved since an earlier scan; whether there are any. One that slides along the beams
+// shows it at its ends alone: at one it comes to where there was nothing, at the other it leaves.
+bool move_things(const Points &points, const Points &before, const std::vector<char> &appeared,
+                 const std::vector<char> &came, const std::vector<char> &left, double seconds,
                  std::vector<double> &velocities) {
-  bool moves = false, looked = false;
-  std::vector<Thing> old;
+  bool moves = false;
+  std::vector<Thing> old = things_of(before);
+  old.erase(std::remove_if(old.begin(), old.end(), [](const Thing &one) { return !one.is_small(); }), old.end());
   for (const Thing &thing : things_of(points)) {
+    if (old.empty() || thing.end - thing.first < kLeastPoints || !thing.is_small()) {
+      continue;
+    }
+    double least = kInfinity, vx = 0.0, vy = 0.0;
+    const Thing *nearest = nullptr;
+    for (const Thing &one : old) {
+      const double dx = thing.middle_x() - one.middle_x(), dy = thing.middle_y() - one.middle_y();
+      const double apart = dx * dx + dy * dy;
+      if (apart < least) {
+        least = apart, vx = dx / seconds, vy = dy / seconds, nearest = &one;
+      }
+    }
     std::size_t count = 0;
     for (std::size_t i = thing.first; i < thing.end; ++i) {
       count += appeared[i] ? 1 : 0;
     }
-    if (count < kLeastPoints || static_cast<double>(count) < kAppearedShare * static_cast<double>(thing.end - thing.first)) {
-      continue;
-    }
-    if (!looked) {
-      old = things_of(before);
-      old.erase(std::remove_if(old.begin(), old.end(), [](const Thing &one) { return !one.is_small(); }), old.end());
-      looked = true;
-    }
-    double least = kInfinity, vx = 0.0, vy = 0.0;
-    for (const Thing &one : old) {
-      const double dx = thing.middle_x() - one.middle_x(), dy = thing.middle_y() - one.middle_y();
-      const double apart = std::hypot(dx, dy);
-      if (apart < least) {
-        least = apart, vx = dx / seconds, vy = dy / seconds;
-      }
-    }
-    if (least < kInfinity && thing.is_small() && std::hypot(vx, vy) <= kFastest) {
+    const bool is_there = count >= kLeastPoints &&
+                          static_cast<double>(count) >= kAppearedShare * static_cast<double>(thing.end - thing.first);
+    if (nearest != nullptr && (is_there || has_run(thing, came) || has_run(*nearest, left)) &&
+        std::hypot(vx, vy) <= kFastest) {
       moves = true;
       for (std::size_t i = thing.first; i < thing.end; ++i) {
         velocities[2 * i] = vx, velocities[2 * i + 1] = vy;
@@ -136,16 +163,11 @@ bool move_things(const Points &points, const Points &before, const std::vector<c
   return moves;
 }
 
-// Runs of three points or more near the sensor that have appeared: (x, y, vx, vy) of each.
-std::vector<double> edges_of(const Points &points, const double *sensor, const Points &before,
-                             const std::vector<char> &appeared, double seconds) {
+// Points that have come to where there was nothing: (x, y, vx, vy) of each.
+std::vector<double> edges_of(const Points &points, const Points &before, const std::vector<char> &came, double seconds) {
   std::vector<std::size_t> index;
-  const std::size_t count = points.count;
-  for (std::size_t i = 0; i < count && before.count > 0; ++i) {
-    const auto at = [&](std::size_t ahead) { return appeared[(i + ahead) % count] != 0; };
-    const std::size_t back = count - 1, back2 = 2 * count - 2;
-    const bool run = at(0) && (at(back) || (at(back2) && at(1))) && (at(1) || (at(2) && at(back)));
-    if (run && is_within(points.x(i) - sensor[0], points.y(i) - sensor[1], kNear)) {
+  for (std::size_t i = 0; i < points.count && before.count > 0; ++i) {
+    if (came[i]) {
       index.push_back(i);
     }
   }
@@ -177,22 +199,31 @@ std::vector<double> edges_of(const Points &points, const double *sensor, const P
 
 }  // namespace
 
-nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 2> earlier, In<double, 1> earlier_sensor,
-                     In<double, 1> angles, In<double, 1> through, double seconds) {
+nb::tuple find_moved(In<double, 2> points, In<double, 1> sensor, In<double, 1> angles, In<double, 1> through,
+                     In<double, 2> earlier, In<double, 1> earlier_sensor, In<double, 1> earlier_angles,
+                     In<double, 1> earlier_through, double seconds) {
   if (points.shape(1) != 2 || earlier.shape(1) != 2) throw nb::value_error("find_moved needs points (x, y)");
   if (sensor.shape(0) != 3 || earlier_sensor.shape(0) != 3) throw nb::value_error("find_moved needs poses (x, y, yaw)");
-  if (angles.shape(0) != through.shape(0)) throw nb::value_error("find_moved needs a range for each angle");
+  if (angles.shape(0) != through.shape(0) || earlier_angles.shape(0) != earlier_through.shape(0)) {
+    throw nb::value_error("find_moved needs a range for each angle");
+  }
   if (!(seconds > 0.0)) throw nb::value_error("find_moved needs scans one after the other");
   const std::size_t count = points.shape(0);
   std::vector<double> velocities(2 * count, 0.0), edges;
   bool moves = false;
   {
     nb::gil_scoped_release released;
-    const Points now{points.data(), count}, before{earlier.data(), earlier.shape(0)};
-    const std::vector<char> appeared =
-        appeared_of(now, earlier_sensor.data(), angles.data(), through.data(), angles.shape(0));
-    moves = move_things(now, before, appeared, seconds, velocities);
-    edges = edges_of(now, sensor.data(), before, appeared, seconds);
+    const Seen now{{points.data(), count}, sensor.data(), angles.data(), through.data(), angles.shape(0)};
+    const Seen before{{earlier.data(), earlier.shape(0)},
+                      earlier_sensor.data(),
+                      earlier_angles.data(),
+                      earlier_through.data(),
+                      earlier_angles.shape(0)};
+    const std::vector<char> appeared = seen_through(now.points, before);
+    const std::vector<char> came = runs_of(appeared, now.points, now.sensor);
+    const std::vector<char> left = runs_of(seen_through(before.points, now), before.points, before.sensor);
+    moves = move_things(now.points, before.points, appeared, came, left, seconds, velocities);
+    edges = edges_of(now.points, before.points, came, seconds);
   }
   const std::size_t found = edges.size() / 4;
   return nb::make_tuple(to_numpy(std::move(velocities), {count, 2}), moves, to_numpy(std::move(edges), {found, 4}));
