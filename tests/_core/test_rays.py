@@ -50,10 +50,11 @@ def test_what_has_moved_is_found_as_in_numpy():
 def test_all_of_a_thing_that_slides_along_the_beams_moves(sees):
     """A wall of 2 m passes at 0.5 m; only its ends tell."""
     earlier = np.column_stack([np.full(101, 0.5), np.linspace(-1.0, 1.0, 101)])
-    points, angles, here = earlier + (0.0, 0.3), np.linspace(-math.pi, math.pi, 720), np.zeros(3)
+    points, angles, here = earlier + np.array((0.0, 0.3)), np.linspace(-math.pi, math.pi, 720), np.zeros(3)
     nothing, everywhere = np.full(720, -np.inf), np.full(720, 9.0)
     ends = np.where(np.abs(angles) > math.atan2(1.05, 0.5), everywhere, nothing)
-    through = (nothing, ends) if sees == "what comes" else (np.where(angles < -math.atan2(0.75, 0.5), 9.0, -9.0), nothing)
+    behind = np.where(angles < -math.atan2(0.75, 0.5), everywhere, nothing)
+    through = (nothing, ends) if sees == "what comes" else (behind, nothing)
     arguments = (points, here, angles, through[0], earlier, here, angles, through[1], 0.25)
     velocities, moves, edges = find_moved(*arguments)
     assert moves

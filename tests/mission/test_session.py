@@ -56,6 +56,22 @@ def test_stepping_a_session_is_a_run(make_sim, navigator, start):
         np.testing.assert_array_equal(getattr(episode.trajectory, name), getattr(expected.trajectory, name))
 
 
+def test_a_robot_that_is_knocked_over_is_stuck_at_once(room, navigator, start):
+    with MujocoSimulator(World.from_map(room), navigator.robot) as sim:
+        session = Session(sim, navigator, start, GOAL)
+        while session.time < 1.0:
+            session.step()
+        assert session.outcome is None
+        sim.data.qpos[3:7] = (math.cos(0.8), math.sin(0.8), 0.0, 0.0)
+        sim.data.qpos[2] += 0.5
+        session.step()
+        assert session.step() is None
+        episode = session.finish()
+    assert (episode.outcome, len(episode.trajectory)) == (Outcome.STUCK, 22)
+    assert episode.message.startswith("tipped over by 9")
+    assert episode.message.endswith("after 1.1 s")
+
+
 def test_a_step_has_what_the_agent_gets_and_does(make_sim, navigator, start):
     session = Session(make_sim(), navigator, start, GOAL)
     step = session.step()

@@ -226,6 +226,15 @@ def test_the_physics_breaking_down_is_an_error_and_leaves_no_log_file(tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
+def test_the_state_says_how_far_the_robot_is_tilted():
+    with MujocoSimulator(EMPTY, CARTER) as simulator:
+        simulator.reset(Pose2D(0.0, 0.0, 1.0))
+        assert simulator.step(Twist2D(0.4, 0.2), 0.05).tilt < 0.05
+        simulator.data.qpos[3:7] = (math.cos(0.75), math.sin(0.75), 0.0, 0.0)  # rolled by 1.5 rad
+        simulator.data.qpos[2] += 0.5
+        assert simulator.step(Twist2D(), 0.05).tilt == pytest.approx(1.5, abs=0.1)
+
+
 def test_options_out_of_range_are_refused():
     with pytest.raises(InputError, match=r"timestep 0\.5"):
         MujocoSimulator(EMPTY, CARTER, timestep=0.5)

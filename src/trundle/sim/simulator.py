@@ -97,6 +97,7 @@ class RobotState:
         odometry_twist: Twist from the speeds of the wheels, base_link; None where wheels never slip: then it is the
             true one.
         movers: The world's moving obstacles now.
+        tilt: Angle between the robot's vertical axis and the world's [rad]; 0 in a simulator without one.
     """
 
     time: float
@@ -109,6 +110,7 @@ class RobotState:
     scans: tuple[Scan, ...] = ()
     odometry_twist: Twist2D | None = None
     movers: tuple[MoverState, ...] = ()
+    tilt: float = 0.0
 
     @property
     def observation(self) -> Observation:

@@ -193,6 +193,8 @@ class Course:
             return Outcome.NO_PATH, str(self._unreachable)
         if now.hit is not None and self._stop_on_contact:
             return Outcome.COLLIDED, endings.describe_contact(now.hit, now.state.time)
+        if not self._waits and (ending := endings.tipped_over(now.state)) is not None:
+            return ending
         if self._count.is_near_last(now.state.pose, self._rules.arrival_radius):
             self._count.reached += 1
             return self._at_goal(now)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TypeAlias
 
@@ -12,6 +13,9 @@ from trundle.sim import Contact, RobotState
 
 Ending: TypeAlias = tuple[Outcome, str]
 """The outcome and its message."""
+
+_TIPPED_RAD = math.radians(70.0)
+"""No robot on wheels comes back from this tilt."""
 
 
 def at_goal(state: RobotState, estimate: Pose2D | None) -> Ending:
@@ -35,6 +39,14 @@ def timed_out(goals: Sequence[Goal], time_limit_s: float) -> Ending:
     """The time limit is over."""
     what = "goal not reached" if goals else "not finished"
     return Outcome.TIMED_OUT, f"{what} within {time_limit_s:.1f} s"
+
+
+def tipped_over(state: RobotState) -> Ending | None:
+    """Something has knocked the robot over, and its wheels no longer move it; None where it stands."""
+    if state.tilt < _TIPPED_RAD:
+        return None
+    tilt = f"{math.degrees(state.tilt):.0f}°"
+    return Outcome.STUCK, f"tipped over by {tilt} at {_words(state.pose)} after {state.time:.1f} s"
 
 
 def given_up(agent: Agent, state: RobotState) -> Ending | None:

@@ -311,6 +311,7 @@ class MujocoSimulator:
             scans=scans,
             odometry_twist=self._robot.twist(wheel_speeds),
             movers=() if self._movers is None else self._movers.field.states(),
+            tilt=_tilt(positions),
         )
 
 
@@ -320,6 +321,12 @@ def _planar(positions: list[float], speeds: list[float]) -> tuple[Pose2D, Twist2
     pose = Pose2D(x, y, math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
     vx, vy, _, _, _, w = speeds[:6]
     return pose, Twist2D(vx * math.cos(pose.yaw) + vy * math.sin(pose.yaw), w)
+
+
+def _tilt(positions: list[float]) -> float:
+    """Angle of the base's z axis from the vertical [rad], from the positions of all joints."""
+    _, qx, qy, _ = positions[3:7]
+    return math.acos(max(-1.0, 1.0 - 2.0 * (qx * qx + qy * qy)))
 
 
 def _wheel_addresses(model: mujoco.MjModel, robot: Robot) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -357,8 +364,7 @@ def _resting_state(robot: Robot, timestep: float, casters: Casters, *, mass: flo
     for _ in range(round(_SETTLE_S / timestep)):
         mujoco.mj_step(model, data)
     rest = data.qpos.copy()
-    upright = 1.0 - 2.0 * (rest[4] ** 2 + rest[5] ** 2)
-    if not (np.isfinite(rest).all() and upright > math.cos(_LARGEST_TILT)):
+    if not (np.isfinite(rest).all() and _tilt(rest.tolist()) < _LARGEST_TILT):
         raise RobotError(describe_imbalance(robot))
     # Settling determines height, roll and pitch; everything else starts at its given value.
     height = rest[2]
