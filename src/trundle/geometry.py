@@ -206,14 +206,18 @@ class Twist2D:
 def integrate_twist(x: float, y: float, yaw: float, v: float, w: float, dt: float) -> tuple[float, float, float]:
     """Drive a constant twist (v [m/s], w [rad/s]) for `dt` [s] along its exact arc; the yaw is not wrapped."""
     turn = w * dt
-    # sin(a)/a and (1 - cos(a))/a, by series for small angles, where they would cancel.
-    if abs(turn) < 1e-6:
-        along, across = 1.0 - turn * turn / 6.0, turn / 2.0
-    else:
-        along, across = math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
+    along, across = arc_shares(turn)
     cos, sin = math.cos(yaw), math.sin(yaw)
     step = v * dt
     return x + step * (cos * along - sin * across), y + step * (sin * along + cos * across), yaw + turn
+
+
+def arc_shares(turn: float) -> tuple[float, float]:
+    """Shares of its length that an arc which turns by `turn` [rad] leads ahead and to the left."""
+    # sin(a)/a and (1 - cos(a))/a, by series for small angles, where they would cancel.
+    if abs(turn) < 1e-6:
+        return 1.0 - turn * turn / 6.0, turn / 2.0
+    return math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,12 +79,15 @@ class ProgressChecker:
 
     def is_moving_on(self, pose: Pose2D, time: float) -> bool:
         """Whether the robot, at `pose` at `time` [s], has made progress within the allowance."""
-        moved = (
-            self._pose is None
-            or pose.distance_to(self._pose) >= self.required_movement_radius
-            or abs(wrap_angle(pose.yaw - self._pose.yaw)) >= self.required_movement_angle
-        )
-        if moved:
+        return self.standing_s(pose, time) <= self.movement_time_allowance
+
+    def standing_s(self, pose: Pose2D, time: float) -> float:
+        """For how long the robot, at `pose` at `time` [s], has made no progress [s]."""
+        last = self._pose
+        if (
+            last is None
+            or math.hypot(pose.x - last.x, pose.y - last.y) >= self.required_movement_radius
+            or abs(wrap_angle(pose.yaw - last.yaw)) >= self.required_movement_angle
+        ):
             self._pose, self._time = pose, time
-            return True
-        return time - self._time <= self.movement_time_allowance
+        return time - self._time

@@ -25,13 +25,15 @@ class BlockWatch:
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
+        self._driven, self._turned = _Sum(), _Sum()
+        self._asked_driven, self._asked_turned = _Sum(), _Sum()
         self.reset()
 
     def reset(self) -> None:
         """Start over from here."""
         self._seconds = 0.0
-        self._driven, self._turned = _Sum(), _Sum()
-        self._asked_driven, self._asked_turned = _Sum(), _Sum()
+        for total in (self._driven, self._turned, self._asked_driven, self._asked_turned):
+            total.reset()
 
     def is_blocked(self, command: Twist2D, twist: Twist2D) -> bool:
         """Whether the robot has made no progress, given one more command and its twist meanwhile."""
@@ -60,14 +62,21 @@ class _Sum:
         farthest: The largest that their sum has been, without its sign.
     """
 
+    __slots__ = ("_total", "_unsigned", "farthest")
+
     def __init__(self) -> None:
-        self.farthest = 0.0
-        self._total = self._unsigned = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Start over from 0."""
+        self.farthest = self._total = self._unsigned = 0.0
 
     def add(self, part: float) -> None:
+        """Add one."""
         self._total += part
         self._unsigned += abs(part)
-        self.farthest = max(self.farthest, abs(self._total))
+        if abs(self._total) > self.farthest:
+            self.farthest = abs(self._total)
 
     @property
     def leads_on(self) -> bool:

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from trundle.errors import InputError, SimulationError
-from trundle.geometry import FloatArray, Pose2D, Twist2D, integrate_twist
+from trundle.geometry import FloatArray, Pose2D, Twist2D, arc_shares
 from trundle.robots import Robot, WheelSpeeds
 from trundle.sim.footprint import FootprintChecker
 from trundle.sim.lidar import LidarChoice, LidarSet
@@ -133,10 +133,17 @@ class KinematicSimulator:
         poses: list[tuple[float, float, float]] = []
         x, y, yaw = self._pose
         left, right = self._wheels
+        last: Motion | None = None
+        length = turn = along = across = by_left = by_right = 0.0
         for motion in motions:
-            x, y, yaw = integrate_twist(x, y, yaw, motion.v, motion.w, self._timestep)
-            left += motion.left * self._timestep
-            right += motion.right * self._timestep
+            if motion is not last:  # a constant motion is one object, and its arcs are alike
+                last, length, turn = motion, motion.v * self._timestep, motion.w * self._timestep
+                by_left, by_right = motion.left * self._timestep, motion.right * self._timestep
+                along, across = arc_shares(turn)
+            cos, sin = math.cos(yaw), math.sin(yaw)
+            x, y, yaw = x + length * (cos * along - sin * across), y + length * (sin * along + cos * across), yaw + turn
+            left += by_left
+            right += by_right
             poses.append((x, y, yaw))
         if self.on_substep is not None:
             self._report_substeps(self.on_substep, poses, motions)

@@ -35,17 +35,15 @@ class ObstacleWatch:
 
     def __init__(self, wait_s: float, patience_s: float, mover_patience_s: float = 0.0) -> None:
         self._wait_s, self._back_up_s = wait_s, max(wait_s, PLAN_EVERY_S)
-        self._patience, self._mover_patience = (
-            ProgressChecker(required_movement_angle=7.0, movement_time_allowance=seconds)
-            for seconds in (patience_s, max(patience_s, mover_patience_s))
-        )
+        self._patience_s, self._mover_patience_s = patience_s, max(patience_s, mover_patience_s)
+        self._progress = ProgressChecker(required_movement_angle=7.0)
         self.reset()
 
     def reset(self) -> None:
         """Start over."""
-        self._patience.reset()
-        self._mover_patience.reset()
-        self._is_spent = self._is_mover_spent = self.beside_mover = False
+        self._progress.reset()
+        self._standing_s = 0.0
+        self.beside_mover = False
         self.clear()
 
     def clear(self) -> None:
@@ -66,7 +64,7 @@ class ObstacleWatch:
     @property
     def gives_up(self) -> bool:
         """Whether the robot has stood at one place for too long."""
-        return self._is_mover_spent if self.by_mover or self.beside_mover else self._is_spent
+        return self._standing_s > (self._mover_patience_s if self.by_mover or self.beside_mover else self._patience_s)
 
     @property
     def room_m(self) -> float:
@@ -120,5 +118,4 @@ class ObstacleWatch:
 
     def follow(self, pose: Pose2D, time: float) -> None:
         """Take where the robot is now [s]."""
-        self._is_spent = not self._patience.is_moving_on(pose, time)
-        self._is_mover_spent = not self._mover_patience.is_moving_on(pose, time)
+        self._standing_s = self._progress.standing_s(pose, time)
