@@ -76,7 +76,7 @@ def _rows(page: OpenPage) -> list[list]:
     rows: list[list] = []
     for message in page.got:
         if message["type"] == "log":
-            assert message["from"] == len(rows)
+            assert message.get("from", 0) == len(rows)
             rows += message["rows"]
     return rows
 

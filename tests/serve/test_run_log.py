@@ -34,6 +34,17 @@ def test_what_was_added_is_read_in_order_and_once() -> None:
     assert log.read(cursor) is None
 
 
+def test_what_comes_before_the_first_row_is_not_dropped_by_what_follows() -> None:
+    log = RunLog()
+    log.add([], [], [{"kind": "start"}])
+    first, cursor = log.read(0) or ("", 0)
+    log.add([[0.0, 1]], [], [{"kind": "plan"}])
+    second, _ = log.read(cursor) or ("", 0)
+    assert json.loads(first)["from"] == 0
+    assert "from" not in json.loads(second)
+    assert json.loads((log.read(0) or ("", 0))[0])["events"] == [{"kind": "start"}, {"kind": "plan"}]
+
+
 def test_a_client_that_comes_late_gets_everything_in_few_messages_of_limited_size() -> None:
     log = RunLog()
     rows = [[index / 20, index * 0.123456] for index in range(40_000)]

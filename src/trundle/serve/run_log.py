@@ -38,7 +38,8 @@ class RunLog:
     def read(self, cursor: int) -> tuple[str, int] | None:
         """The `log` message for a client whose cursor is here, and its next cursor; None where it has everything.
 
-        Cursors start at 0.
+        Cursors start at 0. A page takes "from": 0 for the beginning of everything: a message that goes on before there
+        are rows has none.
         """
         size, end = 0, cursor
         while end < len(self._chunks) and (end == cursor or size + len(self._chunks[end]) <= _BATCH_BYTES):
@@ -50,5 +51,6 @@ class RunLog:
         rows = ",".join(chunk.rows for chunk in part if chunk.rows)
         paths = ",".join(chunk.paths for chunk in part if chunk.paths)
         events = ",".join(chunk.events for chunk in part if chunk.events)
-        text = f'{{"type":"log","from":{part[0].first},"rows":[{rows}],"paths":[{paths}],"events":[{events}]}}'
+        first = f'"from":{part[0].first},' if cursor == 0 or part[0].first else ""
+        text = f'{{"type":"log",{first}"rows":[{rows}],"paths":[{paths}],"events":[{events}]}}'
         return text, end
