@@ -47,7 +47,6 @@ class MessageMaker:
         self._stamped_transform = kind("geometry_msgs/msg/TransformStamped")
         self._stamped_pose, self._twist = kind("geometry_msgs/msg/PoseStamped"), kind("geometry_msgs/msg/Twist")
         self._no_covariance = np.zeros(36)
-        self._still = self._vector(0.0, 0.0, 0.0)
         self._cost_values = cost_values()
         self._outlines: dict[tuple[tuple[float, float], ...], list[Any]] = {}
 

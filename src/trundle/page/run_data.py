@@ -47,7 +47,6 @@ class RunData:
 
     def __init__(self) -> None:
         self.lines: RunLines | None = None
-        self._info: RunInfo | None = None
         self._frames: _Thinned[dict[str, Any]] = _Thinned(_FRAME_S, _MOST_FRAME_BYTES)
         self._costmaps: _Thinned[Costmap] = _Thinned(_COSTMAP_S, _MOST_CELLS)
         self._shown: Costmap | None = None
@@ -58,7 +57,7 @@ class RunData:
 
     def on_start(self, run: RunInfo) -> None:
         """Begin."""
-        self.lines, self._info = RunLines(run), run
+        self.lines = RunLines(run)
 
     def on_step(self, step: Step) -> None:
         """Keep a step."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
@@ -14,9 +14,6 @@ from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.files.yaml_config import Config, load_config
 from trundle.robots import Robot
 from trundle.robots.parts import Lidar
-
-ProfileName: TypeAlias = Literal["carter_navigation", "turtlebot3", "plain"]
-"""Profiles that come along."""
 
 OptionalName: TypeAlias = str | None
 """A topic; none is not published."""

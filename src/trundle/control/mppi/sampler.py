@@ -18,6 +18,7 @@ from trundle.robots import Robot
 _BLOCK = 16
 _CALM, _AMONG_MOVERS = (0.25, 0.3), (0.3, 0.375)  # deviations as shares of the limits
 _MOST_TURN_RAD = 1.0  # in one step of the model
+_FORWARD = 1.0  # paths that are driven backwards are not sampled
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,6 @@ class Aim:
         has_yaw: Whether the yaw counts.
         reach: How near the end the straight distance counts instead of the cost to go [m]; 0 where the end is not in
             the window.
-        backward: Whether the robot is to drive backwards.
     """
 
     x: float
@@ -37,7 +37,6 @@ class Aim:
     yaw: float
     has_yaw: bool
     reach: float
-    backward: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,15 +157,12 @@ class Sampler:
         x, y, yaw = window.pose_in(start.pose)
         forward = min(self._limits.linear_speed, speed_limit)
         back = min(self._back, speed_limit)
-        if aim.backward:
-            forward = 0.0
         state = np.array([x, y, yaw, twist.v, self._within_turn(twist.w), change.v, change.w])
         model = np.array([self._step_s, -back, forward, self._turn, *self._accelerations])
         deviations = self._wide if len(movers) else self._deviations
         noise = np.array([*deviations, settings.best_share, self._seed, self._shift])
-        direction = -1.0 if aim.backward else 1.0
         reach = max(aim.reach, 0.0)
-        goal = np.array([aim.x, aim.y, aim.yaw, float(aim.has_yaw), reach, settings.threshold_to_consider, direction])
+        goal = np.array([aim.x, aim.y, aim.yaw, float(aim.has_yaw), reach, settings.threshold_to_consider, _FORWARD])
         bounds = np.array(
             [
                 settings.inflation_radius,

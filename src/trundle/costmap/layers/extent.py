@@ -76,7 +76,6 @@ class Extent:
         self._size = size
         self.rolling = rolling
         self._required: list[tuple[float, float]] = []
-        self._margin = 0.0
         self.window: CellWindow | None = None
         if static is not None and not rolling:
             self.window = CellWindow(0, 0, *static.shape)

@@ -17,7 +17,6 @@ SPECK_CELLS = 4
 
 Mask = npt.NDArray[np.bool_]
 Cells = npt.NDArray[np.int8]
-Indices = npt.NDArray[np.intp]
 
 # Each cell and its neighbour below, above, left and right.
 NEIGHBOURS = (

@@ -31,7 +31,6 @@ class Navigation:
         self._kit, self._plans, self._goals = kit, plans, goals
         self._begun_s = 0.0
         self._runs_before: int | None = None
-        self._start = kit.beliefs.now.pose
 
     def begin(self, time: float) -> None:
         """The robot drives from now on [s]."""
