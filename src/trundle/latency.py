@@ -17,7 +17,8 @@ class Latency(Config):
     Attributes:
         scan_age_s: Time [s] from the measurement of a scan until the robot's software gets it, at most 2. The scan
             keeps the time of its measurement.
-        command_delay_s: Time [s] from a command until the wheels receive it, rounded to 5 ms; at most 2.
+        command_delay_s: Time [s] from a command until the wheels receive it, at most 2: it takes effect at the next
+            physics step, or control period where a simulator does not give its `timestep`.
     """
 
     scan_age_s: _Delay = 0.0

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
 from trundle.mission import Outcome, Session, run
-from trundle.navigation import CommandScript, Navigator
+from trundle.navigation import CommandScript, Navigator, NavigatorSettings
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.solids import Box, Solid
@@ -158,3 +160,30 @@ def test_old_scans_are_put_where_the_robot_was_when_they_were_measured(grid, age
     assert len(x) > 20
     assert x.min() > 2.8
     assert x.max() < 3.05
+
+
+@pytest.mark.parametrize("timestep", [0.002, 1 / 300, 1 / 240, 0.005])
+@pytest.mark.parametrize("delay", [0.001, 0.05, 0.1])
+def test_the_navigator_predicts_for_the_simulators_steps(grid, timestep, delay):
+    controller = Swerving()
+    controller.reset()
+    period = timestep * round(0.02 / timestep)
+    navigator = Navigator(grid, CARTER, controller=controller, settings=NavigatorSettings(control_frequency=1 / period))
+    inner, steps = KinematicSimulator(EMPTY, CARTER, timestep=timestep), []
+    inner.on_substep = steps.append
+    latency = Latency(command_delay_s=delay)
+    with Session(inner, navigator, (0.0, 0.0, 0.0), (10.0, 0.0), latency=latency, monitor=False) as session:
+        sent = [session.time]
+        while session.time < 2.0:
+            session.step()
+            sent.append(session.time)
+    later = math.ceil(delay / timestep - 1e-6)
+    assert controller.latency.command_delay_s == pytest.approx(later * timestep)
+    checked = 0
+    for time, (pose, twist) in zip(sent, controller.seen, strict=False):
+        number = round(time / timestep) + later
+        if 0 < number <= len(steps):
+            true, checked = steps[number - 1], checked + 1
+            assert pose.distance_to(true.pose) < 0.004
+            assert twist.v == pytest.approx(true.twist.v, abs=1e-6)
+    assert checked > 50

@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, Twist2D
 from trundle.robots import Robot
 from trundle.sim import Simulator, world_of
@@ -67,3 +68,111 @@ def test_odometry_of_other_wheels_counts_late_commands():
     with DelayedSimulator(Actuation(wheel_radius=1.05).simulate(KinematicSimulator(EMPTY, CARTER)), 0.03) as sim:
         state = drive(sim, Twist2D(0.5, 0.0))[-1]
     assert state.odometry.x == pytest.approx(state.pose.x / 1.05)
+
+
+# Other physics steps and control periods ------------------------------------------------------------------------------
+
+
+class Minimal:
+    """A simulator with the required members only, of which each period is one call."""
+
+    def __init__(self, sim):
+        self._sim, self.robot, self.reset, self.close = sim, sim.robot, sim.reset, sim.close
+        self.calls = []
+
+    def step(self, command, dt):
+        self.calls.append((command.v, dt))
+        return self._sim.step(command, dt)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def moves_at(sim, inner, period, seconds):
+    """When the first physics step ends that moves a robot which is sent a command at the time 0."""
+    steps = []
+    inner.on_substep = steps.append
+    sim.reset(Pose2D(0.0, 0.0))
+    for _ in range(round(seconds / period)):
+        sim.step(Twist2D(0.5, 0.0), period)
+    return next(each.time for each in steps if each.wheel_speeds.left > 1e-3)
+
+
+@pytest.mark.parametrize("timestep", [0.001, 0.002, 1 / 300, 1 / 240, 0.005])
+@pytest.mark.parametrize("delay", [0.0, 0.001, 0.05, 0.1, 1.0])
+@pytest.mark.parametrize("steps", [1, 6, 15])
+def test_a_command_takes_effect_at_the_first_physics_step_after_the_delay(timestep, delay, steps):
+    inner = KinematicSimulator(EMPTY, CARTER, timestep=timestep)
+    at = moves_at(DelayedSimulator(inner, delay), inner, steps * timestep, delay + 0.2)
+    assert at == pytest.approx((math.ceil(delay / timestep - 1e-6) + 1) * timestep)
+
+
+@pytest.mark.parametrize("timestep", [0.002, 1 / 300, 1 / 240, 0.005])
+def test_a_robot_in_mujoco_moves_after_the_delay_at_every_timestep(timestep):
+    inner = MujocoSimulator(EMPTY, CARTER, timestep=timestep)
+    period = timestep * round(0.02 / timestep)
+    with DelayedSimulator(inner, 0.05) as sim:
+        at = moves_at(sim, inner, period, 0.3)
+        state = sim.step(Twist2D(0.5, 0.0), period)
+    assert 0.05 < at < 0.05 + 4 * timestep
+    assert state.time == pytest.approx(period * (round(0.3 / period) + 1))
+
+
+@pytest.mark.parametrize(("period", "delay"), [(0.002, 0.05), (0.002, 1.0), (0.05, 0.05), (0.05, 0.12), (0.03, 0.1)])
+def test_no_more_commands_wait_than_fit_into_the_delay(period, delay):
+    sim = DelayedSimulator(KinematicSimulator(EMPTY, CARTER, timestep=0.002 if period < 0.03 else 0.01), delay)
+    sim.reset(Pose2D(0.0, 0.0))
+    sent = []
+    for number in range(round(3.0 / period)):
+        sent.append(Twist2D(0.0001 * number, 0.0))
+        sim.step(sent[-1], period)
+        assert len(sim._pending) <= math.ceil(delay / period - 1e-6) + 1
+
+
+@pytest.mark.parametrize("delay", [0.001, 0.05, 0.1, 1.0])
+def test_in_a_simulator_that_does_not_say_how_long_its_steps_are_a_command_takes_effect_in_the_next_period(delay):
+    sim = Minimal(KinematicSimulator(EMPTY, CARTER, timestep=1 / 300))
+    delayed = DelayedSimulator(sim, delay)
+    delayed.reset(Pose2D(0.0, 0.0))
+    for _ in range(30):
+        delayed.step(Twist2D(0.5, 0.0), 0.05)
+    assert {dt for _, dt in sim.calls} == {0.05}
+    assert [v for v, _ in sim.calls].index(0.5) == math.ceil(delay / 0.05 - 1e-6)
+    assert delayed.delay_in(0.05) == pytest.approx(0.05 * math.ceil(delay / 0.05 - 1e-6))
+
+
+def test_control_periods_of_changing_length_keep_the_delay():
+    sim = Minimal(KinematicSimulator(EMPTY, CARTER, timestep=0.001))
+    sim.timestep = 0.001
+    delayed = DelayedSimulator(sim, 0.01)
+    delayed.reset(Pose2D(0.0, 0.0))
+    for v, dt in ((0.1, 0.004), (0.2, 0.02), (0.3, 0.001), (0.4, 0.05)):
+        delayed.step(Twist2D(v, 0.0), dt)
+    changes, clock = {}, 0
+    for v, dt in sim.calls:
+        changes.setdefault(v, clock)
+        clock += round(dt * 1000)
+    assert changes == {0.0: 0, 0.1: 10, 0.2: 14, 0.3: 34, 0.4: 35}
+
+
+def test_a_period_that_is_no_multiple_of_the_physics_step_is_refused_as_without_a_delay():
+    messages = []
+    for delay in (0.0, 0.05):
+        sim = KinematicSimulator(EMPTY, CARTER)
+        sim = DelayedSimulator(sim, delay) if delay else sim
+        sim.reset(Pose2D(0.0, 0.0))
+        with pytest.raises(InputError, match=r"control period of 0\.033") as caught:
+            sim.step(Twist2D(), 1 / 30)
+        messages.append(str(caught.value))
+    assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("timestep", [0.0, -0.01, math.nan, "5 ms"])
+def test_a_timestep_that_is_none_is_refused(timestep):
+    sim = Minimal(KinematicSimulator(EMPTY, CARTER))
+    sim.timestep = timestep
+    with pytest.raises(InputError, match="timestep"):
+        DelayedSimulator(sim, 0.1).step(Twist2D(), 0.05)

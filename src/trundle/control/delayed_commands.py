@@ -44,7 +44,7 @@ class DelayedCommands:
             sent.pop()
         sent.append((time, command))
         # The newest of those that have arrived is still in effect.
-        while len(sent) > 1 and sent[1][0] + self.delay_s <= time:
+        while len(sent) > 1 and sent[1][0] + self.delay_s <= time + _SAME_S:
             del sent[0]
 
     def replace_last(self, command: Twist2D) -> None:

@@ -2,30 +2,48 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import replace
 
+from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
-from trundle.sim.simulator import Contact, RobotState, Simulator
+from trundle.sim.ramp import count_steps
+from trundle.sim.simulator import Contact, RobotState, Simulator, timestep_of
 from trundle.sim.wrapper import SimulatorWrapper
 
-_TICK_S = 0.005
-"""Delays are multiples of this [s], the length of a physics step."""
+_ROUNDING = 1e-6
+"""A delay that exceeds a whole number of steps by less than this share of a step is that number."""
 
 
 class DelayedSimulator(SimulatorWrapper):
     """A simulator whose robot receives its commands late; until the first one arrives, it is commanded to stand.
 
+    A command takes effect at the first physics step at or after its time plus the delay. Where the simulator does not
+    say how long its steps are (`timestep_of`), or they do not divide the control period, that is the first control
+    period.
+
     Args:
         sim: Moves the robot.
-        delay_s: Time [s] from a command until the wheels receive it, rounded to 5 ms.
+        delay_s: Time [s] from a command until the wheels receive it.
     """
 
     def __init__(self, sim: Simulator, delay_s: float) -> None:
         super().__init__(sim)
-        self._ticks = round(delay_s / _TICK_S)
-        self._pending: deque[tuple[int, Twist2D]] = deque()
+        self._delay_s = delay_s
+        self._pending: deque[tuple[float, Twist2D]] = deque()
+        """Commands on their way, the oldest first: how long they still take [s], from the end of the last period."""
         self._command = Twist2D()
+
+    def delay_in(self, period_s: float) -> float:
+        """How long after it was sent a command takes effect [s], where it is sent at the start of a control period.
+
+        Args:
+            period_s: Length of the control periods [s].
+        """
+        step_s, _ = self._steps_in(period_s)
+        steps = _steps_until(self._delay_s, step_s)
+        return self._delay_s if abs(steps * step_s - self._delay_s) <= _ROUNDING * step_s else steps * step_s
 
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame), with no command on its way."""
@@ -35,20 +53,32 @@ class DelayedSimulator(SimulatorWrapper):
 
     def step(self, command: Twist2D, dt: float) -> RobotState:
         """Drive one control period; see `Simulator.step`. Commands of earlier periods arrive within it."""
-        period = round(dt / _TICK_S)
-        self._pending.append((self._ticks, command))
+        step_s, steps = self._steps_in(dt)
+        self._pending.append((self._delay_s, command))
         states: list[RobotState] = []
         done = 0
-        while self._pending and self._pending[0][0] < period:
-            due, arrived = self._pending.popleft()
+        while self._pending and (due := _steps_until(self._pending[0][0], step_s)) < steps:
             if due > done:
-                states.append(self._sim.step(self._command, (due - done) * _TICK_S))
+                states.append(self._sim.step(self._command, (due - done) * step_s))
                 done = due
-            self._command = arrived
-        rest = (period - done) * _TICK_S if states else dt
+            self._command = self._pending.popleft()[1]
+        rest = (steps - done) * step_s if states else dt
         states.append(self._sim.step(self._command, rest))
-        self._pending = deque((due - period, waiting) for due, waiting in self._pending)
+        self._pending = deque((left_s - dt, waiting) for left_s, waiting in self._pending)
         return _join(states)
+
+    def _steps_in(self, dt: float) -> tuple[float, int]:
+        """Length [s] and number of the steps of a control period at which a command can take effect."""
+        step_s = timestep_of(self._sim)
+        try:
+            return (dt, 1) if step_s is None else (step_s, count_steps(dt, step_s))
+        except InputError:
+            return dt, 1
+
+
+def _steps_until(delay_s: float, step_s: float) -> int:
+    """After how many steps a delay is over."""
+    return max(0, math.ceil(delay_s / step_s - _ROUNDING))
 
 
 def _join(states: list[RobotState]) -> RobotState:

@@ -74,6 +74,11 @@ class KinematicSimulator:
         """The world, with what was added since the reset."""
         return self._world
 
+    @property
+    def timestep(self) -> float:
+        """Length of a physics step [s]."""
+        return self._timestep
+
     def add_solid(self, solid: Solid) -> None:
         """Put a solid into the world until the next reset.
 

@@ -12,7 +12,7 @@ from trundle.observation import Observation, Scan
 from trundle.registry import Registry
 from trundle.robots import Robot, WheelSpeeds
 from trundle.solids import Solid
-from trundle.values import check_kind
+from trundle.values import check_kind, check_number
 from trundle.worlds import World
 
 SIMULATORS: Registry[Simulator] = Registry(
@@ -160,6 +160,23 @@ def world_of(simulator: Simulator) -> World | None:
     metrics of a run depend on it; see `trundle.mission.Metrics`.
     """
     return getattr(simulator, "world", None)
+
+
+def timestep_of(simulator: Simulator) -> float | None:
+    """Length of the physics steps of a simulator [s]; None if it does not say.
+
+    It is an optional attribute `timestep` of a simulator, which may be within others that have it as `inner`. Control
+    periods that are a multiple of it can be driven in parts, so that a late command takes effect in between.
+
+    Raises:
+        InputError: If it is not a positive number.
+    """
+    while (inner := getattr(simulator, "inner", None)) is not None:
+        simulator = inner
+    timestep = getattr(simulator, "timestep", None)
+    if timestep is None:
+        return None
+    return check_number("the timestep of a simulator", timestep, 1e-6, 10.0, "s")
 
 
 def watch_substeps(simulator: Simulator, watch: Callable[[Substep], None] | None) -> bool:

@@ -126,7 +126,7 @@ class Session:
         self._measure = measure
         latency = Latency() if latency is None else latency
         check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
-        self._sim = DelayedSimulator(sim, latency.command_delay_s) if latency.command_delay_s > 0.0 else sim
+        self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
         self._backend = sim
         robot: Robot = getattr(agent, "robot", sim.robot)
         self._gate = Gate(monitor, robot, latency)
@@ -434,3 +434,11 @@ class Session:
             wall_s=self._wall_s,
             measure=self._measure,
         )
+
+
+def _delay_commands(sim: Simulator, latency: Latency, period_s: float) -> tuple[Simulator, Latency]:
+    """The simulator with late commands, and the latency with the delay that they have there: a number of its steps."""
+    if latency.command_delay_s <= 0.0:
+        return sim, latency
+    delayed = DelayedSimulator(sim, latency.command_delay_s)
+    return delayed, latency.model_copy(update={"command_delay_s": delayed.delay_in(period_s)})

@@ -151,6 +151,11 @@ class IsaacSimulator:
         """The world; None in an environment whose solids are unknown."""
         return self._world
 
+    @property
+    def timestep(self) -> float:
+        """Length of a physics step [s]."""
+        return self._physics_dt
+
     def reset(self, pose: Pose2D, *, seed: int = 0) -> RobotState:
         """Put the robot at rest at `pose` (map frame) and set the time to 0. Nothing here is random.
 
