@@ -1,12 +1,13 @@
 """Runs in real time; the clock is made up, so that no test depends on how busy the computer is."""
 
 import math
+import random
 import threading
 
 import pytest
 
 from trundle.errors import InputError
-from trundle.mission import End, LiveRun, Outcome, Pause, Restart, Session, Speed, Steering, StepOnce
+from trundle.mission import End, LiveRun, Manual, Outcome, Pause, Restart, Session, SetGoal, Speed, Steering, StepOnce
 from trundle.mission.steering.pace import Pace
 from trundle.navigation import CommandScript
 
@@ -140,8 +141,10 @@ def test_restarts_make_new_sessions_with_the_seed_that_was_asked_for(make_sim, n
 
     live = LiveRun(make, steering, speed=math.inf)
     assert live.status.state == "idle"
-    for directive in (Pause(), StepOnce(), Restart("next"), Restart(), Restart(7)):
+    for directive in (Pause(), StepOnce(), Restart("next")):
         steering.put(directive)
+    steering.put(Restart(), run=2)
+    steering.put(Restart(7), run=3)
     episode = live.run()
     assert (episode.outcome, episode.seed, seeds) == (Outcome.ARRIVED, 7, [None, 1, 1, 7])
     assert (live.status.state, live.status.run, live.status.speed) == ("ended", 4, math.inf)
@@ -188,3 +191,150 @@ def test_ctrl_c_ends_a_live_run(make_sim, navigator, start, monkeypatch):
 def test_a_speed_out_of_range_is_refused(speed):
     with pytest.raises(InputError, match="the speed of a run"):
         LiveRun(lambda _: None, Steering(), speed=speed)
+
+
+# Orders and their runs ------------------------------------------------------------------------------------------------
+
+
+class AtEnd:
+    """An observer that calls something at the end of a run, when it takes no more orders."""
+
+    def __init__(self, call):
+        self.call = call
+
+    def on_start(self, run):
+        pass
+
+    def on_step(self, step):
+        pass
+
+    def on_end(self, episode):
+        self.call(episode)
+
+
+CLICKS = [End("a late click"), SetGoal((5.0, 1.0)), Pause(), Manual(0.2, 0.0), Restart(9), Speed(0.5)]
+
+
+@pytest.mark.parametrize("click", CLICKS, ids=lambda click: type(click).__name__)
+def test_a_click_between_two_runs_is_refused_and_does_not_reach_the_next_one(make_sim, navigator, start, click):
+    steering, said, sessions = Steering(), [], []
+    late = AtEnd(lambda _: steering.put(click, refused=said.append) if len(sessions) == 1 else None)
+
+    def make(seed):
+        sessions.append(Session(make_sim(), navigator, start, GOAL, steering=steering, observers=[late]))
+        return sessions[-1]
+
+    steering.put(Restart())
+    episode = LiveRun(make, steering, speed=math.inf).run()
+    assert said == ["the run has ended"]
+    assert (episode.outcome, len(sessions)) == (Outcome.ARRIVED, 2)
+    assert [given.directive for given in episode.directives] == [Speed(math.inf)]
+
+
+def test_what_is_put_after_a_restart_is_refused_with_a_reason(make_sim, navigator, start):
+    steering, said = Steering(), []
+    steering.put(Restart())
+    for click in CLICKS:
+        steering.put(click, refused=said.append)
+    live = LiveRun(lambda _: Session(make_sim(), navigator, start, GOAL, steering=steering), steering, speed=math.inf)
+    episode = live.run()
+    assert (episode.outcome, live.status.run, live.status.speed) == (Outcome.ARRIVED, 2, math.inf)
+    assert said == ["the run is about to start again: wait until it has"] * len(CLICKS)
+
+
+def test_an_order_for_the_next_run_waits_for_it(make_sim, navigator, start):
+    steering = Steering()
+    steering.put(End("the second one"), run=2)
+    steering.put(Restart())
+    live = LiveRun(lambda _: Session(make_sim(), navigator, start, GOAL, steering=steering), steering, speed=math.inf)
+    assert (live.run().message, live.status.run) == ("the second one", 2)
+
+
+def test_orders_of_sessions_one_after_another_do_not_mix(make_sim, navigator, start):
+    steering, said = Steering(), []
+    for number in (1, 2, 3):
+        session = Session(make_sim(), navigator, start, GOAL, steering=steering)
+        assert steering.run == number
+        steering.put(End(f"of run {number}"))
+        assert session.run().message == f"of run {number}"
+        steering.put(End("too late"), refused=said.append)
+        steering.put(End("far too late"), run=1, refused=said.append)
+    assert said == ["the run has ended"] * 3 + ["run 1 has ended", "the run has ended", "run 1 has ended"]
+
+
+def test_a_session_that_never_ended_leaves_no_orders_to_the_next_one(make_sim, navigator, start):
+    steering, said = Steering(), []
+    Session(make_sim(), navigator, start, GOAL, steering=steering)
+    steering.put(End(), refused=said.append)
+    second = Session(make_sim(), navigator, start, GOAL, steering=steering)
+    assert said == ["another run has begun"]
+    assert second.run().outcome is Outcome.ARRIVED
+
+
+def test_a_watcher_of_a_goal_for_a_run_that_has_ended_hears_why(make_sim, navigator, start):
+    class Watcher:
+        refused = None
+
+        def begin(self, time):
+            raise AssertionError
+
+        end = begin
+
+        def refuse(self, error):
+            self.refused = error
+
+    steering, watcher = Steering(), Watcher()
+    Session(make_sim(), navigator, start, GOAL, steering=steering).finish()
+    steering.put(SetGoal((5.0, 1.0)), watcher=watcher)
+    assert isinstance(watcher.refused, InputError)
+    assert str(watcher.refused) == "the run has ended"
+
+
+@pytest.mark.parametrize("run", [0, -1, 1.5, "2", True])
+def test_a_number_that_is_no_run_is_refused(run):
+    with pytest.raises(InputError, match="number of a run"):
+        Steering().put(Pause(), run=run)
+
+
+def test_many_threads_that_click_at_random_reach_only_the_run_that_they_saw(make_sim, navigator, start):
+    """Every order is answered once, and each run gets the orders of its own number alone."""
+    steering, answers, over = Steering(), [], threading.Event()
+    given = [0] * 4
+    runs = 12
+
+    def make(_):
+        return Session(make_sim(), navigator, start, GOAL, steering=steering, observers=[AtEnd(check)], name="run")
+
+    seen = []
+
+    def check(episode):
+        number = steering.run
+        seen.append(number)
+        texts = [entry.by for entry in episode.directives if entry.by.startswith("click")]
+        assert {text for text in texts if text != f"click {number}"} == set()
+
+    def click(thread):
+        rng = random.Random(thread)
+        while not over.wait(rng.uniform(0.0, 0.002)):
+            run = steering.run
+            directive = Restart() if rng.random() < 0.1 and run < runs else Pause(False)
+            note = lambda *_: answers.append(thread)  # noqa: E731
+            steering.put(directive, by=f"click {run}", refused=note, applied=note, run=run)
+            given[thread] += 1
+            if run >= runs:
+                steering.put(End(), by=f"click {run}", run=run)
+
+    threads = [threading.Thread(target=click, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    live = LiveRun(make, steering, speed=50.0)
+    try:
+        episode = live.run()
+    finally:
+        over.set()
+        for thread in threads:
+            thread.join(30.0)
+    assert not episode.observer_errors
+    assert seen == list(range(1, live.status.run + 1))
+    assert [answers.count(number) for number in range(4)] == given
+    assert steering.waiting == 0

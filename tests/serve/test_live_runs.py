@@ -2,7 +2,7 @@
 
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import pytest
@@ -10,7 +10,7 @@ import pytest
 from support.command_line import room
 from support.page_attack import attack
 from support.page_visitor import OpenPage, Visitor
-from trundle.mission import Session
+from trundle.mission import Observer, Session
 from trundle.navigation import Navigator
 from trundle.robots import Robot
 from trundle.serve.choosing import Choices
@@ -34,7 +34,7 @@ class LiveRoom:
 
 
 @contextmanager
-def _driving(goal: tuple[float, float] = (6.5, 3.5)) -> Iterator[LiveRoom]:
+def _driving(goal: tuple[float, float] = (6.5, 3.5), observers: Sequence[Observer] = ()) -> Iterator[LiveRoom]:
     grid, robot = room(), Robot.load("nova_carter")
     simulator = KinematicSimulator(World.from_map(grid), robot)
     hub, steerer = Hub(choices=Choices(None)), Steerer()
@@ -47,7 +47,7 @@ def _driving(goal: tuple[float, float] = (6.5, 3.5)) -> Iterator[LiveRoom]:
             Navigator(grid, robot),
             (1.0, 1.0),
             goal,
-            observers=[watch, watch.recorded],
+            observers=[watch, watch.recorded, *observers],
             steering=steerer.steering,
         )
 
@@ -160,3 +160,55 @@ def test_an_attack_leaves_the_run_and_its_page_as_they_are(live: LiveRoom) -> No
     rows = _rows(page)
     assert [row[0] for row in rows] == pytest.approx([0.05 * index for index in range(len(rows))], abs=1e-3)
     assert live.visit().get("/")[0] == 401
+
+
+class _Held:
+    """Holds a run at its end, as one does that writes a large folder."""
+
+    def __init__(self) -> None:
+        self.at_end, self.let_go, self.count = threading.Event(), threading.Event(), 0
+
+    def on_start(self, run: object) -> None:
+        pass
+
+    def on_step(self, step: object) -> None:
+        pass
+
+    def on_end(self, episode: object) -> None:
+        self.count += 1
+        if self.count == 1:
+            self.at_end.set()
+            assert self.let_go.wait(30.0)
+
+
+def test_clicks_while_a_run_ends_do_not_reach_the_one_that_a_restart_begins() -> None:
+    held = _Held()
+    with _driving(observers=[held]) as live:
+        page: OpenPage = live.driver  # type: ignore[attr-defined]
+        page.send("restart", seed=None)
+        assert held.at_end.wait(30.0)
+        page.send("pause", paused=True)
+        page.send("end")
+        assert [page.wait("error")["text"] for _ in range(2)] == ["the run has ended"] * 2
+        held.let_go.set()
+        page.wait("run")
+        page.send("speed", factor="max")
+        assert page.wait("end")["outcome"] == "arrived"
+    assert held.count == 2
+
+
+def test_a_page_that_drove_an_earlier_run_by_hand_stops_no_later_one_as_it_leaves() -> None:
+    with _driving() as live, live.visit().open() as other:
+        page: OpenPage = live.driver  # type: ignore[attr-defined]
+        page.send("manual", v=0.0, w=0.3)
+        page.wait("frame", lambda message: message["manual"] is not None)
+        page.send("restart", seed=None)
+        page.wait("run")
+        page.wait("frame", lambda message: message["manual"] is None)
+        page.close()
+        other.wait("drivers", lambda message: message["driver"] is None)
+        mine = next(message for message in other.got if message["type"] == "hello")["client"]
+        other.send("drive")
+        other.wait("drivers", lambda message: message["driver"] == mine)
+        other.send("speed", factor="max")
+        assert other.wait("end")["outcome"] == "arrived"

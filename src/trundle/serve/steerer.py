@@ -52,7 +52,7 @@ class Steerer:
         self.session: Session | None = None
         self._speed, self._restarts = speed, restarts
         self._live: LiveRun | None = None
-        self._by_hand: int | None = None
+        self._by_hand: tuple[int, int] | None = None
         self._added = 0, Counter[str]()
 
     @property
@@ -91,22 +91,24 @@ class Steerer:
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
         """Give what the driver asks for to the run; `refuse` gets the reason where that cannot be done."""
+        run = self.steering.run  # before it is known that this one runs: another one may begin now
         try:
             if not self.runs:
                 raise InputError("nothing runs now")
-            directive = self._directive(message, client)
+            directive = self._directive(message, client, run)
         except InputError as error:
             refuse(str(error))
             return
-        self.steering.put(directive, by=page_name(client), refused=refuse)
+        self.steering.put(directive, by=page_name(client), refused=refuse, run=run)
 
     def let_go(self, client: int) -> None:
         """Stop what this client drives by hand: the robot stands until somebody drives on."""
-        if self._by_hand == client:
+        driver, run = self._by_hand or (None, 0)
+        if driver == client:
             self._by_hand = None
-            self.steering.put(Manual(), by=page_name(client))
+            self.steering.put(Manual(), by=page_name(client), run=run)
 
-    def _directive(self, message: Message, client: int) -> Directive:
+    def _directive(self, message: Message, client: int, run: int) -> Directive:
         match message:
             case messages.SetPause(paused=paused):
                 return Pause(paused)
@@ -119,7 +121,7 @@ class Steerer:
                 self._by_hand = None
                 return SetGoal((x, y) if yaw is None else (x, y, yaw), append)
             case messages.ManualCommand(v=v, w=w):
-                self._by_hand = client
+                self._by_hand = client, run
                 return Manual(v, w)
             case messages.ReleaseCommand():
                 self._by_hand = None

@@ -246,6 +246,8 @@ class Session:
         self._state = self._sim.reset(self._info.start, seed=self._info.seed)
         self._began = clock.perf_counter()
         self._observation, self._estimate = self._senses.observe(self._state)
+        if self._helm is not None:
+            self._helm.begin()
         try:
             self._audience.on_start(self._info)
             self._record(Twist2D(), Twist2D(), None)

@@ -50,6 +50,7 @@ class Helm:
         place: Puts the robot somewhere else, and returns its state there, and what it believes then.
 
     Attributes:
+        run: Number of the run among those of its steering.
         paused: Whether the run is paused.
         manual: The command by hand; None where the agent drives.
         speed: How fast the run is to pass, relative to real time.
@@ -78,6 +79,7 @@ class Helm:
         self._by = ""
         self._holds_until: float | None = None
         self.boxes: list[DroppedBox] = []
+        self.run = 1
         self.paused = False
         self.manual: Twist2D | None = None
         self.speed = 1.0
@@ -85,6 +87,10 @@ class Helm:
         self.ending: Ending | None = None
         self.restart: kinds.Restart | None = None
         self.held_back = ""
+
+    def begin(self) -> None:
+        """The run begins: it takes the orders that are given from now on."""
+        self.run = 1 if self._steering is None else self._steering.begin()
 
     def keep_last(self) -> None:
         """Keep only the last directives in the log."""
@@ -110,7 +116,7 @@ class Helm:
         if self._steering is None:
             return
         for _ in range(self._steering.waiting):
-            order = self._steering.take() if self.ending is None else None
+            order = self._steering.take(self.run) if self.ending is None else None
             if order is None:
                 return
             self._give(order, index)
@@ -135,8 +141,10 @@ class Helm:
         return passed.command
 
     def stop(self, why: str, time: float) -> None:
-        """The run has ended at this time [s]."""
+        """The run has ended at this time [s]; orders that still wait for it are refused."""
         self._tasks.stop(why, time)
+        if self._steering is not None:
+            self._steering.end(self.run, "the run has ended")
 
     def finish_period(self, command: Twist2D, report: MonitorReport | None, time: float) -> SteeringReport:
         """Count a control period that ends at a time [s], with what a monitor did to its command; report it."""

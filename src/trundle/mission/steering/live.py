@@ -47,8 +47,8 @@ class LiveRun:
         threading.Thread(target=live.run).start()
         steering.put(Speed(2.0))
 
-    Directives are applied as soon as they come, also while it waits for the next control period or is paused. Those
-    that wait when the last run has ended are refused; after a `Restart` they are for the next run.
+    Directives are applied as soon as they come, also while it waits for the next control period or is paused. Each run
+    takes only its own; those that are given after its end or after a `Restart` are refused until the next one begins.
 
     Args:
         make_session: Makes the session of each run, steered by `steering`, from its seed: None for the first run, and
@@ -66,6 +66,7 @@ class LiveRun:
     ) -> None:
         self._make_session, self._steering = make_session, steering
         self._speed = Speed(speed)
+        self._is_at_speed = True
         self._pace = Pace()
         self.status = LiveStatus("idle", speed=self._speed.factor)
 
@@ -89,10 +90,11 @@ class LiveRun:
                 seed = episode.seed + 1 if session.restart.seed == "next" else session.restart.seed
 
     def _drive(self, session: Session) -> Episode:
-        pace = self._pace
+        pace, run = self._pace, self._steering.run
         pace.hold()
-        if self._speed.factor != 1.0:
-            self._steering.put(self._speed, by="start")
+        self._is_at_speed = self._speed.factor == 1.0
+        if not self._is_at_speed:
+            self._steering.put(self._speed, by="start", applied=self._take_speed, run=run)
         try:
             while session.outcome is None:
                 if not session.steer():
@@ -113,9 +115,12 @@ class LiveRun:
             session.abort(error)
         return session.finish()
 
+    def _take_speed(self) -> None:
+        self._is_at_speed = True
+
     def _show(self, session: Session, state: Literal["idle", "running", "paused", "ended"]) -> None:
         report = session.steering
-        if report is not None:
+        if report is not None and self._is_at_speed:  # else a restart came first: the next run has it
             self._speed = Speed(report.speed)
         factor = self._pace.factor if state == "running" else 0.0
         self.status = LiveStatus(state, self.status.run, session.time, self._speed.factor, factor, report)

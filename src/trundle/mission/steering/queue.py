@@ -10,9 +10,11 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from trundle.errors import InputError, TrundleError
-from trundle.mission.steering.directives import DIRECTIVES, Directive
+from trundle.mission.steering.directives import DIRECTIVES, Directive, Restart
 from trundle.mission.steering.tasks import TaskWatcher
-from trundle.values import check_kind
+from trundle.values import check_count, check_kind
+
+_MOST_RUNS = 10**9
 
 DEAD_MAN_S = 0.3
 """How long a manual command holds [s], real time, unless it is repeated."""
@@ -24,7 +26,7 @@ Applied: TypeAlias = Callable[[], None]
 """Called by the thread that drives the run once a directive was applied."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Order:
     """A directive that waits to be applied.
 
@@ -35,6 +37,7 @@ class Order:
         given_s: When it was given [s], by `time.monotonic`; none for one of a record, which holds until the next.
         watcher: Gets what becomes of the goal, path or behavior that it gives; none where nobody waits for that.
         applied: Called where it was applied; none where nobody waits for that.
+        run: Number of the run that it is for.
     """
 
     directive: Directive
@@ -43,6 +46,7 @@ class Order:
     given_s: float | None = None
     watcher: TaskWatcher | None = None
     applied: Applied | None = None
+    run: int = 1
 
     def refuse(self, error: TrundleError) -> None:
         """Tell those who wait for it that it is not applied."""
@@ -57,11 +61,22 @@ class Steering:
 
     `put` returns at once. Directives are applied in the order in which they were put; only the thread that drives the
     run touches the simulator and the agent.
+
+    Sessions that are steered by it one after another are numbered from 1, and each takes only the orders of its own
+    number. What is put before the first one is for that. What is put after the end of a run, or after a `Restart`, and
+    before the next run begins, is refused: it was meant for a run that is over.
+
+    Attributes:
+        run: Number of the run in progress, or of the last one where none is; 1 before the first.
     """
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._orders: deque[Order] = deque()
+        self._restarting: set[int] = set()
+        """Runs for which a `Restart` was given: nothing comes after it."""
+        self._has_begun = self._has_ended = False
+        self.run = 1
 
     @property
     def waiting(self) -> int:
@@ -76,6 +91,7 @@ class Steering:
         refused: Refused | None = None,
         watcher: TaskWatcher | None = None,
         applied: Applied | None = None,
+        run: int | None = None,
     ) -> None:
         """Give a directive, from any thread.
 
@@ -83,25 +99,68 @@ class Steering:
             directive: The directive.
             by: Who gives it, for the record.
             refused: Called with the reason if it cannot be applied, such as a goal where the robot cannot stand; by
-                the thread that drives the run. The run goes on then as before.
+                the thread that drives the run, or by this one where the run has ended. The run goes on then as before.
             watcher: Gets what becomes of the goal, path or behavior that the directive gives: by the thread that drives
-                the run, or, where that has ended, by the one that refuses what waits.
+                the run, or, where that has ended, by the one that refuses it.
             applied: Called once it was applied, by the thread that drives the run.
+            run: Number of the run that it is for; None means `run` as it is now. The next one takes it as it begins.
 
         Raises:
-            InputError: If it is no directive.
+            InputError: If it is no directive, or the number is not 1 or more.
         """
         check_kind(directive, tuple(DIRECTIVES.values()), "a directive", "Pause(), SetGoal((5.0, 3.5)) make one")
         if not isinstance(by, str):
             raise InputError(f"who gives a directive is a text, got {by!r}")
+        number = None if run is None else check_count("the number of a run", run, 1, _MOST_RUNS)
         with self._changed:
-            self._orders.append(Order(directive, by, refused, time.monotonic(), watcher, applied))
-            self._changed.notify_all()
+            number = self.run if number is None else number
+            order = Order(directive, by, refused, time.monotonic(), watcher, applied, number)
+            why = self._why_refused(number)
+            if not why:
+                self._orders.append(order)
+                if isinstance(directive, Restart):
+                    self._restarting.add(number)
+                self._changed.notify_all()
+        if why:
+            order.refuse(InputError(why))
 
-    def take(self) -> Order | None:
-        """Take the oldest directive that waits, or None; for the thread that drives the run."""
+    def _why_refused(self, run: int) -> str:
+        if run < self.run:
+            return f"run {run} has ended"
+        if run == self.run and self._has_ended:
+            return "the run has ended"
+        return "the run is about to start again: wait until it has" if run in self._restarting else ""
+
+    def begin(self) -> int:
+        """Begin a run, for the thread that drives it; what waits for an earlier one is refused.
+
+        Returns:
+            Its number.
+        """
+        if self._has_begun:
+            self.end(self.run, "another run has begun")
         with self._changed:
-            return self._orders.popleft() if self._orders else None
+            self.run += self._has_begun
+            self._has_begun, self._has_ended = True, False
+            self._restarting = {run for run in self._restarting if run >= self.run}
+            return self.run
+
+    def end(self, run: int, why: str) -> None:
+        """End the run of this number, unless another one has begun: its orders are refused for this reason."""
+        with self._changed:
+            self._has_ended |= run == self.run
+            late = [order for order in self._orders if order.run <= run]
+            self._orders = deque(order for order in self._orders if order.run > run)
+        for order in late:
+            order.refuse(InputError(why))
+
+    def take(self, run: int | None = None) -> Order | None:
+        """Take the oldest directive that waits for this run, or for any; None without one."""
+        with self._changed:
+            order = next((order for order in self._orders if run in (None, order.run)), None)
+            if order is not None:
+                self._orders.remove(order)
+            return order
 
     def refuse_all(self, why: str) -> None:
         """Refuse all directives that wait, for this reason."""
@@ -109,6 +168,6 @@ class Steering:
             order.refuse(InputError(why))
 
     def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait until there is a directive, or for so long [s]; whether there is one."""
+        """Wait until there is a directive for the run in progress, or for so long [s]; whether there is one."""
         with self._changed:
-            return self._changed.wait_for(lambda: bool(self._orders), timeout_s)
+            return self._changed.wait_for(lambda: any(order.run == self.run for order in self._orders), timeout_s)

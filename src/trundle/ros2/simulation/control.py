@@ -123,9 +123,10 @@ class SimulationControl:
         runs = counter.runs
         if from_zero:
             self._context.clock.start_over()
-        steering.put(Restart(), by=_BY)
+        run = steering.run
+        steering.put(Restart(), by=_BY, run=run)
         if paused:
-            steering.put(Pause(True), by=_BY)
+            steering.put(Pause(True), by=_BY, run=run + 1)
         self._wait(None, lambda: counter.runs > runs and self.is_paused == paused, _TAKES_S)
         if counter.runs == runs:
             raise ControlError(f"the run did not begin again within {_TAKES_S:g} s")
