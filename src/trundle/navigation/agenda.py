@@ -140,4 +140,5 @@ class Agenda:
             return
         self._is_at_stop = False
         self._aim(self._route)
+        self._replanner.budget.reset()
         self._drive_on()

@@ -56,6 +56,7 @@ class Drive:
         self.message = ""
         self.error: PlanningError | None = None
         self.planning_time_s = 0.0
+        self.planning_expansions = 0
         self.replans = 0
         self.standing_reasons: dict[str, int] = {}
         self.speed_limit = math.inf

@@ -98,6 +98,7 @@ class Navigator(Drive):
         error: The last planning error, or None.
         message: What blocks the robot, such as "blocked: obstacle ahead at (2.00, 3.50)"; empty where nothing does.
         planning_time_s: Time spent on planning since the goal was set [s].
+        planning_expansions: Nodes that were expanded in planning since the goal was set; see `Planner.plan`.
         replans: Number of plans since the goal was set, after the first.
         standing_reasons: In how many control periods since then the controller made no progress, by its reason, such
             as "blocked by a mover".
@@ -321,7 +322,7 @@ class Navigator(Drive):
 
     @property
     def waits_to_plan(self) -> bool:
-        """Whether the robot waits for a plan: the last one missed its deadline."""
+        """Whether the robot waits for a plan: the last one missed its deadline, or took many expansions."""
         return self._replanner.tries.pending
 
     def _begin(self, target: Goal | None) -> None:

@@ -8,11 +8,13 @@ from collections.abc import Callable
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
-from trundle.geometry import Goal, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.navigation.drive import Drive, Now
+from trundle.navigation.failed_plan import FailedPlan
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.free_pose import free_ends
 from trundle.navigation.joined_path import join_legs
+from trundle.navigation.planning_budget import PlanningBudget
 from trundle.navigation.planning_tries import PlanningTries, moves, timed_out
 from trundle.navigation.sensing.mover_memory import MoverMemory
 from trundle.navigation.sensing.obstacle_watch import ObstacleWatch
@@ -21,7 +23,8 @@ from trundle.navigation.sensing.window_goal import goal_in_window
 from trundle.navigation.speed_limiter import BRAKING_SHARE
 from trundle.navigation.status import NavigationStatus
 from trundle.path import Path
-from trundle.planning import PathHit, Planner
+from trundle.planning import Cancellation, PathHit, Planner
+from trundle.planning.effort import nominal_expansions
 from trundle.robots import Robot
 
 _EXTEND_BEFORE_M, _EXTEND_EVERY_S = 2.5, 1.0
@@ -48,6 +51,7 @@ class Replanner:
     Attributes:
         followed: The path that is followed, or None.
         tries: The deadline of plans.
+        budget: How much plans after the first one may search.
         obstacle: Since when the path is blocked by something that was sensed.
         movers: Where something was seen to move.
         is_given: Whether the path was given, and is followed as it is: no other one is planned.
@@ -65,6 +69,7 @@ class Replanner:
         self._quick, self._take_up = quick, take
         settings = drive.settings
         self.tries = PlanningTries(settings.planning_deadline_s)
+        self.budget = PlanningBudget(settings.replan_rate, settings.replan_expansions)
         self.obstacle = ObstacleWatch(settings.wait_s, settings.patience_s, settings.mover_patience_s)
         self.movers = MoverMemory()
         self.followed: FollowedPath | None = None
@@ -73,6 +78,8 @@ class Replanner:
         self._checked: Costmap | None = None
         self._planned_at = 0.0
         self._forgot_at = None
+        self._failed: FailedPlan | None = None
+        self._searched_at = -math.inf
 
     def begin(self, costmap: Costmap) -> None:
         """Forget the path: there is another goal."""
@@ -83,6 +90,9 @@ class Replanner:
         self._forgot_at: float | None = None
         self.obstacle.reset()
         self.tries.reset()
+        self.budget.reset()
+        self._failed = None
+        self._searched_at = -math.inf
 
     def take_given(self, path: Path) -> None:
         """Follow a path that was not planned here."""
@@ -94,10 +104,11 @@ class Replanner:
         """The robot has passed the next goal that the path leads through."""
         if self.followed is not None:
             self.followed.pass_mark()
+        self._failed = None
 
     def drop_path(self) -> None:
         """Forget the path: the robot is somewhere else."""
-        self.followed = None
+        self.followed = self._failed = None
         self.obstacle.clear()
         self.movers.clear()
 
@@ -108,8 +119,13 @@ class Replanner:
 
     # Planning -------------------------------------------------------------------------------------------------------
 
-    def plan(self, now: Now, planner: Planner | None = None) -> FollowedPath:
+    def plan(self, now: Now, planner: Planner | None = None, *, needed: bool = True) -> FollowedPath:
         """Plan from here to the goal, by another planner if one is given; the path that is followed stays.
+
+        Args:
+            now: Where the robot is.
+            planner: Another planner.
+            needed: Whether there is no path to follow, or it is blocked.
 
         Raises:
             InputError: If there is no goal.
@@ -120,17 +136,27 @@ class Replanner:
             raise InputError("there is no goal to plan to; call set_goal first")
         self._planned_at, self._checked = now.time, now.costmap
         deadline_s = self.tries.deadline_s(now.twist)
-        began = clock.perf_counter()
+        planner = self._choose_planner(now) if planner is None else planner
+        began, expanded = clock.perf_counter(), drive.planning_expansions
         try:
-            followed = self._plan_legs(now, self._choose_planner(now) if planner is None else planner, deadline_s)
-        except PlanningStoppedError as error:
+            followed = self._plan_legs(now, planner, deadline_s)
+        except PlanningError as error:
             if timed_out(error):
                 self.tries.time_out(now.twist, now.time)
+            elif planner is not self._quick:
+                self._failed = FailedPlan(error, planner, now.pose, drive.ahead, now.costmap)
+            elif self._failed is not None and isinstance(error, PlanningStoppedError):
+                # It says more than that a short search found no path either.
+                raise self._failed.error.with_traceback(None) from None
             raise
         finally:
             seconds = clock.perf_counter() - began
             drive.planning_time_s += seconds
+            self.budget.spend(drive.planning_expansions - expanded, now.time, needed=needed)
+            if planner is not self._quick:
+                self._searched_at = now.time
         self.tries.succeed(seconds)
+        self._failed = None
         return followed
 
     def _plan_legs(self, now: Now, planner: Planner, deadline_s: float | None) -> FollowedPath:
@@ -167,7 +193,17 @@ class Replanner:
             tolerance = drive.goal_checker.xy_tolerance if is_stop else drive.settings.through_tolerance
             start, pose = free_ends(costmap, self._sensed.static, start, target, tolerance)
             self._ends_short = target is not goal
-        return planner.plan(costmap, start, pose, goal_yaw_free=target.yaw_free, deadline_s=deadline_s)
+        count = Cancellation()
+        path: Path | None = None
+        try:
+            path = planner.plan(
+                costmap, start, pose, goal_yaw_free=target.yaw_free, deadline_s=deadline_s, cancel=count
+            )
+            return path
+        finally:
+            if count.expansions is None:
+                count.count(nominal_expansions(costmap.shape, None if path is None else _cells_of(path, costmap)))
+            drive.planning_expansions += count.expansions or 0
 
     def take(self, followed: FollowedPath) -> None:
         """Follow a path from now on."""
@@ -175,11 +211,31 @@ class Replanner:
         self._take_up(followed)
 
     def _choose_planner(self, now: Now) -> Planner:
-        """The planner; while something that was sensed blocks the path and the robot moves, one that searches less."""
+        """The planner; while something that was sensed blocks the path and the robot moves, one that searches less.
+
+        That one also plans where the last plans are not paid for yet.
+        """
         if self._quick is None or not self.obstacle.is_blocked:
             return self._drive.planner
+        if self.budget.must_wait(now.time):
+            return self._quick
         stands = not moves(now.twist)
         return self._drive.planner if self.obstacle.is_thorough(now.time, stands=stands) else self._quick
+
+    def _must_wait(self, now: Now) -> bool:
+        """Whether no plan may be made now: the last ones are not paid for, and there is none that searches less."""
+        return self.budget.must_wait(now.time) and (self._quick is None or not self.obstacle.is_blocked)
+
+    def _refusal(self, now: Now, planner: Planner) -> PlanningError | None:
+        """Why a plan by this planner is not made: there were too many, or it would fail as the last one did."""
+        drive, failed = self._drive, self._failed
+        if self.budget.is_spent(now.time):
+            return self.budget.refuse(drive.error)
+        if failed is None:
+            return None
+        is_same = planner is failed.planner or (planner is self._quick and failed.planner is drive.planner)
+        holds = is_same and failed.holds(now.pose, drive.ahead, now.costmap, noisy=self._sensed.is_active)
+        return failed.error if holds else None
 
     def plan_first(self, now: Now) -> bool:
         """Make the plan that the robot waits for; return whether it may drive on."""
@@ -249,6 +305,8 @@ class Replanner:
             self._forgot_at = now.time
             self._drive.costmap = self._sensed.clear()
             self.obstacle.plan_soon()
+        if self.budget.must_wait(now.time) and self._searched_at < self._forgot_at:
+            return False
         return now.time - self._forgot_at > _SEE_AGAIN_S
 
     @property
@@ -308,11 +366,10 @@ class Replanner:
         drive = self._drive
         self._see(now, hit)
         self._say_blocked(hit)
-        if not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
+        if self._must_wait(now) or not self.obstacle.may_plan(now.time) or self.tries.must_wait(now.twist, now.time):
             return
-        drive.replans += 1
         try:
-            found = self.plan(now)
+            found = self._plan_again(now, self._choose_planner(now))
         except PlanningError as error:
             drive.error = error
             if isinstance(error, BlockedPoseError):
@@ -327,18 +384,39 @@ class Replanner:
 
     def replan(self, now: Now, planner: Planner | None = None) -> bool:
         """Plan now, by another planner if one is given, and follow the new path; False if there is none."""
-        self._drive.replans += 1
-        return self._attempt(now, planner)
+        return self._attempt(now, planner, again=True)
 
-    def _attempt(self, now: Now, planner: Planner | None = None) -> bool:
+    def _plan_again(self, now: Now, planner: Planner, *, again: bool = True) -> FollowedPath:
+        """Plan and count that, unless there is no use in it or there were too many plans.
+
+        Raises:
+            PlanningError: If there is no path, or no plan is made.
+        """
+        refusal = self._refusal(now, planner)
+        if refusal is not None:
+            raise refusal.with_traceback(None)
+        self._drive.replans += again
+        return self.plan(now, planner)
+
+    def _attempt(self, now: Now, planner: Planner | None = None, *, again: bool = False) -> bool:
         """Plan now, or leave the plan pending until the robot stands or a pause is over; False if there is no path."""
         drive = self._drive
         if self.tries.must_wait(now.twist, now.time):
+            drive.replans += again
             return True
+        if self._must_wait(now):
+            drive.replans += again
+            drive.progress_checker.reset()
+            self.tries.pending, drive.status = True, NavigationStatus.BLOCKED
+            return True
+        is_last = self.budget.is_spent(now.time) and not self.obstacle.is_blocked
         try:
-            followed = self.plan(now, planner)
+            followed = self._plan_again(now, self._choose_planner(now) if planner is None else planner, again=again)
         except PlanningError as error:
             drive.error = error
+            if is_last:
+                drive.status, self.tries.pending = NavigationStatus.NO_PATH, True
+                return True
             if not timed_out(error):
                 self.tries.settle()
                 return False
@@ -350,11 +428,13 @@ class Replanner:
         return True
 
     def _look_for_better(self, now: Now) -> None:
-        """Plan again, and follow the new path if it is cheaper by the margin."""
+        """Plan again, unless much was planned of late, and follow the new path if it is cheaper by the margin."""
         drive = self._drive
+        if self.budget.must_wait(now.time):
+            return
         drive.replans += 1
         try:
-            followed = self.plan(now)
+            followed = self.plan(now, needed=False)
         except PlanningError as error:
             drive.error = error
             self.tries.settle()
@@ -369,3 +449,8 @@ class Replanner:
             return True
         left = self.followed.cost_from(now.costmap, now.pose)
         return other.check.cost_from(now.costmap) < (1.0 - self._drive.settings.replan_margin) * left
+
+
+def _cells_of(path: Path, costmap: Costmap) -> FloatArray:
+    """The points of a path in cells, shape (N, 2)."""
+    return costmap.origin.inverse().transform_points(path.poses[:, :2]) / costmap.resolution

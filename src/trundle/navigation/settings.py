@@ -35,6 +35,11 @@ class NavigatorSettings(Config):
             tries again, three times at most, and each try may take twice as long as the one before. While the robot
             moves, a plan may take a quarter of it; where that is not enough, or the last plan took longer, the robot is
             stopped first. None means as long as it takes: the run does not depend on how busy the computer is.
+        replan_rate: How many expansions each second of a drive pays for [1/s], of all plans but the first: after a plan
+            of many, the next one waits until it is paid for. The run does not depend on how busy the computer
+            is. None means no limit.
+        replan_expansions: How many expansions such plans may take in one drive, of up to ten minutes and in proportion
+            more of a longer one; then it ends without a path. None means no limit.
         wait_s: How long the robot waits [s] for what its lidars see on its path to move, where the path round it is
             longer by more than 3 m.
         patience_s: How long it stands [s] where something that is not on the map leaves no path, or occupies the goal,
@@ -62,6 +67,11 @@ class NavigatorSettings(Config):
     replan_interval_s: Positive | None = None
     replan_margin: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
     planning_deadline_s: Positive | None = 2.0
+    # Of hybrid A*, which expands 50,000 to 90,000 nodes a second: a plan in a closed office of 30 unmapped boxes takes
+    # 400,000 to 920,000, and such drives took up to 5,000,000 (benchmarks/sensing/closed_offices.yaml). Of those that
+    # arrived, none took more than 1,100,000.
+    replan_rate: Positive | None = 100_000
+    replan_expansions: Annotated[int, Field(ge=1)] | None = 3_000_000
     wait_s: NotNegative = 2.0
     patience_s: NotNegative = 20.0
     mover_patience_s: NotNegative = 60.0

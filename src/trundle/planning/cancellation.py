@@ -16,10 +16,16 @@ Stop = Literal["timeout", "cancelled"]
 
 
 class Cancellation:
-    """Stops planning from another thread: pass it to a search or a planner, and call `cancel`."""
+    """Stops planning from another thread, and counts how much was searched: pass it to a search or a planner.
+
+    Attributes:
+        expansions: How many nodes were expanded by the planners that it was passed to, as they say; None where none
+            says so.
+    """
 
     def __init__(self) -> None:
         self.flag: npt.NDArray[np.uint8] = np.zeros(1, dtype=np.uint8)
+        self.expansions: int | None = None
 
     def cancel(self) -> None:
         """Stop everything that this was passed to, now and in future."""
@@ -29,6 +35,10 @@ class Cancellation:
     def cancelled(self) -> bool:
         """Whether `cancel` was called."""
         return bool(self.flag[0])
+
+    def count(self, expansions: int) -> None:
+        """Add to `expansions`: a planner calls it for each search, whether that found a path or not."""
+        self.expansions = expansions + (self.expansions or 0)
 
 
 class Patience:
@@ -64,6 +74,11 @@ class Patience:
     def seconds(self) -> float | None:
         """The time left [s], at least a nanosecond; none where there is no deadline."""
         return None if self._deadline_s is None else max(1e-9, self._end - time.monotonic())
+
+    def count(self, expansions: int) -> None:
+        """Count the expansions of a search for whoever asked for the plan."""
+        if self.cancel is not None:
+            self.cancel.count(expansions)
 
     def check(self) -> None:
         """Raise `PlanningStoppedError` if it is time to stop."""

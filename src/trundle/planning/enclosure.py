@@ -21,6 +21,9 @@ _MOST_BOXES = (500_000, 100_000, 100_000, 100_000)
 _MOST_CELLS, _MOST_HEADINGS = 1e12, 100_000
 """Limits on the numbers of boxes: cells of the map, and headings."""
 
+BOXES_AN_EXPANSION = 20
+"""Boxes that a flood fills in about the time in which a search of poses expands one node."""
+
 _CLOSED_OFF, _TIMEOUT, _CANCELLED = 0, 3, 4
 
 _ROUNDING_M = 1e-8
@@ -102,7 +105,7 @@ def _is_closed_off(
     most: int,
     patience: Patience,
 ) -> bool:
-    status, _ = _core.flood_poses(
+    status, filled = _core.flood_poses(
         costmap.data,
         costmap.resolution,
         boxes.outline,
@@ -116,6 +119,7 @@ def _is_closed_off(
         patience.seconds,
         patience.flag,
     )
+    patience.count(filled // BOXES_AN_EXPANSION)
     if status in (_TIMEOUT, _CANCELLED):
         raise patience.stopped("timeout" if status == _TIMEOUT else "cancelled")
     return status == _CLOSED_OFF

@@ -21,6 +21,7 @@ from trundle.planning.constrained_smoother import (
     ConstrainedSmoother,
     pose_spacing,
 )
+from trundle.planning.effort import nominal_expansions
 from trundle.planning.enclosure import Enclosure, on_grid
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.queries.ends import End
@@ -249,6 +250,7 @@ class HybridAStarPlanner(PosePlanner):
             checked.inner,
             thorough,
         )
+        patience.count(effort[0] + nominal_expansions((effort[1],)))  # poses, and cells of the field that guides it
         if status in (TIMEOUT, CANCELLED):
             raise patience.stopped("timeout" if status == TIMEOUT else "cancelled")
         if len(poses) == 0:

@@ -58,7 +58,9 @@ class Planner(Protocol):
             goal_yaw_free: Any yaw will do at the goal.
             deadline_s: Give up after this time [s]; none means as long as it takes. A search bounded by other means,
                 such as its expansions, gives the same path whatever the machine is doing; this one is a safety net.
-            cancel: Give up once this is cancelled.
+            cancel: Give up once this is cancelled. A planner that counts the nodes that it expands says how many to
+                `cancel.count`, if there is one, also where it finds no path: a navigator limits their sum. The plans of
+                others count by the cells of the map.
 
         Raises:
             PlanningError: If there is no path, never an empty path; `OutsideMapError`, `BlockedPoseError` and

@@ -8,16 +8,13 @@ from typing import NamedTuple, Protocol
 
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
-from trundle.planning.enclosure import Enclosure, find_enclosure
+from trundle.planning.enclosure import BOXES_AN_EXPANSION, Enclosure, find_enclosure
 from trundle.planning.queries.query import Query
 
 FOUND, UNREACHABLE, TIMEOUT, CANCELLED, SPENT, CLOSED_OFF, GOAL_CLOSED, START_CLOSED = range(8)
 """How a search ends, by the numbers of the kernel."""
 
 ALL_TRIED = (UNREACHABLE, GOAL_CLOSED, START_CLOSED)
-
-_BOXES_AN_EXPANSION = 20
-"""Boxes that a flood fills in about the time of expanding one node."""
 
 
 class Answer(NamedTuple):
@@ -92,7 +89,7 @@ def search_in_rounds(searches: Sequence[PoseSearch], query: Query, patience: Pat
         answers.append(search.search(query, patience))
         if _is_final(answers[-1]):
             return len(answers) - 1, answers[-1]
-    most = _BOXES_AN_EXPANSION * max(search.max_expansions for search in searches)
+    most = BOXES_AN_EXPANSION * max(search.max_expansions for search in searches)
     open_ = [index for index, answer in enumerate(answers) if answer.status in ALL_TRIED]
     may_be_enclosed = len(open_) > 0
     for round_ in _ROUNDS:

@@ -19,6 +19,8 @@ REASONS = {
     "replan_interval_s": _TREE,
     "replan_margin": _TREE,
     "planning_deadline_s": "Nav2's Smac planners have max_planning_time",
+    "replan_rate": "Nav2's Smac planners have max_iterations, for each plan alone",
+    "replan_expansions": "Nav2's Smac planners have max_iterations, for each plan alone",
     "wait_s": _PATIENCE,
     "patience_s": _PATIENCE,
     "mover_patience_s": _PATIENCE,

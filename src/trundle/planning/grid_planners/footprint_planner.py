@@ -32,6 +32,7 @@ from trundle.errors import InputError, PlanningError
 from trundle.geometry import FloatArray, Pose2D, path_length
 from trundle.path import Path
 from trundle.planning.cancellation import Patience
+from trundle.planning.effort import nominal_expansions
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.grid_planners.detours import Detours
 from trundle.planning.grid_planners.tight_places import TightPlaces
@@ -214,7 +215,7 @@ class FootprintPlanner(PosePlanner):
         collision: FloatArray | None = None
         while True:
             patience.check()
-            found = self._find_path(query.costmap, detours.costs, query.leave, query.enter, patience)
+            found = self._find_counted(query.costmap, detours.costs, query.leave, query.enter, patience)
             if found is None:
                 changed = detours.reopen()
             else:
@@ -272,7 +273,7 @@ class FootprintPlanner(PosePlanner):
             least = target.pose.distance_to(goal)
             if best is not None and best.remaining_m <= least:
                 return best
-            found = self._find_path(costmap, detours.costs, leave, target, patience)
+            found = self._find_counted(costmap, detours.costs, leave, target, patience)
             vertices = np.array([[leave.pose.x, leave.pose.y]]) if found is None else found[0]
             query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
@@ -297,6 +298,15 @@ class FootprintPlanner(PosePlanner):
         self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: tuple[int, int], goal: tuple[int, int]
     ) -> tuple[int, int]:
         return GridSearch(costs >= INSCRIBED, method="astar").nearest_reachable(start, goal)
+
+    def _find_counted(
+        self, costmap: Costmap, costs: npt.NDArray[np.uint8], start: End, goal: End, patience: Patience
+    ) -> tuple[FloatArray, float] | None:
+        """`_find_path`, counted."""
+        found = self._find_path(costmap, costs, start, goal, patience)
+        points = None if found is None else to_grid(costmap, found[0])
+        patience.count(nominal_expansions(costmap.shape, points))
+        return found
 
     @abstractmethod
     def _find_path(
