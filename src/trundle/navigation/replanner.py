@@ -72,7 +72,7 @@ class Replanner:
         self._ends_short = False
         self._checked: Costmap | None = None
         self._planned_at = 0.0
-        self._forgot_at = None
+        self._forgot_at: float | None = None
 
     def begin(self, costmap: Costmap) -> None:
         """Forget the path: there is another goal."""
@@ -247,7 +247,7 @@ class Replanner:
             return False
         if self._forgot_at is None:
             self._forgot_at = now.time
-            self._drive.costmap = self._sensed.clear()
+            self._sensed.reset()
             self.obstacle.plan_soon()
         return now.time - self._forgot_at > _SEE_AGAIN_S
 
