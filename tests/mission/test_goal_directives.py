@@ -73,7 +73,8 @@ def test_a_goal_that_gets_blocked_fails_with_the_reason(kinematic_sim, room, car
     session = Session(kinematic_sim, navigator, start, None, steering=steering)
     steering.put(SetGoal((6.5, 1.5)), watcher=watch)
     drive(session, 20)
-    navigator.costmap = navigator.costmap.update(slice(60, 120), slice(70, 90), np.full((60, 20), 100, np.int8))
+    blocked = np.full((60, 20), 100, np.int8)
+    navigator.static_costmap = navigator.static_costmap.update(slice(60, 120), slice(70, 90), blocked)
     drive_until(session, lambda: watch.ended)
     assert watch.results == ["failed"]
     assert watch.ended[0].status is NavigationStatus.NO_PATH

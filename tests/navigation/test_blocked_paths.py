@@ -40,10 +40,10 @@ class Closing:
         self.steps.append(step)
         navigator, everything = self.navigator, (slice(0, 160), slice(0, 240))
         if not self.closed and step.state.pose.x > 3.0:
-            navigator.costmap = navigator.costmap.update(*everything, self.values)
+            navigator.static_costmap = navigator.static_costmap.update(*everything, self.values)
             self.closed = True
         if step.state.time > self.freed_at:
-            navigator.costmap = self.free
+            navigator.static_costmap = self.free
 
     def on_end(self, episode):
         pass
@@ -98,7 +98,7 @@ def test_noise_of_the_pose_hides_no_block(seed):
     with simulate(World.from_map(grid), navigator.robot, backend="kinematic") as sim:
         state = sim.reset(Pose2D(5.0, 4.3))
         navigator.plan(state.pose)
-        navigator.costmap = navigator.costmap.update(slice(0, 160), slice(0, 240), closed(grid, 7.5, 0.1))
+        navigator.static_costmap = navigator.static_costmap.update(slice(0, 160), slice(0, 240), closed(grid, 7.5, 0.1))
         statuses = set()
         while state.time < 120.0 and NavigationStatus.NO_PATH not in statuses:
             dx, dy, turn = rng.normal(0.0, (0.005, 0.005, 0.02)).tolist()

@@ -50,7 +50,7 @@ def test_a_path_that_a_changed_map_blocks_is_replanned_at_the_next_update():
     navigator.set_goal(10.5, 4.0)
     navigator.update((1.5, 4.0, 0.0), Twist2D())
     straight = navigator.path
-    navigator.costmap = box(navigator.costmap, 6.0, 3.0, 6.5, 5.0)
+    navigator.static_costmap = box(navigator.static_costmap, 6.0, 3.0, 6.5, 5.0)
     navigator.update((1.5, 4.0, 0.0), Twist2D())
     assert navigator.path is not straight
     assert navigator.replans == 1
@@ -66,9 +66,9 @@ def test_a_change_beside_the_path_or_behind_the_robot_plans_nothing():
     path = navigator.path
     for x in np.arange(1.5, 6.0, 0.05):
         navigator.update((float(x), 4.0, 0.0), Twist2D(1.0, 0.0))
-    navigator.costmap = box(navigator.costmap, 6.0, 6.0, 6.5, 7.0)
+    navigator.static_costmap = box(navigator.static_costmap, 6.0, 6.0, 6.5, 7.0)
     navigator.update((6.0, 4.0, 0.0), Twist2D(1.0, 0.0))
-    navigator.costmap = box(navigator.costmap, 2.0, 3.5, 2.5, 4.5)
+    navigator.static_costmap = box(navigator.static_costmap, 2.0, 3.5, 2.5, 4.5)
     navigator.update((6.05, 4.0, 0.0), Twist2D(1.0, 0.0))
     assert navigator.path is path
     assert navigator.replans == 0
@@ -84,11 +84,11 @@ def test_where_no_other_path_is_left_it_stops_in_front_and_goes_on_when_it_is_fr
     def watch(navigator, pose, twist):
         nonlocal farthest
         if pose.x > 3.0 and farthest == 0.0:
-            navigator.costmap = closed
+            navigator.static_costmap = closed
         if navigator.costmap is closed:
             farthest = max(farthest, pose.x)
             if farthest > 6.0 and abs(twist.v) < 1e-6:
-                navigator.costmap = free
+                navigator.static_costmap = free
 
     drive(navigator, Pose2D(1.5, 4.0, 0.0), watch=watch)
     assert navigator.status is NavigationStatus.ARRIVED
@@ -103,14 +103,14 @@ def flips(margin):
     base = box(navigator.costmap, 5.0, 2.6, 7.0, 5.4)
     # A speck near one of the paths, then near the other, that costs a little.
     noisy = [box(base, 5.95, y, 6.05, y + 0.1) for y in (0.9, 7.0)]
-    navigator.costmap = base
+    navigator.static_costmap = base
     navigator.set_goal(10.5, 4.0, 0.0)
     sides, paths, count = [], [], 0
 
     def watch(navigator, pose, twist):
         nonlocal count
         count += 1
-        navigator.costmap = noisy[count // 10 % 2]
+        navigator.static_costmap = noisy[count // 10 % 2]
         path = navigator.path
         if path is not None and (not paths or path is not paths[-1]):
             paths.append(path)
@@ -133,12 +133,12 @@ def test_replanning_does_not_oscillate_between_equal_cost_paths():
 def test_a_path_that_becomes_much_cheaper_is_taken():
     navigator = Navigator(walled_room(), CARTER, settings=NavigatorSettings(replan_interval_s=0.5))
     free = navigator.costmap
-    navigator.costmap = box(free, 5.0, 0.0, 5.5, 6.0)
+    navigator.static_costmap = box(free, 5.0, 0.0, 5.5, 6.0)
     navigator.set_goal(10.5, 1.5, 0.0)
     navigator.update((1.5, 1.5, 0.0), Twist2D())
     detour = navigator.path
     assert detour is not None
-    navigator.costmap = free
+    navigator.static_costmap = free
     for _ in range(11):
         navigator.update((1.5, 1.5, 0.0), Twist2D())
     assert navigator.path is not None

@@ -123,7 +123,7 @@ def test_a_replan_keeps_the_poses_that_are_left():
     def watch(navigator, pose, time):
         if pose.x > 5.0 and navigator.replans == 0:
             (row, row_end), (col, col_end) = navigator.costmap.world_to_cell(np.array([7.4, 7.8]), np.array([3.7, 4.7]))
-            navigator.costmap = navigator.costmap.update(
+            navigator.static_costmap = navigator.static_costmap.update(
                 slice(int(row), int(row_end)), slice(int(col), int(col_end)), 100
             )
 

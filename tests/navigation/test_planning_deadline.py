@@ -104,7 +104,7 @@ def test_a_search_that_takes_twice_the_deadline_is_given_the_time_in_the_third_t
         assert update(navigator, time) == STANDS
     assert update(navigator, 2.0).v > 0.0
     assert planner.deadlines == [2.0, 4.0, 8.0]
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     update(navigator, 3.0)
     assert planner.deadlines[-1] == 2.0
 
@@ -116,7 +116,7 @@ def test_a_try_that_succeeds_drives_on_and_resets_the_count(clock):
         assert navigator.waits_to_plan
     assert update(navigator, 2.0).v > 0.0
     assert not navigator.waits_to_plan
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     for time in (3.0, 4.0):
         assert update(navigator, time) == STANDS
     assert update(navigator, 5.0).w != 0.0
@@ -127,7 +127,7 @@ def test_a_try_that_succeeds_drives_on_and_resets_the_count(clock):
 def test_a_moving_robot_plans_for_a_quarter_and_stops_where_that_is_not_enough(clock):
     navigator, planner = make(clock, 0.1, 0.7, 0.7)
     update(navigator, 0.0)
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     assert update(navigator, 0.05, DRIVES) == STANDS
     assert planner.deadlines == [2.0, 0.5]
     assert update(navigator, 0.10, DRIVES) == STANDS  # it still moves
@@ -142,7 +142,7 @@ def test_a_moving_robot_plans_for_a_quarter_and_stops_where_that_is_not_enough(c
 def test_after_a_plan_that_took_long_the_robot_stops_before_the_next(clock):
     navigator, planner = make(clock, 0.6, 0.6, 0.1)
     update(navigator, 0.0)
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     assert update(navigator, 0.05, DRIVES) == STANDS
     assert len(planner.deadlines) == 1
     assert update(navigator, 0.10, STANDS) != STANDS
@@ -152,7 +152,7 @@ def test_after_a_plan_that_took_long_the_robot_stops_before_the_next(clock):
 def test_odometry_that_never_says_0_does_not_keep_it_from_planning(clock):
     navigator, planner = make(clock, 0.6, 0.6)
     update(navigator, 0.0)
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     planned = [time for time in np.arange(0.05, 4.0, 0.05).tolist() if update(navigator, time, DRIVES) != STANDS]
     assert planned[0] == pytest.approx(3.05)
     assert len(planner.deadlines) == 2
@@ -173,7 +173,7 @@ def test_a_better_path_is_looked_for_only_while_that_is_quick(clock):
 def test_without_a_deadline_nothing_depends_on_the_clock(clock):
     navigator, planner = make(clock, 60.0, 60.0, planning_deadline_s=None)
     assert update(navigator, 0.0).v > 0.0
-    navigator.costmap = navigator.costmap.update(*EVERYTHING, blocked_ahead())
+    navigator.static_costmap = navigator.static_costmap.update(*EVERYTHING, blocked_ahead())
     assert update(navigator, 0.05, DRIVES) != STANDS
     assert planner.deadlines == [None, None]
 

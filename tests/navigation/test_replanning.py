@@ -27,7 +27,7 @@ class Flicker:
             for _ in range(6):
                 col, row = int(self.rng.integers(60, 180)), int(self.rng.choice([8, 14, 144, 150]))
                 costmap = costmap.update(slice(row, row + 2), slice(col, col + 2), 100)
-            self.navigator.costmap = costmap
+            self.navigator.static_costmap = costmap
         new = step.path is not None and (not self.paths or step.path is not self.paths[-1])
         if new and step.state.pose.x < 10.0:  # over the last few centimetres any path is cheaper by the margin
             self.paths.append(step.path)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support.sensed_rooms import GOAL, ROBOT, START, block, grid_of, room
-from trundle.costmap import Costmap, CostmapSettings
+from trundle.costmap import LETHAL, Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import InputError, SensorWarning
 from trundle.geometry import Pose2D, Twist2D
@@ -159,7 +159,7 @@ def test_a_costmap_that_is_put_there_stays_under_what_is_sensed():
     for tick in range(5):
         look(navigator, tick * 0.05)
     changed = navigator.costmap.update(slice(100, 110), slice(100, 110), 100)
-    navigator.costmap = changed
+    navigator.static_costmap = changed
     look(navigator, 0.25)
     assert (navigator.costmap.data[100:110, 100:110] == 254).all()
     navigator.reset()
@@ -224,3 +224,62 @@ def test_an_observation_needs_an_estimate():
     navigator = open_floor()
     with pytest.raises(InputError):
         navigator.update(Observation(0.0, Twist2D(), START, ()))
+
+
+# The static costmap ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("layers", [None, LayersSettings(rolling_window=True, width=9.0, height=5.0)])
+def test_what_was_seen_stays_as_the_static_costmap_is_replaced_and_is_not_put_into_it(layers):
+    navigator = open_floor(layers=layers)
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    x, y = 4.47, 3.02
+    cells = lambda costmap, x, y: costmap.data[costmap.world_to_cell(x, y)]  # noqa: E731
+    seen = [x + 0.05 * k for k in range(-4, 5)]
+    assert any(cells(navigator.costmap, each, y) == LETHAL for each in seen)
+    navigator.static_costmap = navigator.static_costmap.update(slice(80, 84), slice(60, 64), 100)
+    for tick in (5, 6):
+        assert cells(navigator.costmap, 3.1, 4.1) == LETHAL
+        assert any(cells(navigator.costmap, each, y) == LETHAL for each in seen)
+        look(navigator, tick * 0.05)
+    navigator.clear_obstacles()
+    assert cells(navigator.costmap, 3.1, 4.1) == LETHAL
+    assert not any(cells(navigator.costmap, each, y) == LETHAL for each in seen)
+
+
+def test_the_costmap_that_it_drives_on_cannot_be_replaced():
+    navigator = open_floor()
+    with pytest.raises(InputError, match="static_costmap"):
+        navigator.costmap = navigator.costmap.update(slice(0, 5), slice(0, 5), 100)
+
+
+@pytest.mark.parametrize("given", [None, "map.yaml", np.zeros((3, 3))])
+def test_a_static_costmap_that_is_none_is_refused(given):
+    navigator = open_floor()
+    with pytest.raises(InputError, match="static costmap"):
+        navigator.static_costmap = given
+
+
+def test_a_static_costmap_with_other_cells_is_taken_without_what_was_seen():
+    navigator = open_floor()
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    coarse = CostmapSettings().make_costmap(OccupancyGrid(np.zeros((70, 110), np.int8), 0.1), ROBOT)
+    navigator.static_costmap = coarse
+    assert navigator.costmap is coarse
+    look(navigator, 0.3)
+    assert navigator.costmap.shape == (70, 110)
+
+
+def test_without_a_map_there_is_no_static_costmap_until_one_is_given():
+    navigator = Navigator(None, ROBOT)
+    navigator.set_goal(8.5, 3.0)
+    for tick in range(5):
+        look(navigator, tick * 0.05)
+    assert navigator.static_costmap is None
+    static = CostmapSettings().make_costmap(OccupancyGrid(np.zeros((120, 200), np.int8), 0.05), ROBOT)
+    navigator.static_costmap = static
+    assert (navigator.static_costmap is static, navigator.has_map) == (True, True)
+    assert navigator.costmap.shape == (120, 200)
+    assert (navigator.costmap.data == LETHAL).any()

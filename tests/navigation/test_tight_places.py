@@ -89,7 +89,7 @@ class Closing:
             self.planners.append(step.path.planner)
         self.backed += min(0.0, step.state.twist.v) * self.navigator.dt
         if not self.closed and step.state.pose.x > 4.0:
-            self.navigator.costmap = self.navigator.costmap.update(slice(90, 110), slice(104, 106), 100)
+            self.navigator.static_costmap = self.navigator.static_costmap.update(slice(90, 110), slice(104, 106), 100)
             self.closed = True
 
     def on_end(self, episode): ...

@@ -147,4 +147,4 @@ class BehaviorRunner:
         )
 
     def _clear_costmap(self) -> None:
-        self._drive.costmap = self._sensed.clear()
+        self._sensed.reset()

@@ -35,7 +35,6 @@ class Now:
 class Drive:
     """The state of a drive that a navigator shares with what plans and recovers for it; see `Navigator`."""
 
-    costmap: Costmap
     planner: Planner
     controller: Controller
 

@@ -57,10 +57,10 @@ class Navigator(Drive):
 
     It knows no simulator: call `update` with the robot's pose once per control period and send the twist to the robot.
 
-    The map may change during a drive: `navigator.costmap = navigator.costmap.update(rows, cols, values)`. The next
-    `update` then checks the rest of the path, and replans if that is blocked. A path that is not blocked is replaced
-    only by one that is cheaper by `settings.replan_margin`, so that the robot does not oscillate between equal-cost
-    paths.
+    The map may change during a drive: `navigator.static_costmap = navigator.static_costmap.update(rows, cols, values)`.
+    The next `update` then checks the rest of the path, and replans if that is blocked. A path that is not blocked is
+    replaced only by one that is cheaper by `settings.replan_margin`, so that the robot does not oscillate between
+    equal-cost paths.
 
     Scans put what is not on the map into the costmap: `update(pose, twist, time=…, scans=…)`. Where that blocks the
     path, the robot plans a path round it; where that is long, it waits first for what may move. It never drives faster
@@ -88,8 +88,9 @@ class Navigator(Drive):
         progress_checker: Says whether the robot makes progress; may be replaced.
         robot: The robot.
         grid: The map, or None where a costmap or no map was given.
-        costmap: What it plans and drives on, with what the scans saw; may be replaced during a drive, by a costmap of
-            the map without that.
+        costmap: What it plans and drives on: the static costmap with what the scans saw. Read-only.
+        static_costmap: The costmap of the map, without what the scans saw; None without a map. May be replaced, also
+            during a drive: what was seen stays, unless the new one has cells of another size.
         speed_mask: The speed mask, or None.
         speed_limit: What the speed mask allows now [m/s], infinite where it limits nothing.
         target: The goal, or None; as a goal, it says whether any yaw will do.
@@ -138,7 +139,6 @@ class Navigator(Drive):
         if tracking is not False:
             check_kind(tracking, (TrackerSettings, NoneType), "tracking", "TrackerSettings(max_range=10.0) makes them")
         self._tracked = SensedTracks(self.robot, tracking, warn=layers is False)
-        self.costmap = self._sensed.costmap
         self.speed_mask = (
             speed_mask if speed_mask is None or isinstance(speed_mask, SpeedMask) else SpeedMask.load(speed_mask)
         )
@@ -217,8 +217,7 @@ class Navigator(Drive):
         self._is_held = False
         self._delayed.clear()
         self._runner.reset()
-        self._sensed.reset(self.costmap)
-        self.costmap = self._sensed.costmap
+        self._sensed.reset()
         self._tracked.reset()
         self.tracks: tuple[Track, ...] = ()
         self._begin(None)
@@ -316,6 +315,28 @@ class Navigator(Drive):
         return cast("Rollouts | None", best()) if callable(best) else None
 
     @property
+    def costmap(self) -> Costmap:
+        """What it plans and drives on: the static costmap with what the scans saw."""
+        return self._sensed.costmap
+
+    @costmap.setter
+    def costmap(self, costmap: object) -> None:
+        raise InputError(
+            "a navigator's costmap has what the scans saw and cannot be replaced; replace its static_costmap: "
+            "navigator.static_costmap = navigator.static_costmap.update(rows, cols, values)"
+        )
+
+    @property
+    def static_costmap(self) -> Costmap | None:
+        """The costmap of the map, without what the scans saw; None without a map."""
+        return self._sensed.static
+
+    @static_costmap.setter
+    def static_costmap(self, costmap: Costmap) -> None:
+        check_kind(costmap, Costmap, "a static costmap", "CostmapSettings().make_costmap(grid, robot) makes one")
+        self._sensed.replace_static(costmap)
+
+    @property
     def has_map(self) -> bool:
         """Whether it drives on a map, and not only on what its scans see."""
         return self._sensed.static is not None
@@ -371,7 +392,10 @@ class Navigator(Drive):
         """
         if region not in ("all", "around", "except"):
             raise InputError(f"the region to clear is 'all', 'around' or 'except', got {region!r}")
-        self.costmap = self._sensed.clear() if region == "all" else self._sensed.clear_region(region, size)
+        if region == "all":
+            self._sensed.reset()
+        else:
+            self._sensed.clear_region(region, size)
 
     @property
     def behavior_runs(self) -> tuple[BehaviorRun, ...]:
@@ -389,7 +413,7 @@ class Navigator(Drive):
         """
         here = Pose2D.of(start)
         if self.target is not None:
-            self.costmap = self._sensed.contain(here, *(goal.pose for goal in self.ahead))
+            self._sensed.contain(here, *(goal.pose for goal in self.ahead))
         followed = self._replanner.plan(Now(self._time, here, _STAND, self.costmap))
         self._replanner.take(followed)
         return followed.path
@@ -496,7 +520,7 @@ class Navigator(Drive):
             self.message = ""
         goal = None if self.target is None else self.target.pose
         estimate = Estimate(now, pose) if estimate is None else estimate
-        self.costmap = self._sensed.update(self.costmap, scans, estimate, goal)
+        self._sensed.update(scans, estimate, goal)
         self.tracks = self._tracked.update(scans, estimate)
         self._replanner.movers.note(self.tracks, now)
         if callable(set_tracks := getattr(self.controller, "set_tracks", None)):

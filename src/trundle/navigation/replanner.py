@@ -77,7 +77,7 @@ class Replanner:
         self._ends_short = False
         self._checked: Costmap | None = None
         self._planned_at = 0.0
-        self._forgot_at = None
+        self._forgot_at: float | None = None
         self._failed: FailedPlan | None = None
         self._searched_at = -math.inf
 
@@ -303,7 +303,7 @@ class Replanner:
             return False
         if self._forgot_at is None:
             self._forgot_at = now.time
-            self._drive.costmap = self._sensed.clear()
+            self._sensed.reset()
             self.obstacle.plan_soon()
         if self.budget.must_wait(now.time) and self._searched_at < self._forgot_at:
             return False

@@ -33,7 +33,7 @@ def run_alone(behavior, *, robot=CARTER, start=(4.0, 4.0, 0.5), costmap=None, se
     """Run one for a robot without a goal that moves ideally within its limits; return navigator, pose and time."""
     navigator = Navigator(ROOM, robot)
     if costmap is not None:
-        navigator.costmap = costmap(navigator.costmap)
+        navigator.static_costmap = costmap(navigator.static_costmap)
     navigator.run(behavior)
     pose, twist, time = Pose2D(*start), Twist2D(), 0.0
     while navigator.status is NavigationStatus.BEHAVING and time < seconds:
@@ -153,7 +153,7 @@ def test_a_robot_that_is_held_on_all_sides_cannot_drive_clear():
 def test_a_motion_that_is_stopped_is_not_driven_again():
     """A monitor that sees more than the costmap has stops it."""
     navigator = Navigator(ROOM, CARTER)
-    navigator.costmap = things_at((4.0 + FRONT + 0.06, 3.0, 5.0, 5.0), (2.0, 4.0 + SIDE + 0.3, 6.0, 5.0))(
+    navigator.static_costmap = things_at((4.0 + FRONT + 0.06, 3.0, 5.0, 5.0), (2.0, 4.0 + SIDE + 0.3, 6.0, 5.0))(
         navigator.costmap
     )
     navigator.run(DriveClear(speed=0.1))

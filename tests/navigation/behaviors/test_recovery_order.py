@@ -117,7 +117,7 @@ def walled_in(costmap):
 def test_where_a_step_fails_the_one_after_it_runs_at_once():
     settings = NavigatorSettings(recovery="back_up,spin=1.57", recovery_retries=2)
     navigator = Navigator(ROOM, CARTER, controller=Stubborn(), settings=settings)
-    navigator.costmap = walled_in(navigator.costmap)
+    navigator.static_costmap = walled_in(navigator.static_costmap)
     navigator.set_goal(10.0, 4.0)
     drive(navigator, Pose2D(2.55 - CARTER.outline[:, 0].min() + 0.05, 4.0))
     first, second, *_ = navigator.behavior_runs

@@ -79,25 +79,34 @@ class LayeredCostmap:
         self.settings = LayersSettings() if layers is None else layers
         check_kind(self.settings, LayersSettings, "layers", "give LayersSettings(…)")
         edge = check_number("resolution", resolution, 1e-3, 10.0, "m")
-        fixed, grid, self._style = _read_static(static, robot, costmap, keepout, edge)
-        obstacle = self.settings.obstacle
-        tolerance = None if obstacle is None else obstacle.static_tolerance
-        self._extent = Extent(
-            grid,
-            floor=None if fixed is None else fixed.keepout,
-            keepout=keepout,
-            resolution=edge,
-            size=(self.settings.width, self.settings.height),
-            rolling=self.settings.rolling_window,
-            tolerance=tolerance,
-        )
+        self._robot, obstacle = robot, self.settings.obstacle
+        self._take_static(static, costmap, keepout, edge)
         self._obstacle = None if obstacle is None else self._make_obstacle_layer(robot)
         for layer in extra_layers:
             check_kind(layer, Layer, "a layer", "it needs reset, update, paint and obstacles")
         self._layers: list[Layer] = [*([] if self._obstacle is None else [self._obstacle]), *extra_layers]
-        self._fixed = fixed if self._extent.is_fixed else None
         self._lock = threading.RLock()
         self._forget()
+
+    def _take_static(
+        self,
+        static: OccupancyGrid | Costmap | None,
+        costmap: CostmapSettings | None,
+        keepout: KeepoutMask | None,
+        resolution: float,
+    ) -> None:
+        fixed, grid, self._style = _read_static(static, self._robot, costmap, keepout, resolution)
+        obstacle = self.settings.obstacle
+        self._extent = Extent(
+            grid,
+            floor=None if fixed is None else fixed.keepout,
+            keepout=keepout,
+            resolution=resolution,
+            size=(self.settings.width, self.settings.height),
+            rolling=self.settings.rolling_window,
+            tolerance=None if obstacle is None else obstacle.static_tolerance,
+        )
+        self._fixed = fixed if self._extent.is_fixed else None
 
     @property
     def costmap(self) -> Costmap:
@@ -147,6 +156,33 @@ class LayeredCostmap:
             for layer in self._layers:
                 layer.reset()
             self._forget()
+
+    def replace_static(self, static: Costmap) -> Costmap:
+        """Take another costmap of the map; what was sensed stays.
+
+        Args:
+            static: The costmap, with its own keep-out mask, of any extent.
+
+        Returns:
+            The costmap then: the static one before the first update.
+
+        Raises:
+            InputError: If its cells are of another size.
+        """
+        check_kind(static, Costmap, "a static costmap", "CostmapSettings().make_costmap(grid, robot) makes one")
+        with self._lock:
+            if static.resolution != self._extent.resolution:
+                raise InputError(
+                    f"a static costmap must have cells of {self._extent.resolution:g} m, as the one before, got "
+                    f"{static.resolution:g} m: make another LayeredCostmap"
+                )
+            self._take_static(static, None, None, static.resolution)
+            if self._T_map_odom is None or self._odom_pose is None:
+                self._forget()
+                return static
+            self._extent.follow(self._T_map_odom @ self._odom_pose)
+            self._rebuild()
+            return self.costmap
 
     def clear(self, region: Literal["around", "except"], size: float) -> Costmap:
         """Forget the obstacles that were sensed in a square around the robot, or outside of it.

@@ -51,32 +51,28 @@ class SensedMap:
         self._has_map = static is not None
         self._static = self._blank([]) if static is None else static
         self._reset_time = True
-        self.reset(None)
+        self.reset()
 
-    def reset(self, costmap: Costmap | None) -> None:
-        """Forget what was sensed.
-
-        Args:
-            costmap: What the navigator drives on: another one than the latest was put there by its user, and stays.
-        """
-        if costmap is not None and costmap is not self.costmap:
-            self._static, self._has_map = costmap, True
+    def reset(self) -> None:
+        """Forget what was sensed."""
         self.costmap = self._static
         self._layered: LayeredCostmap | None = None
         self._waiting: tuple[Scan, ...] = ()
         self._time: float | None = None
         self._last_pose: Pose2D | None = None
 
-    def clear(self) -> Costmap:
-        """Forget what was sensed until the next scan; the costmap without it."""
-        self.reset(None)
-        return self.costmap
+    def replace_static(self, costmap: Costmap) -> None:
+        """Take another costmap of the map; what was sensed stays, unless the cells are of another size."""
+        self._static, self._has_map = costmap, True
+        if self._layered is None or costmap.resolution != self.costmap.resolution:
+            self.reset()
+        else:
+            self.costmap = self._layered.replace_static(costmap)
 
-    def clear_region(self, region: Literal["around", "except"], size: float) -> Costmap:
-        """Forget what was sensed in a square around the robot of this edge [m], or outside of it; the costmap then."""
+    def clear_region(self, region: Literal["around", "except"], size: float) -> None:
+        """Forget what was sensed in a square around the robot of this edge [m], or outside of it."""
         if self._layered is not None:
             self.costmap = self._layered.clear(region, size)
-        return self.costmap
 
     def begin(self) -> None:
         """Expect that the time may start over, and the robot be elsewhere: there is a new goal."""
@@ -97,21 +93,19 @@ class SensedMap:
         """Whether the costmap may come to contain a pose: there is no map, or the map contains it."""
         return not self._has_map or _contains(self._static, [(pose.x, pose.y)])
 
-    def contain(self, *poses: Pose2D) -> Costmap:
-        """The costmap, extended to contain these poses where there is no map."""
+    def contain(self, *poses: Pose2D) -> None:
+        """Extend the costmap to contain these poses where there is no map."""
         if not self._has_map:
             points = [(pose.x, pose.y) for pose in poses]
             if self._layered is not None:
                 self.costmap = self._layered.require(np.array(points)) or self.costmap
             elif not _contains(self.costmap, points):
                 self.costmap = self._static = self._blank(points)
-        return self.costmap
 
-    def update(self, costmap: Costmap, scans: Sequence[Scan], estimate: Estimate, goal: Pose2D | None) -> Costmap:
+    def update(self, scans: Sequence[Scan], estimate: Estimate, goal: Pose2D | None) -> None:
         """Put scans into the costmap.
 
         Args:
-            costmap: What the navigator drives on: another one than the latest was put there by its user.
             scans: Those that arrived since the last call.
             estimate: Where the robot is now.
             goal: Where it is driving to.
@@ -119,17 +113,15 @@ class SensedMap:
         Warns:
             SensorWarning: If the time goes back, after which what was sensed is forgotten.
         """
-        if costmap is not self.costmap:
-            self.reset(costmap)
         if self._layers is False:
-            return self.costmap
+            return
         scans = (*self._waiting, *scans)
         if not scans and self._layered is None:
-            return self.costmap
+            return
         if self._time is not None and estimate.time <= self._time:
             if estimate.time == self._time:
                 self._waiting = scans
-                return self.costmap
+                return
             self._go_back(estimate.time)
         self._waiting, self._reset_time, self._time = (), False, estimate.time
         if self._layered is None:
@@ -137,7 +129,6 @@ class SensedMap:
             if goal is not None:
                 self._layered.require((goal.x, goal.y))
         self.costmap = self._layered.update(scans, estimate)
-        return self.costmap
 
     def jump(self, pose: Pose2D, driven_m: float) -> float | None:
         """How far the robot's pose has moved since the last call [m], if that is 1 m more than it may have driven."""
@@ -168,7 +159,7 @@ class SensedMap:
                 SensorWarning,
                 stacklevel=4,
             )
-        self.reset(self.costmap)
+        self.reset()
 
     def _make_layered(self) -> LayeredCostmap:
         layers = None if self._layers is False else self._layers
