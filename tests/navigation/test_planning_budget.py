@@ -111,7 +111,7 @@ def make_closed(planner, **given):
     navigator = Navigator(walled_room(), "nova_carter", planner=planner, settings=settings(**given))
     navigator.set_goal(10.5, 4.0)
     stand(navigator, 0.0)
-    navigator.costmap = navigator.costmap.update(slice(0, 160), slice(0, 240), closed_ahead())
+    navigator.static_costmap = navigator.costmap.update(slice(0, 160), slice(0, 240), closed_ahead())
     return navigator
 
 
@@ -142,7 +142,7 @@ def test_a_search_that_failed_is_made_again_when_something_has_changed(change):
     assert navigator.status not in FINAL
     x, asked = 2.0, planner
     if change == "freed":
-        navigator.costmap = navigator.costmap.update(slice(10, 11), slice(120, 121), 0)
+        navigator.static_costmap = navigator.costmap.update(slice(10, 11), slice(120, 121), 0)
     elif change == "moved":
         x = 2.2
     elif change == "other goal":
@@ -161,7 +161,7 @@ def test_a_wall_that_grows_is_not_searched_again():
     values = closed_ahead()
     for step, time in enumerate(np.arange(0.05, 20.0, 0.05).tolist()):
         values[20:140, 124 + step // 40] = 100
-        navigator.costmap = navigator.costmap.update(slice(0, 160), slice(0, 240), values)
+        navigator.static_costmap = navigator.costmap.update(slice(0, 160), slice(0, 240), values)
         stand(navigator, time)
     assert len(planner.starts) == 2
 
