@@ -319,9 +319,10 @@ def narrow(gap):
     return costmap_with((-1.0, half + 0.01, 0.99, 1.5), (-1.0, -1.5, 0.99, -half - 0.01))
 
 
-def where_it_samples(costmap, **settings):
-    """Which x [m] of a straight drive it drew samples at, and the poses."""
+def where_it_samples(costmap, tracks=(), **settings):
+    """The x [m] of each tick of a straight drive, and whether it drew samples there."""
     controller = MppiController(CARTER, **FEW, **settings)
+    controller.set_tracks(tracks)
     xs, sampled = [], []
     pose, twist = STRAIGHT.start, Twist2D()
     controller.set_path(STRAIGHT)
@@ -337,7 +338,7 @@ def where_it_samples(costmap, **settings):
 
 
 def test_it_follows_the_path_itself_where_that_leaves_little_room():
-    xs, sampled = where_it_samples(narrow(0.05), sampling_room=0.06)
+    xs, sampled = where_it_samples(narrow(0.09), sampling_room=0.1)
     assert not sampled[(xs > -1.0) & (xs < 1.0)].any()
     assert sampled[(xs < -2.2) | (xs > 2.0)].all()
     changes = np.count_nonzero(sampled[1:] != sampled[:-1])
@@ -350,12 +351,15 @@ def test_it_draws_samples_where_there_is_room_or_it_is_told_to():
     assert not sampled[(xs > -1.0) & (xs < 1.0)].any()
     xs, sampled = where_it_samples(narrow(0.1), sampling_room=0.0)
     assert sampled[(xs > -1.0) & (xs < 1.0)].all()
+    # What moves is predicted by the samples alone.
+    xs, sampled = where_it_samples(narrow(0.1), [walker(0.0, 4.0, 0.5, 0.0)], sampling_room=0.2)
+    assert sampled[(xs > -1.0) & (xs < 1.0)].all()
 
 
 @pytest.mark.parametrize("scale", [0.3, 1.0, 3.0])
 def test_the_room_that_samples_need_grows_with_the_robot(scale):
     robot = scaled(scale)
-    assert MppiController(robot).settings.room_of(robot) == pytest.approx(0.05 * scale)
+    assert MppiController(robot).settings.room_of(robot) == pytest.approx(0.01 * scale)
 
 
 class Swaying:

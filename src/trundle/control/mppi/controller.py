@@ -50,7 +50,7 @@ _STILL_S = 0.4
 _AT_REST = 0.02
 _PATIENCE_M = 0.3
 _FACES_AWAY_RAD, _TURN_STEP_RAD = 0.5 * math.pi, math.radians(10.0)
-_ROOM_TO_LEAVE = 1.5
+_ROOM_TO_LEAVE = 2.0
 """Samples are drawn again where there is so much more room than where they were given up, as a share."""
 _LEFT_OUT_MARGIN_M, _LEFT_OUT_S = 0.15, 0.4
 _LEAD_PAST = 0.5  # of the tolerance of a pose that it has to pass
@@ -150,6 +150,10 @@ class MppiController(Controller):
         """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
         self._tracks = tuple(track for track in tracks if track.confirmed)
 
+    @property
+    def _is_among_movers(self) -> bool:
+        return any(track.moving for track in self._tracks)
+
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
         """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
         passed = len(self._through) - len(marks)
@@ -218,7 +222,6 @@ class MppiController(Controller):
             return self._follow(route.rest(now.pose), now) if followed is None else followed
         if self._follows:
             self._follows = False
-            self._headway.begin()
             self._sampler.restart(now.twist)
         return self._sample(route, window, now)
 
@@ -260,9 +263,11 @@ class MppiController(Controller):
         return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs)[0]
 
     def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
-        """Whether the robot is at the beginning of a part of the path that is free, and leaves it little room."""
+        """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
+        if self.settings.sampling_room == 0.0 or self._is_among_movers:
+            return False
         off_m = math.hypot(poses[0, 0] - pose.x, poses[0, 1] - pose.y)
-        if self.settings.sampling_room == 0.0 or off_m > self._half_width:
+        if off_m > self._half_width and not self._follows:
             return False
         near = costmap.footprint_collides(poses, outline=self._rooms[self._follows])
         return bool(near.any()) and not costmap.footprint_collides(poses).any()
@@ -372,7 +377,7 @@ class MppiController(Controller):
 
     def _watch_headway(self, twist: Twist2D, costmap: Costmap, dt: float) -> None:
         """Never drive to and fro: where samples bring the robot no further, it follows the planned path itself."""
-        if self._route is None or self._follows or any(track.moving for track in self._tracks):
+        if self._route is None or self._is_among_movers or self._route.left_m > self._sample_below_m:
             return
         if self._headway.is_lost(self._route.left_m, twist, dt):
             self._hand_over(self._route, costmap, 0.0)
