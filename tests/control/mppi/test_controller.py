@@ -401,3 +401,17 @@ def test_it_turns_round_where_there_is_room_before_an_end_that_has_none():
     assert arrives(poses, STRAIGHT.goal)
     assert not costmap.footprint_collides(as_array(poses)).any()
     assert all(abs(wrap_angle(pose.yaw)) < 0.5 * math.pi for pose in poses if pose.x > 1.0)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_it_turns_at_the_end_in_the_direction_that_is_free(side):
+    # A wall stands where the tail would pass in the shorter turn.
+    low, high = sorted((-0.6 * side, -1.0 * side))
+    costmap = costmap_with((-0.4, low, 0.4, high))
+    turned = [(0.0, 0.0, -side * angle) for angle in (0.0, 1.84, 3.68)]
+    path = Path(np.array([(-0.5, 0.0, 0.0), *turned]))
+    start = Pose2D(-0.03, 0.0, 0.0)  # as near the end as counts as there
+    poses, _, reasons = follow(MppiController(CARTER, **FEW), path, costmap, start=start)
+    assert abs(wrap_angle(poses[-1].yaw - path.goal.yaw)) < 0.05
+    assert costmap.clearance(as_array(poses)).min() > 0.02
+    assert "the outline would touch something" not in reasons

@@ -49,6 +49,7 @@ _MANY_CONTACTS = 0.01  # of all samples: what moves is in the way
 _STILL_S = 0.4
 _AT_REST = 0.02
 _PATIENCE_M = 0.3
+_LITTLE_TURN_RAD = 0.5
 _FACES_AWAY_RAD, _TURN_STEP_RAD = 0.5 * math.pi, math.radians(10.0)
 _ROOM_TO_LEAVE = 2.0
 """Samples are drawn again where there is so much more room than where they were given up, as a share."""
@@ -216,7 +217,7 @@ class MppiController(Controller):
             route.advance(now.pose)
             self._guide.rejoin(route, now.pose)
             if self._has_arrived(route, now.pose):
-                return self._follow(_turn_at(now.pose, route.path.goal.yaw), now)
+                return self._follow(self._turn_at_end(route, now), now)
         window = self._guide.look(now.costmap, now.pose, self._left_out())
         if self._is_exact(route, window, now.pose) or not self._is_led(route, window, now.pose):
             return self._follow(route.rest(now.pose), now) if followed is None else followed
@@ -224,6 +225,20 @@ class MppiController(Controller):
             self._follows = False
             self._sampler.restart(now.twist)
         return self._sample(route, window, now)
+
+    def _turn_at_end(self, route: Route, now: _Now) -> Path:
+        """A turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
+
+        Where neither is, its direction is the planned one: the robot stands a little beside the path.
+        """
+        x, y, yaw = now.pose.as_tuple()
+        turn = wrap_angle(route.path.goal.yaw - yaw)
+        other = turn - math.copysign(2.0 * math.pi, turn)
+        if abs(turn) > _LITTLE_TURN_RAD and self._hits_in_turn(now.costmap, now.pose, turn):
+            planned = float(route.last_turn[-1, 2] - route.last_turn[0, 2])
+            if planned * turn < 0.0 or not self._hits_in_turn(now.costmap, now.pose, other):
+                turn = other
+        return Path(np.array([(x, y, yaw + share * turn) for share in (0.0, 0.5, 1.0)]))
 
     def _follow(self, path: Path, now: _Now) -> Twist2D:
         """Follow a planned path itself from now on."""
@@ -259,8 +274,8 @@ class MppiController(Controller):
             return True
         if self._is_narrow(window.costmap, route.poses[ahead], pose) or self._turns_first(route, window.costmap, pose):
             return True
-        last = window.poses_in(route.poses[-1:])
-        return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs)[0]
+        last = window.poses_in(route.last_turn)
+        return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs).all()
 
     def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
         """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
@@ -402,8 +417,3 @@ def _reason_of(answer: Answer) -> str:
         return "no free sample"
     everyone = answer.free + answer.blocked
     return _BY_MOVER if answer.contacts >= _MANY_CONTACTS * everyone else ""
-
-
-def _turn_at(pose: Pose2D, yaw: float) -> Path:
-    """A turn in place to a yaw."""
-    return Path(np.array([pose.as_tuple(), (pose.x, pose.y, pose.yaw + wrap_angle(yaw - pose.yaw))]))
