@@ -3,7 +3,7 @@
     python benchmarks/control/tight_ends.py --seeds 0:100
     python benchmarks/control/tight_ends.py --seeds 100:600 --map carter_warehouse_navigation.yaml --workers 16
 
-The worlds are those of `trundle evaluate tight`, and the maps that are given. An episode takes 0.5 to 1 s of CPU time
+The worlds are those of `trundle evaluate tight`, and the maps that are given. An episode takes about 0.4 s of CPU time
 with either controller. The folder can be continued, and reported like any other evaluation.
 """
 
