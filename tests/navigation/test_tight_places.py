@@ -6,7 +6,7 @@ import pytest
 from support.walled_rooms import walled_room
 from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.geometry import Pose2D, Twist2D
-from trundle.mission import Outcome, run
+from trundle.mission import Outcome, Scenario, run
 from trundle.navigation import NavigationStatus, Navigator, NavigatorSettings
 from trundle.robots import Robot
 from trundle.sim import simulate
@@ -108,3 +108,19 @@ def test_it_reverses_out_of_an_aisle_that_is_closed_before_it(backend):
     assert closing.planners[:2] == ["least_cost", "hybrid_astar"]
     assert closing.backed < -0.5
     assert not navigator.costmap.footprint_collides(episode.trajectory.poses).any()
+
+
+@pytest.mark.parametrize(
+    ("world", "start", "goal", "seed"),
+    [
+        ("office", (4.3075, -1.774, -0.1695), (-5.7501, -5.8738, -1.0592), 22),  # 83 m to and fro
+        ("office", (8.6321, 2.7494, 1.8474), (0.3327, -0.5168, 2.9141), 239),  # arrived backwards, without room to turn
+        ("warehouse", (8.2872, 6.9486, 0.1153), (0.4454, 6.7589, -1.1098), 13),  # 65 m to and fro
+    ],
+)
+def test_mppi_drives_between_tight_ends_that_it_did_not(world, start, goal, seed):
+    scenario = Scenario(world={"name": world, "seed": 3}, start=start, goal=goal, controller="mppi", seed=seed)
+    with scenario.build() as mission:
+        episode = mission.run()
+    assert episode.outcome is Outcome.ARRIVED
+    assert episode.metrics.distance_m < 2.0 * episode.metrics.path_length_m

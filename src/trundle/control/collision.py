@@ -76,10 +76,7 @@ def can_stop(
 ) -> bool:
     """Whether a robot can drive `command` for `dt` [s] and then brake with its padded outline free throughout.
 
-    Poses at most 0.05 s and 2° apart are tested, with all that the outline sweeps between them. Where the padded
-    outline touches something at `pose` already, a command passes if the footprint itself touches nothing and never
-    comes nearer to anything than it is: otherwise the robot could not leave that place. Where the footprint itself
-    touches something, as something has pushed the robot against it, this holds for a smaller one that does not.
+    Poses at most 0.05 s and 2° apart are tested by `may_pass`.
 
     Args:
         costmap: Where it drives.
@@ -90,7 +87,23 @@ def can_stop(
         dt: For how long [s].
         padded: The footprint's outline [m], base_link, widened by the clearance to keep, shape (N, 2).
     """
-    poses = np.array([pose.as_tuple(), *stopping_poses(pose, twist, command, limits, dt, turn_step=_TURN_STEP_RAD)])
+    poses = [pose.as_tuple(), *stopping_poses(pose, twist, command, limits, dt, turn_step=_TURN_STEP_RAD)]
+    return may_pass(costmap, np.array(poses), padded=padded)
+
+
+def may_pass(costmap: Costmap, poses: FloatArray, *, padded: FloatArray) -> bool:
+    """Whether a robot may drive from pose to pose, with its padded outline free throughout.
+
+    All that the outline sweeps between the poses is tested. Where the padded outline touches something at the first
+    pose already, the robot may drive if the footprint itself touches nothing and never comes nearer to anything than it
+    is: otherwise it could not leave that place. Where the footprint itself touches something, as something has pushed
+    the robot against it, this holds for a smaller one that does not.
+
+    Args:
+        costmap: Where it drives.
+        poses: (x, y, yaw) [m, m, rad], map frame, close together; the first is where the robot is. Shape (N, 3).
+        padded: The footprint's outline [m], base_link, widened by the clearance to keep, shape (N, 2).
+    """
     blocked = costmap.footprint_sweeps(poses[:-1], poses[1:], outline=padded) < math.inf
     if not blocked.any():
         return True

@@ -12,6 +12,7 @@ from trundle.path import Path
 from trundle.planning import PathCheck, PathHit
 
 _AHEAD_M = 1.0  # length of path in which the robot's position on it is searched
+_BESIDE_M = 0.5  # a robot that is so far from it has left it
 
 
 class FollowedPath:
@@ -58,6 +59,15 @@ class FollowedPath:
         end = int(along.searchsorted(float(along[self.index]) + _AHEAD_M, side="right"))
         dx, dy = poses[self.index : end, 0] - pose.x, poses[self.index : end, 1] - pose.y
         self.index += int(np.argmin(dx * dx + dy * dy))
+
+    def left_from(self, pose: Pose2D) -> float:
+        """How much of it is left from here [m], where the robot has left it and come back to it farther along."""
+        poses, along = self.check.poses[self.index :], self.check.along
+        distances = np.hypot(poses[:, 0] - pose.x, poses[:, 1] - pose.y)
+        nearest = int(np.argmin(distances))
+        if distances[0] <= _BESIDE_M or distances[nearest] > _BESIDE_M:
+            return self.left_m
+        return float(along[-1] - along[self.index + nearest])
 
     def pass_mark(self) -> None:
         """The robot has passed the next goal that it leads through: it is as far along, even where it cut a corner."""

@@ -30,6 +30,7 @@ from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
 from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
 from trundle.navigation.path_driver import PathDriver
+from trundle.navigation.path_progress import PathProgress
 from trundle.navigation.recovery import Recovery
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
@@ -170,6 +171,7 @@ class Navigator(Drive):
             self._runner,
             [create_behavior(step) for step in steps],
             Retries(self.dt, self.settings.recovery_retries),
+            PathProgress(self.dt),
         )
         self._agenda = Agenda(self, self._runner, self._replanner, self._recovery)
         self._driver = PathDriver(self, self._replanner, self._runner, self._recovery, self._check, self.dt)

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.behaviors import BackUp, Behavior, Replan, ReplanWith
-from trundle.navigation.drive import Drive, Now
+from trundle.navigation.drive import Drive, Now, count_reason
+from trundle.navigation.path_progress import PathProgress
 from trundle.navigation.replanner import Replanner
 from trundle.navigation.retries import Retries
 from trundle.navigation.sensing.sensed_map import SensedMap
@@ -16,6 +17,7 @@ from trundle.navigation.status import NavigationStatus
 
 _STAND = Twist2D(0.0, 0.0)
 _LEAST_BACK_M = 0.1
+_NO_PROGRESS = "no progress along the path"
 
 
 class Recovery:
@@ -32,6 +34,7 @@ class Recovery:
         runner: Runs the steps.
         steps: The steps, in order; without any, a blocked robot gives up.
         retries: How often a robot that makes no progress tries again.
+        progress: Whether what it drives brings it further along its path.
     """
 
     def __init__(
@@ -42,16 +45,18 @@ class Recovery:
         runner: BehaviorRunner,
         steps: Sequence[Behavior],
         retries: Retries,
+        progress: PathProgress,
     ) -> None:
         self._drive, self._sensed, self._replanner, self._runner = drive, sensed, replanner, runner
         self.steps = tuple(steps)
-        self._retries = retries
+        self._retries, self._progress = retries, progress
         self._others = tuple(step for step in self.steps if isinstance(step, ReplanWith) or not _replans(step))
         self.reset()
 
     def reset(self) -> None:
         """Start over."""
         self._retries.reset()
+        self._progress.reset()
         self._next = self._next_other = 0
         self._untried: list[Behavior] = []
         self._reason = ""
@@ -68,15 +73,20 @@ class Recovery:
         """
         followed, drive = self._replanner.followed, self._drive
         left_m = 0.0 if followed is None else followed.left_m
-        if not self._retries.is_blocked(command, now.twist, left_m):
+        strays = followed is not None and self._progress.is_lost(followed, now.pose, now.twist)
+        if not self._retries.is_blocked(command, now.twist, left_m) and not strays:
             if command != _STAND:
                 drive.status = NavigationStatus.DRIVING
             return command
-        if self._replanner.is_given:
+        if strays:
+            reason = _NO_PROGRESS
+            count_reason(drive, reason)
+        if self._replanner.is_given and not strays:
             return self._wait_on_given()
-        if self._replanner.obstacle.is_blocked:
+        if self._replanner.obstacle.is_blocked and not strays:
             return self._wait_for_obstacle(now)
-        if not self.steps or (not self._retries.try_again(left_m) and not self._is_patient()):
+        tries = self.steps and not self._replanner.is_given
+        if not tries or (not self._retries.try_again(left_m) and (strays or not self._is_patient())):
             self._give_up()
             return _STAND
         drive.status = NavigationStatus.BLOCKED

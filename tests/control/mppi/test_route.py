@@ -57,3 +57,10 @@ def test_a_turn_in_place_alone_is_a_route():
     assert route.left_m == 0.0
     route.advance(Pose2D(1.0, 1.0, 0.2))
     assert route.index == len(route.poses) - 1
+
+
+def test_its_last_turn_is_what_it_does_at_its_end():
+    turn = [[0, 0, 0], [2, 0, 0], [2, 0, 1.0]]
+    assert Route(Path(np.array(turn))).last_turn[[0, -1], 2].tolist() == [0.0, 1.0]
+    assert Route(Path(np.array(turn[:2]))).last_turn.tolist() == [[2, 0, 0]]
+    assert Route(Path(np.array(turn[:1]))).last_turn.tolist() == [[0, 0, 0]]

@@ -109,22 +109,39 @@ def test_without_steps_it_gives_up_at_once():
     assert names(stuck("replan", recovery_retries=0)) == []
 
 
-def walled_in(costmap):
-    """A wall right behind a robot at (3, 4)."""
-    return costmap.update(slice(60, 100), slice(50, 51), 100)
+def walled_in(recovery, gap, **settings):
+    """A navigator whose controller never moves, after it gave up, with so much room [m] behind the robot."""
+    settings = NavigatorSettings(recovery=recovery, **settings)
+    navigator = Navigator(ROOM, CARTER, controller=Stubborn(), settings=settings)
+    navigator.static_costmap = navigator.static_costmap.update(slice(60, 100), slice(50, 51), 100)
+    navigator.set_goal(10.0, 4.0)
+    pose = Pose2D(2.55 - CARTER.outline[:, 0].min() + gap, 4.0)
+    return navigator, pose.distance_to(drive(navigator, pose))
 
 
 def test_where_a_step_fails_the_one_after_it_runs_at_once():
-    settings = NavigatorSettings(recovery="back_up,spin=1.57", recovery_retries=2)
-    navigator = Navigator(ROOM, CARTER, controller=Stubborn(), settings=settings)
-    navigator.static_costmap = walled_in(navigator.static_costmap)
-    navigator.set_goal(10.0, 4.0)
-    drive(navigator, Pose2D(2.55 - CARTER.outline[:, 0].min() + 0.05, 4.0))
+    navigator, _ = walled_in("back_up,spin=1.57", 0.1, recovery_retries=2)
     first, second, *_ = navigator.behavior_runs
     assert (first.behavior, first.result) == ("back_up", "failed")
     assert "blocked at (" in first.message
     assert second.behavior == "spin"
     assert second.begin_s - first.end_s < 0.06
+
+
+def test_a_step_whose_first_5_cm_collide_is_left_out():
+    navigator, _ = walled_in("back_up,replan", 0.055)
+    assert set(names(navigator)) == {"replan"}
+    # With less room beside its tail than the turn takes, a spin is none of the steps either.
+    navigator, moved = walled_in("spin=1.57,wait=0.1", 0.004)
+    assert set(names(navigator)) == {"wait"}
+    assert moved == 0.0
+
+
+def test_where_no_step_can_begin_the_robot_stays_where_it_is():
+    navigator, moved = walled_in("back_up", 0.055, recovery_retries=2)
+    assert navigator.status is NavigationStatus.STUCK
+    assert {ran.result for ran in navigator.behavior_runs} == {"failed"}
+    assert moved == 0.0
 
 
 class Pausing(Stubborn):

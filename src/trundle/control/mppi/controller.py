@@ -4,9 +4,10 @@ In every control period thousands of sequences of commands are rolled out, rated
 (Williams, Drews, Goldfain, Rehg and Theodorou, 2016). They are led by a field, the cost to go to where the path leaves
 a window around the robot, so that the robot takes its own course round what blocks the path there.
 
-The samples know the footprint as discs. Where these do not fit and the outline does, and on stretches that are driven
-backwards, the robot follows the planned path itself, as planned by regulated pure pursuit. Whatever the command is, the
-outline must be able to stop.
+The samples know the footprint as discs. Where these do not fit and the outline does, where the path leaves little room
+beside the outline, on stretches that are driven backwards, and where samples bring the robot no further along its path,
+it follows the planned path itself, by regulated pure pursuit. Whatever the command is, the outline must be able to
+stop.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from trundle.control.intent import Intent
 from trundle.control.mppi.discs import cover_with_discs
 from trundle.control.mppi.fields import FieldStyle, Window
 from trundle.control.mppi.guide import Guide
+from trundle.control.mppi.headway import Headway
 from trundle.control.mppi.route import Route
 from trundle.control.mppi.sampler import Aim, Answer, Sampler, Start
 from trundle.control.mppi.settings import MppiSettings
@@ -47,6 +49,10 @@ _MANY_CONTACTS = 0.01  # of all samples: what moves is in the way
 _STILL_S = 0.4
 _AT_REST = 0.02
 _PATIENCE_M = 0.3
+_LITTLE_TURN_RAD = 0.5
+_FACES_AWAY_RAD, _TURN_STEP_RAD = 0.5 * math.pi, math.radians(10.0)
+_ROOM_TO_LEAVE = 2.0
+"""Samples are drawn again where there is so much more room than where they were given up, as a share."""
 _LEFT_OUT_MARGIN_M, _LEFT_OUT_S = 0.15, 0.4
 _LEAD_PAST = 0.5  # of the tolerance of a pose that it has to pass
 
@@ -86,6 +92,9 @@ class MppiController(Controller):
         self._limits = self.settings.limits_of(robot)
         padding = self.settings.footprint_padding
         self._padded = robot.planar.padded(padding).outline
+        self._half_width = float(np.abs(robot.outline[:, 1]).max())
+        room = self.settings.room_of(robot)
+        self._rooms = tuple(robot.planar.padded(share * room).outline for share in (1.0, _ROOM_TO_LEAVE))
         self._discs = cover_with_discs(robot.planar, padding)
         self._sampler = Sampler(robot, self.settings, self._discs)
         style = FieldStyle(
@@ -95,6 +104,7 @@ class MppiController(Controller):
         self._guide = Guide(style, reach)
         self._exact_before_m = _EXACT_BEFORE_M + _EXACT_BEFORE_S * self._limits.linear_speed
         self._pursuit = RegulatedPurePursuit(robot, footprint_padding=padding)
+        self._headway = Headway()
         self.reset()
 
     def reset(self, *, seed: int = 0) -> None:
@@ -111,21 +121,26 @@ class MppiController(Controller):
         self._through: tuple[float, ...] = ()
         self._lead_past_m = 0.0
         self._last = _STAND
-        self._forget_place()
-
-    def _forget_place(self) -> None:
+        self._sample_below_m = math.inf
+        self._end_on: Costmap | None = None
+        self._end_has_room = True
+        self._headway.reset()
         self._still_s = 0.0
-        self._held_from_m = math.inf
         self.reason = ""
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on, from its beginning."""
+        owed_m = 0.0 if self._route is None else max(0.0, self._route.left_m - self._sample_below_m)
         self._route = Route(path)
+        self._sample_below_m = self._route.left_m - owed_m if owed_m > 0.0 else math.inf
         self._through = ()
         self._done = False
         self._follows = False
         self._is_new = True
-        self._forget_place()
+        self._end_on = None
+        self._still_s = 0.0
+        self.reason = ""
+        self._headway.begin()
 
     def set_speed_limit(self, limit: float) -> None:
         """Drive no faster than this [m/s] from now on; infinity takes the limit away."""
@@ -135,6 +150,10 @@ class MppiController(Controller):
     def set_tracks(self, tracks: Sequence[Track]) -> None:
         """Take what moves around the robot, map frame; it is predicted from now on, instead of avoided as it stands."""
         self._tracks = tuple(track for track in tracks if track.confirmed)
+
+    @property
+    def _is_among_movers(self) -> bool:
+        return any(track.moving for track in self._tracks)
 
     def set_through(self, marks: Sequence[float], tolerance: float) -> None:
         """Take how far along the path the poses are that it still has to pass, and how near to each it must come."""
@@ -174,7 +193,7 @@ class MppiController(Controller):
         except NoValidControlError:
             self.reason = self.reason or "the outline would touch something"
             raise
-        self._watch(command, twist, dt)
+        self._watch(command, twist, costmap, dt)
         self._last = twist
         return command
 
@@ -196,8 +215,9 @@ class MppiController(Controller):
                 return followed
         else:
             route.advance(now.pose)
+            self._guide.rejoin(route, now.pose)
             if self._has_arrived(route, now.pose):
-                return self._follow(_turn_at(now.pose, route.path.goal.yaw), now)
+                return self._follow(self._turn_at_end(route, now), now)
         window = self._guide.look(now.costmap, now.pose, self._left_out())
         if self._is_exact(route, window, now.pose) or not self._is_led(route, window, now.pose):
             return self._follow(route.rest(now.pose), now) if followed is None else followed
@@ -205,6 +225,20 @@ class MppiController(Controller):
             self._follows = False
             self._sampler.restart(now.twist)
         return self._sample(route, window, now)
+
+    def _turn_at_end(self, route: Route, now: _Now) -> Path:
+        """A turn in place to the yaw at the path's end: the shorter one, or the other where only that is free.
+
+        Where neither is, its direction is the planned one: the robot stands a little beside the path.
+        """
+        x, y, yaw = now.pose.as_tuple()
+        turn = wrap_angle(route.path.goal.yaw - yaw)
+        other = turn - math.copysign(2.0 * math.pi, turn)
+        if abs(turn) > _LITTLE_TURN_RAD and self._hits_in_turn(now.costmap, now.pose, turn):
+            planned = float(route.last_turn[-1, 2] - route.last_turn[0, 2])
+            if planned * turn < 0.0 or not self._hits_in_turn(now.costmap, now.pose, other):
+                turn = other
+        return Path(np.array([(x, y, yaw + share * turn) for share in (0.0, 0.5, 1.0)]))
 
     def _follow(self, path: Path, now: _Now) -> Twist2D:
         """Follow a planned path itself from now on."""
@@ -233,13 +267,45 @@ class MppiController(Controller):
 
     def _is_exact(self, route: Route, window: Window, pose: Pose2D) -> bool:
         """Whether the planned path itself is to be followed here."""
-        if self._held_from_m - route.left_m < _PATIENCE_M:
+        if route.left_m > self._sample_below_m:
             return True
         ahead = route.ahead(self._exact_before_m)
         if route.backward[ahead].any() or float(route.along[-1]) < self.settings.goal_tolerance:
             return True
-        last = window.poses_in(route.poses[-1:])
-        return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs)[0]
+        if self._is_narrow(window.costmap, route.poses[ahead], pose) or self._turns_first(route, window.costmap, pose):
+            return True
+        last = window.poses_in(route.last_turn)
+        return route.left_m < self._exact_before_m and not window.discs_fit(last, self._discs).all()
+
+    def _is_narrow(self, costmap: Costmap, poses: FloatArray, pose: Pose2D) -> bool:
+        """Whether the robot is on a part of the path that is free, and leaves it little room; not among what moves."""
+        if self.settings.sampling_room == 0.0 or self._is_among_movers:
+            return False
+        off_m = math.hypot(poses[0, 0] - pose.x, poses[0, 1] - pose.y)
+        if off_m > self._half_width and not self._follows:
+            return False
+        near = costmap.footprint_collides(poses, outline=self._rooms[self._follows])
+        return bool(near.any()) and not costmap.footprint_collides(poses).any()
+
+    def _turns_first(self, route: Route, costmap: Costmap, pose: Pose2D) -> bool:
+        """Whether the robot drives backwards towards an end without room for a turn, and has room for one here."""
+        turn = wrap_angle(float(route.poses[route.index, 2]) - pose.yaw)
+        if abs(turn) < _FACES_AWAY_RAD or self._has_room_at_end(route, costmap):
+            return False
+        return not self._hits_in_turn(costmap, pose, turn)
+
+    def _has_room_at_end(self, route: Route, costmap: Costmap) -> bool:
+        """Whether the robot can turn round at the path's end, as far as the costmap knows by now."""
+        if self._end_on is not costmap:
+            self._end_on = costmap
+            self._end_has_room = not self._hits_in_turn(costmap, route.path.goal, 2.0 * math.pi)
+        return self._end_has_room
+
+    def _hits_in_turn(self, costmap: Costmap, pose: Pose2D, turn: float) -> bool:
+        """Whether the padded outline touches something in a turn in place [rad]."""
+        yaws = pose.yaw + np.linspace(0.0, turn, max(2, math.ceil(abs(turn) / _TURN_STEP_RAD) + 1))
+        poses = np.column_stack([np.full((len(yaws), 2), (pose.x, pose.y)), yaws])
+        return bool((costmap.footprint_sweeps(poses[:-1], poses[1:], outline=self._padded) < math.inf).any())
 
     def _is_led(self, route: Route, window: Window, pose: Pose2D) -> bool:
         """Whether samples can go on from here: the cost to go leads on, and not just to where the discs do not pass."""
@@ -309,18 +375,34 @@ class MppiController(Controller):
 
     # Reasons --------------------------------------------------------------------------------------------------------
 
-    def _watch(self, command: Twist2D, twist: Twist2D, dt: float) -> None:
+    def _watch(self, command: Twist2D, twist: Twist2D, costmap: Costmap, dt: float) -> None:
         """Never stand still without a reason: what stands for a while follows the planned path itself."""
         still = max(abs(command.v), abs(twist.v)) < _STILL_MPS and max(abs(command.w), abs(twist.w)) < _STILL_RADPS
         if not still or self._done:
             self._still_s, self.reason = 0.0, ""
+            self._watch_headway(twist, costmap, dt)
             return
         self.reason = self.reason or "standing is the best sample"
         if self.reason == _BY_MOVER:
             return
         self._still_s += dt
         if self._still_s > _STILL_S and self._route is not None and not self._follows:
-            self._held_from_m, self._still_s = self._route.left_m, 0.0
+            self._still_s = 0.0
+            self._hand_over(self._route, costmap, _PATIENCE_M)
+
+    def _watch_headway(self, twist: Twist2D, costmap: Costmap, dt: float) -> None:
+        """Never drive to and fro: where samples bring the robot no further, it follows the planned path itself."""
+        if self._route is None or self._is_among_movers or self._route.left_m > self._sample_below_m:
+            return
+        if self._headway.is_lost(self._route.left_m, twist, dt):
+            self._hand_over(self._route, costmap, 0.0)
+
+    def _hand_over(self, route: Route, costmap: Costmap, at_most_m: float) -> None:
+        """Follow a stretch of the path itself from now on; at most so much [m] of one that is blocked."""
+        stretch_m = self._headway.lose()
+        if costmap.footprint_collides(route.poses[route.ahead(stretch_m + self._exact_before_m)]).any():
+            stretch_m = min(stretch_m, at_most_m)
+        self._sample_below_m = route.left_m - stretch_m
 
     def _no_control(self, pose: Pose2D, reason: str) -> NoValidControlError:
         self.reason = reason
@@ -335,8 +417,3 @@ def _reason_of(answer: Answer) -> str:
         return "no free sample"
     everyone = answer.free + answer.blocked
     return _BY_MOVER if answer.contacts >= _MANY_CONTACTS * everyone else ""
-
-
-def _turn_at(pose: Pose2D, yaw: float) -> Path:
-    """A turn in place to a yaw."""
-    return Path(np.array([pose.as_tuple(), (pose.x, pose.y, pose.yaw + wrap_angle(yaw - pose.yaw))]))

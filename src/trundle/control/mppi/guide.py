@@ -18,6 +18,8 @@ _MOST_CELLS = 120
 _EDGE_CELLS = 2
 _BESIDE_CELLS = 2
 _BEYOND_M = 3.0
+_LEFT_M, _REJOIN_M, _SAME_COST_M = 0.5, 0.4, 0.6
+"""A robot has left its route that is so far from its place there, and rejoins it where it is so near [m]."""
 
 
 class Guide:
@@ -91,6 +93,28 @@ class Guide:
         else:
             self.to_go, self.target = None, -1
         return self.to_go
+
+    def rejoin(self, route: Route, pose: Pose2D) -> None:
+        """Take it that a robot which has left the route, led to its target, is where it comes back to it.
+
+        The place is one of those up to the target, near the robot, that costs as much from there as from the robot:
+        nothing stands between the two.
+        """
+        window, to_go = self.window, self.to_go
+        if window is None or to_go is None or self.target <= route.index:
+            return
+        poses = route.poses[route.index : self.target + 1]
+        distances = np.hypot(poses[:, 0] - pose.x, poses[:, 1] - pose.y)
+        near = np.flatnonzero(distances < _REJOIN_M)
+        here = self.cost_at(window, pose)
+        if distances[0] < _LEFT_M or len(near) == 0 or not math.isfinite(here):
+            return
+        rows, cols = window.cells_of(window.poses_in(poses[near])[:, :2])
+        inside = window.inside(rows, cols)
+        costs = to_go[np.where(inside, rows, 0), np.where(inside, cols, 0)]
+        near = near[inside & (np.abs(costs - here) < _SAME_COST_M)]
+        if len(near) > 0:
+            route.index += int(near[np.argmin(distances[near])])
 
     def _lead_to(self, window: Window, route: Route, end: int, target: int, pose: Pose2D) -> None:
         point = window.poses_in(route.poses[target : target + 1])[:, :2]

@@ -56,6 +56,11 @@ class Route:
         """Index of the pose where the direction of driving changes next, or of the last one."""
         return int(self._ends[int(self._ends.searchsorted(self.index))])
 
+    @property
+    def last_turn(self) -> FloatArray:
+        """The poses at its end: one, or those of a turn in place, shape (N, 3)."""
+        return self.poses[int(self.along.searchsorted(float(self.along[-1]) - _SAME_PLACE_M)) :]
+
     def ahead(self, length: float) -> slice:
         """The poses from the robot's on, over a length [m]."""
         end = int(self.along.searchsorted(float(self.along[self.index]) + length, side="right"))

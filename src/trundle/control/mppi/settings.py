@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from trundle.control.collision import FOOTPRINT_PADDING_M
@@ -16,6 +17,7 @@ MOST_STEPS = 400
 _MOST_TURN_RAD = 1.0  # in one step
 _HORIZON_M, _HORIZON_S = 3.0, (1.6, 2.8)
 _STOPS_WITHIN = 0.85  # of the horizon
+_ROOM_SHARE = 0.02  # of the width; with 0.1, 7 of 20 BARN worlds take longer, by 0.7 to 3.9 s
 _FULL_SPEED_IN_S, _FULL_TURN_IN_S = 0.6, 0.4
 
 Weight = Annotated[float, Field(ge=0.0, le=1e6)]
@@ -64,6 +66,9 @@ class MppiSettings(Config):
         near_path_weight: How much longer a metre counts right beside an obstacle in the cost to go, as a share.
         near_path_distance: How fast that falls with the distance from it [m].
         footprint_padding: What the discs and the outline are widened by [m].
+        sampling_room: Clearance [m] that the footprint needs along the next part of the path for samples to be drawn;
+            where it has less, the robot follows the path itself until it has twice as much. None means a fiftieth of
+            the footprint's width; 0 means that samples are drawn wherever they fit.
         goal_tolerance: How near the path's end counts as there [m].
         goal_yaw_tolerance: How near its yaw [rad].
 
@@ -106,6 +111,7 @@ class MppiSettings(Config):
     near_path_weight: Weight = 2.0
     near_path_distance: Positive = 0.3
     footprint_padding: NotNegative = FOOTPRINT_PADDING_M
+    sampling_room: NotNegative | None = None
     goal_tolerance: Positive = 0.05
     goal_yaw_tolerance: Annotated[Angle, Field(gt=0.0)] = 0.05
 
@@ -122,6 +128,12 @@ class MppiSettings(Config):
             linear_acceleration=min(own.linear_acceleration, self.ax_max or own.linear_speed / _FULL_SPEED_IN_S),
             angular_acceleration=min(own.angular_acceleration, self.az_max or own.angular_speed / _FULL_TURN_IN_S),
         )
+
+    def room_of(self, robot: Robot) -> float:
+        """Clearance of a robot's footprint [m] with less of which it follows the path itself."""
+        if self.sampling_room is not None:
+            return self.sampling_room
+        return _ROOM_SHARE * float(np.ptp(robot.outline[:, 1]))
 
     def step_s(self, robot: Robot) -> float:
         """Length of a step [s], long enough for the robot to stop within all of them."""

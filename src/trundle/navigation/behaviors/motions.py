@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from trundle.angles import parse_angle, warn_of_degrees
+from trundle.control.collision import FOOTPRINT_PADDING_M, may_pass
 from trundle.errors import BehaviorFailedError, InputError
-from trundle.geometry import Twist2D, wrap_angle
+from trundle.geometry import Twist2D, integrate_twist, wrap_angle
 from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
 from trundle.values import as_number, check_number
 
@@ -17,6 +20,9 @@ _SPIN_RADPS = 1.0  # Nav2's max_rotational_vel
 _BRAKING_SHARE = 0.8
 _DONE_M, _DONE_RAD = 0.005, 0.01
 _SLOWEST_MPS, _SLOWEST_RADPS = 0.02, 0.05
+_FIRST_M = 0.05
+"""A motion that would touch something so early is not begun [m]."""
+_SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)
 
 
 class DriveOnHeading(Behavior):
@@ -51,11 +57,23 @@ class DriveOnHeading(Behavior):
         """Time after which it has failed [s]."""
         return 2.0 * self.distance / self.speed + 5.0 if self._allowance is None else self._allowance
 
+    def helps(self, context: BehaviorContext) -> bool:
+        """Whether the robot may drive the first 5 cm of it."""
+        first = self._direction * min(self.distance, _FIRST_M)
+        return _may_begin(context, [Twist2D(share * first, 0.0) for share in _SHARES])
+
     def start(self, context: BehaviorContext) -> None:
-        """Begin here."""
+        """Begin here.
+
+        Raises:
+            BehaviorFailedError: If the robot cannot drive backwards and is to, or would touch something within the
+                first 5 cm.
+        """
         limits = context.robot.limits
         if self._direction < 0.0 and limits.reverse_speed == 0.0:
             raise BehaviorFailedError(f"{context.robot.name} cannot reverse: its reverse_speed is 0")
+        if not self.helps(context):
+            raise BehaviorFailedError(_blocked_at(context))
         self._driven_m, self._time = 0.0, context.time
 
     def update(self, context: BehaviorContext) -> Twist2D | None:
@@ -127,9 +145,25 @@ class Spin(Behavior):
             return self._allowance
         return 2.0 * abs(math.pi if self.angle is None else self.angle) / self.speed + 5.0
 
+    def _angle_from(self, yaw: float) -> float:
+        """How far to turn [rad] from this yaw."""
+        return wrap_angle((self.heading or 0.0) - yaw) if self.angle is None else self.angle
+
+    def helps(self, context: BehaviorContext) -> bool:
+        """Whether the robot may make the first turn in which its outline moves by 5 cm."""
+        angle = self._angle_from(context.pose.yaw)
+        first = math.copysign(min(abs(angle), _FIRST_M / context.robot.circumscribed_radius), angle)
+        return _may_begin(context, [Twist2D(0.0, share * first) for share in _SHARES])
+
     def start(self, context: BehaviorContext) -> None:
-        """Begin here."""
-        self._left_rad = wrap_angle((self.heading or 0.0) - context.pose.yaw) if self.angle is None else self.angle
+        """Begin here.
+
+        Raises:
+            BehaviorFailedError: If the robot would touch something before its outline has moved by 5 cm.
+        """
+        if not self.helps(context):
+            raise BehaviorFailedError(_blocked_at(context))
+        self._left_rad = self._angle_from(context.pose.yaw)
         self._time = context.time
 
     def update(self, context: BehaviorContext) -> Twist2D | None:
@@ -140,6 +174,21 @@ class Spin(Behavior):
             return None
         speed = _speed_to_stop(abs(self._left_rad), context.robot.limits.angular_acceleration)
         return Twist2D(0.0, math.copysign(min(self.speed, max(speed, _SLOWEST_RADPS)), self._left_rad))
+
+
+def _may_begin(context: BehaviorContext, motions: list[Twist2D]) -> bool:
+    """Whether the robot may drive from where it is through motions of 1 s each, all of them from there."""
+    x, y, yaw = context.pose.as_tuple()
+    poses = [(x, y, yaw), *(integrate_twist(x, y, yaw, motion.v, motion.w, 1.0) for motion in motions)]
+    padded = context.robot.planar.padded(FOOTPRINT_PADDING_M).outline
+    return may_pass(context.costmap, np.array(poses), padded=padded)
+
+
+def _blocked_at(context: BehaviorContext) -> str:
+    return (
+        f"blocked at ({context.pose.x:.2f}, {context.pose.y:.2f}): it would touch something within the first "
+        f"{_FIRST_M:g} m"
+    )
 
 
 def _speed_to_stop(left: float, deceleration: float) -> float:
