@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -171,10 +172,14 @@ class Results:
 
 def _read_selection(folder: Path) -> Keys | None:
     try:
-        return np.load(folder / SELECTION, allow_pickle=False)
+        with (folder / SELECTION).open("rb") as stream:
+            selection = np.load(stream, allow_pickle=False)
+        if not isinstance(selection, np.ndarray) or selection.ndim != 1 or selection.dtype != np.uint64:
+            raise ValueError("it holds no ids")
+        return selection
     except FileNotFoundError:
         return None
-    except ValueError as error:
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(
             f"{folder / SELECTION}: it is damaged ({error}); continue the evaluation with trundle evaluate to write it "
             "again"

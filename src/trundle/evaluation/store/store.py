@@ -20,6 +20,7 @@ from trundle.evaluation.store.continuing import check_continues
 from trundle.evaluation.store.ids import IdSet, Keys
 from trundle.evaluation.store.journal import Journal
 from trundle.evaluation.store.layout import (
+    DAMAGED_LINES,
     JOURNAL,
     MANIFEST,
     PARTS,
@@ -237,7 +238,7 @@ def _clear(folder: Path) -> None:
     if not exists(folder / MANIFEST):
         return
     try:
-        for name in (JOURNAL, *WRITTEN_AFTERWARDS, SELECTION, SUITE):
+        for name in (JOURNAL, DAMAGED_LINES, *WRITTEN_AFTERWARDS, SELECTION, SUITE):
             (folder / name).unlink(missing_ok=True)
         if exists(folder / PARTS):
             for part in (folder / PARTS).iterdir():
