@@ -40,6 +40,7 @@ def evaluate(
     out: str | os.PathLike[str] | None = None,
     mixed: bool = False,
     overwrite: bool = False,
+    time_budget_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Evaluation:
     """Run a suite's episodes in worker processes, and write the report.
@@ -52,6 +53,8 @@ def evaluate(
             is continued. With `ray` it may be in an object store (`s3://bucket/folder`).
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
+        time_budget_s: Wall time [s] after which it stops, with the rows that it has; none means without limit. The same
+            call with this folder as `out` continues it.
         on_progress: Called at the start and after every episode.
 
     Raises:
@@ -63,7 +66,16 @@ def evaluate(
         suite = Suite.make(**suite)
     elif not isinstance(suite, Suite):
         suite = Suite.load(suite)
-    folder = run_suite(suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=on_progress)
+    folder = run_suite(
+        suite,
+        out,
+        workers=workers,
+        ray=ray,
+        mixed=mixed,
+        overwrite=overwrite,
+        time_budget_s=time_budget_s,
+        on_progress=on_progress,
+    )
     evaluation = Evaluation(folder, suite=suite)
     evaluation.write_report()
     return evaluation
@@ -150,7 +162,8 @@ class Evaluation:
 
     def summary(self, require: Sequence[str] | None = None) -> dict[str, Any]:
         """The figures of `summary.json`."""
-        return summarise(self.table, total=self.results.total, gates=self.gates(require))
+        results = self.results
+        return summarise(self.table, total=results.total, gates=self.gates(require), stopped=results.stopped)
 
     def compare(self, other: Evaluation | str | os.PathLike[str]) -> Comparison:
         """Compare it, as the reference, with another evaluation of the same missions.
@@ -216,6 +229,7 @@ class Evaluation:
                 require=self._parse(require),
                 maps=self.map_of,
                 facts={"started": results.started, **results.versions},
+                stopped=results.stopped,
             )
             self._copy.push(WRITTEN_AFTERWARDS)
         return f"{self.folder.rstrip('/')}/{HTML}"

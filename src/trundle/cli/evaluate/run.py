@@ -30,18 +30,18 @@ app = App(
 )
 
 
-def _names(help_text: str) -> Any:
-    return Parameter(help=help_text, negative="")
+def _names(name: str, help_text: str) -> Any:
+    return Parameter(name=[f"--{name}s", f"--{name}"], help=help_text, negative="")
 
 
 @app.default
 def run(
     *given: str,
-    robots: Annotated[str | None, _names("Robots, separated by commas: names or files.")] = None,
-    planners: Annotated[str | None, _names("Planners, separated by commas: auto,astar.")] = None,
-    controllers: Annotated[str | None, _names("Controllers, separated by commas.")] = None,
-    backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
-    seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
+    robots: Annotated[str | None, _names("robot", "Robots, separated by commas: names or files.")] = None,
+    planners: Annotated[str | None, _names("planner", "Planners, separated by commas: auto,astar.")] = None,
+    controllers: Annotated[str | None, _names("controller", "Controllers, separated by commas.")] = None,
+    backends: Annotated[str | None, _names("backend", "Simulators, separated by commas: mujoco,kinematic.")] = None,
+    seeds: Annotated[str | None, _names("seed", "Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
     nav2_params: nav2.Nav2Params = None,
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
@@ -50,14 +50,15 @@ def run(
     require: verdict.Require = (),
     mixed: Annotated[bool, Parameter(negative="")] = False,
     overwrite: Annotated[bool, Parameter(negative="")] = False,
+    time_budget: verdict.TimeBudget = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
     """Run thousands of missions, and judge them.
 
     Writes a folder with suite.yaml, the rows (journal.jsonl, parts/*.parquet), report.html, junit.xml and summary.json.
-    Ctrl-C and SIGTERM stop it (exit code 130); the same command continues it. Exit code 1 says that a requirement was
-    not met.
+    Ctrl-C and SIGTERM stop it (exit code 130), as does --time-budget (with a report and the usual exit code); the same
+    command continues it. Exit code 1 says that a requirement was not met.
 
     Args:
         given: A suite (a file, or smoke, tight or warehouses, which trundle ships), or maps and worlds, whose missions
@@ -74,6 +75,7 @@ def run(
             f"give a suite ({', '.join(suite_names())}, or a file), or maps and worlds; trundle evaluate --help has "
             "examples"
         )
+    budget_s = verdict.parse_time_budget(time_budget)
     lists = {"robots": robots, "planners": planners, "controllers": controllers, "backends": backends}
     changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
     if seeds is not None:
@@ -88,8 +90,17 @@ def run(
         changes = nav2.add_to_suite(nav2_params, suite.robots, changes, told)
         suite = _make_suite(given, changes)
         told.tell(quiet=quiet)
-    given_options = {"workers": workers, "ray": ray, "mixed": mixed, "overwrite": overwrite}
-    evaluation = carry_out(suite, out, json=json, quiet=quiet, **given_options)
+    evaluation = carry_out(
+        suite,
+        out,
+        json=json,
+        quiet=quiet,
+        workers=workers,
+        ray=ray,
+        mixed=mixed,
+        overwrite=overwrite,
+        time_budget_s=budget_s,
+    )
     return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json, facts=told.facts)
 
 

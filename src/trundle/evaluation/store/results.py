@@ -15,7 +15,7 @@ from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.row import Row
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import SELECTION, SUITE, check_holds_evaluation
-from trundle.evaluation.store.manifest import Manifest
+from trundle.evaluation.store.manifest import Manifest, Stopped
 from trundle.evaluation.store.parts import INSTALL, has_duckdb, list_parts
 from trundle.evaluation.store.tables import JournalTable, SqlTable, Table, check_columns
 
@@ -68,6 +68,11 @@ class Results:
     def total(self) -> int:
         """Number of episodes of the suite."""
         return self._manifest.total
+
+    @property
+    def stopped(self) -> Stopped | None:
+        """Why the evaluation has ended without a row for each episode; None while it runs, and where it is done."""
+        return self._manifest.stopped
 
     @property
     def started(self) -> str:

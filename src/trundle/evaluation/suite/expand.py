@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -48,6 +48,7 @@ class Expansion:
 
     Attributes:
         total: Number of episodes.
+        cases: Number of combinations of planner, controller, smoother, backend and settings: the episodes of a mission.
         worlds, robots, planners, controllers, backends: Labels.
     """
 
@@ -62,8 +63,8 @@ class Expansion:
             len(suite.backends),
             *(len(values) for values in self._settings.values()),
         ]
-        self._cases = math.prod(self._sizes)
-        per_world = [len(suite.robots) * missions.count * self._cases for missions in self._missions]
+        self.cases = math.prod(self._sizes)
+        per_world = [len(suite.robots) * missions.count * self.cases for missions in self._missions]
         self._ends = list(itertools.accumulate(per_world))
         self.total = self._ends[-1]
         self.worlds = _labels("world", [_world_names(world) for world in suite.worlds])
@@ -83,6 +84,10 @@ class Expansion:
             **dict(zip(names, self._sizes, strict=True)),
         }
         return {name: size for name, size in sizes.items() if size != 1}
+
+    def missions(self) -> Iterator[tuple[SuiteWorld, Missions]]:
+        """Each world with its missions, which each robot drives, in the order of the episodes."""
+        return zip(self._suite.worlds, self._missions, strict=True)
 
     def id_of(self, index: int) -> str:
         """Hash of everything that decides an episode."""
@@ -164,7 +169,7 @@ class Expansion:
         Raises:
             InputError: If there are any.
         """
-        for index in {*range(min(self._cases, _MOST_CHECKED)), *self._ends[:-1]}:
+        for index in {*range(min(self.cases, _MOST_CHECKED)), *self._ends[:-1]}:
             check_unknown_cost(self.spec(index).scenario)
 
     # Numbers --------------------------------------------------------------------------------------------------------
@@ -175,7 +180,7 @@ class Expansion:
             raise InputError(f"there is no episode {index}: the suite has {self.total:,}")
         world = bisect.bisect_right(self._ends, index)
         rest = index - (self._ends[world - 1] if world else 0)
-        rest, case = divmod(rest, self._cases)
+        rest, case = divmod(rest, self.cases)
         robot, mission = divmod(rest, self._missions[world].count)
         at: list[int] = []
         for size in reversed(self._sizes):

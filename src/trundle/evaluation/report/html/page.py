@@ -14,6 +14,7 @@ from trundle.evaluation.report.html.style import STYLE
 from trundle.evaluation.statistics.comparison import compare_within
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.table import Table
+from trundle.evaluation.store.manifest import Stopped
 
 
 def render_page(
@@ -25,6 +26,7 @@ def render_page(
     gates: Sequence[GateResult] = (),
     maps: Maps = lambda _: None,
     facts: Mapping[str, str] | None = None,
+    stopped: Stopped | None = None,
 ) -> str:
     """The page: verdict first, then success, comparisons, maps with failures, distributions and variations.
 
@@ -38,9 +40,10 @@ def render_page(
         gates: The results of what is required.
         maps: Gives the map of a world by the key in a row's `place`; None where it is not known.
         facts: What else is to be said at the top: versions, the command, when it was run.
+        stopped: Why not all episodes have a row, where that is known.
     """
     total = len(table) if total is None else total
-    body = [verdict(table, name, total, gates, facts or {})]
+    body = [verdict(table, name, total, gates, facts or {}, stopped)]
     if len(table):
         places = find_places(table, maps)
         body += [
