@@ -251,3 +251,42 @@ class RaisingPlanner:
 
     def plan(self, costmap, start, goal):
         raise RuntimeError("no path today")
+
+
+@pytest.fixture
+def moved_map(room, tmp_path):
+    """An evaluation in a map that has moved since, and where it is now."""
+    for name in ("old", "new"):
+        (tmp_path / name).mkdir()
+    room.save(tmp_path / "old" / "room.yaml")
+    other = {"name": str(tmp_path / "old" / "room.yaml"), "label": "other", "options": {"height": 0.7}}
+    worlds = [str(tmp_path / "old" / "room.yaml"), other]
+    evaluation = evaluate({"worlds": worlds, "backends": "kinematic", "missions": 1}, out=tmp_path / "out")
+    for file in (tmp_path / "old").iterdir():
+        file.rename(tmp_path / "new" / file.name)
+    row = next(evaluation.rows())
+    return tmp_path, row
+
+
+def test_an_episode_is_repeated_with_a_map_that_has_moved(moved_map):
+    folder, row = moved_map
+    with pytest.raises(InputError, match=r"old/room\.yaml: this file of episode .* put it beside .* with --map"):
+        Evaluation(folder / "out").scenario_of(row.id)
+    for place in (folder / "new", folder / "new" / "room.yaml"):
+        scenario = Evaluation(folder / "out").scenario_of(row.id, map=place)
+        assert scenario.map == str(folder / "new" / "room.yaml")
+        assert scenario.start[:2] == (row.start_x, row.start_y)
+    for file in (folder / "new").iterdir():
+        file.rename(folder / "out" / file.name)
+    assert Evaluation(folder / "out").scenario_of(row.id).map == str(folder / "out" / "room.yaml")
+    with pytest.raises(InputError, match=r"there is no room\.yaml in it"):
+        Evaluation(folder / "out").scenario_of(row.id, map=folder / "old")
+
+
+def test_another_map_than_that_of_the_episode_is_refused(moved_map, room):
+    folder, row = moved_map
+    changed = room.data.copy()
+    changed[60:64, 60:64] = 100
+    type(room)(changed, room.resolution).save(folder / "new" / "other.yaml")
+    with pytest.raises(InputError, match="this is not the map of episode"):
+        Evaluation(folder / "out").scenario_of(row.id, map=folder / "new" / "other.yaml")

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
+from trundle.evaluation.moved_files import check_there, find_beside, use_map
 from trundle.evaluation.report.summary import count_outcomes, summarise
 from trundle.evaluation.report.write import HTML, SUMMARY, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
-from trundle.evaluation.store import Results
-from trundle.evaluation.store.layout import WRITTEN_AFTERWARDS
+from trundle.evaluation.store import Results, code_versions
+from trundle.evaluation.store.layout import SUITE, WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
 from trundle.evaluation.writer import write_apart
@@ -114,7 +115,7 @@ class Evaluation:
     @cached_property
     def suite(self) -> Suite:
         """What was run."""
-        return self._suite or Suite.load(self._copy.folder / "suite.yaml")
+        return self._suite or find_beside(Suite.load(self._copy.folder / SUITE), self._copy.folder)
 
     @cached_property
     def table(self) -> Table:
@@ -174,14 +175,23 @@ class Evaluation:
         after = other if isinstance(other, Evaluation) else Evaluation(other)
         return compare(self.table, after.table, names=(self.folder, after.folder))
 
-    def scenario_of(self, prefix: str) -> Scenario:
+    def scenario_of(self, prefix: str, *, map: str | os.PathLike[str] | None = None) -> Scenario:
         """The exact scenario of the episode whose id starts so; running it repeats the episode.
 
+        Args:
+            prefix: The start of its id.
+            map: Its map, or the file of its world, or the folder that holds it, where that has moved; none means where
+                the suite says, or else beside the folder's suite.yaml.
+
         Raises:
-            InputError: If there is none or more than one, or the suite's files have changed since.
+            InputError: If there is none or more than one, or its map is not there, or is another one.
         """
         row = self.results.find(prefix)
-        return EpisodeTask(self.suite).scenario_of(row.index)
+        suite = self.suite
+        if map is not None:
+            suite = use_map(suite, row, map, (self.results.versions, code_versions()))
+        check_there(suite, row, self._copy.folder)
+        return EpisodeTask(suite).scenario_of(row.index)
 
     def map_of(self, place: str) -> OccupancyGrid | None:
         """The map of a place by the key that its rows have; None where it cannot be made (any more).

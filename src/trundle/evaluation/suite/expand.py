@@ -89,6 +89,10 @@ class Expansion:
         """Each world with its missions, which each robot drives, in the order of the episodes."""
         return zip(self._suite.worlds, self._missions, strict=True)
 
+    def world_of(self, index: int) -> int:
+        """Which of the suite's worlds an episode is in."""
+        return self._locate(index)[0]
+
     def id_of(self, index: int) -> str:
         """Hash of everything that decides an episode."""
         world, robot, mission, case = self._locate(index)
@@ -137,7 +141,7 @@ class Expansion:
             vary=drawn,
             reference=world.reference,
             content=(
-                world_of_seed(world, self._world_digests[at_world], seed).hex(),
+                world_of_seed(world, self._world_digest(at_world), seed).hex(),
                 self._robot_digests[at_robot].hex(),
             ),
         )
@@ -150,7 +154,8 @@ class Expansion:
         """
         digests = self._choice_digests
         in_world = [digest(missions.model_dump(mode="json")) for missions in self._missions]
-        worlds = [world + missions for world, missions in zip(self._world_digests, in_world, strict=True)]
+        own = [self._world_digest(world) for world in range(len(in_world))]
+        worlds = [world + missions for world, missions in zip(own, in_world, strict=True)]
         smoothers = [_label_of(smoother) for smoother in self._suite.smoothers]
         _refuse_twice("world", self.worlds, worlds)
         _refuse_twice("robot", self.robots, self._robot_digests)
@@ -208,7 +213,7 @@ class Expansion:
         return short(
             [
                 self._common_digest,
-                self._world_digests[world],
+                self._world_digest(world),
                 self._robot_digests[robot],
                 self._rule_digest(world, listed),
                 digests[0][case.planner],
@@ -231,8 +236,14 @@ class Expansion:
         return {}
 
     @cached_property
-    def _world_digests(self) -> list[bytes]:
-        return [world_content(world) for world in self._suite.worlds]
+    def _found_digests(self) -> dict[int, bytes]:
+        return {}
+
+    def _world_digest(self, world: int) -> bytes:
+        """Of one world, so that an episode can be made where the files of others are missing."""
+        if world not in self._found_digests:
+            self._found_digests[world] = world_content(self._suite.worlds[world])
+        return self._found_digests[world]
 
     @cached_property
     def _robot_digests(self) -> list[bytes]:
