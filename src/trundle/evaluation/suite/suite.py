@@ -137,9 +137,7 @@ class Suite(SuiteFields):
             for world in self.worlds
         ]
         robots = tuple(moved(robot) if is_robot_file(robot) else robot for robot in self.robots)
-        changed = self.model_copy(update={"worlds": tuple(worlds), "robots": robots})
-        changed.__dict__.pop("expansion", None)
-        return changed
+        return self.model_copy(update={"worlds": tuple(worlds), "robots": robots})
 
     def _plain(self) -> dict[str, Any]:
         dumped = self.model_dump(mode="json", exclude_defaults=True)

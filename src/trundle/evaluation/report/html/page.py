@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from trundle.evaluation.report.html.changes import comparisons, variations
+from trundle.evaluation.report.html.failure_table import failure_table, has_own_worlds
 from trundle.evaluation.report.html.head import groups, tiles, verdict
 from trundle.evaluation.report.html.marks import definitions
 from trundle.evaluation.report.html.places import Maps, failure_cards, find_places, map_definitions, world_maps
@@ -46,13 +47,16 @@ def render_page(
     body = [verdict(table, name, total, gates, facts or {}, stopped)]
     if len(table):
         places = find_places(table, maps)
+        if has_own_worlds(table, places):
+            failures = [failure_table(table, places, folder)]
+        else:
+            failures = [world_maps(table, places), failure_cards(table, places, folder)]
         body += [
             tiles(table),
             groups(table, gates),
             comparisons(compare_within(table, name)),
             map_definitions(places),
-            world_maps(table, places),
-            failure_cards(table, places, folder),
+            *failures,
             variations(table),
             distributions(table),
             extremes(table, folder),
