@@ -116,3 +116,19 @@ def test_the_folder_of_a_run_is_not_written_into(trundle, barn, tmp_path):
     assert failed.code == 2
     assert "give another folder with -o" in failed.err
     assert [path.name for path in (tmp_path / "r").iterdir()] == ["episode.json"]
+
+
+def test_both_spellings_of_what_is_crossed_are_taken(trundle, barn, room_map):
+    given = ("--controllers", "regulated_pure_pursuit", "--planners", "auto", "--backends", "kinematic", "--seed", "1")
+    done = trundle("evaluate", "barn", "--worlds", str(barn), "--only", "7", *given, "-o", "runs/b", "--quiet")
+    assert done.code == 0, done.err
+    given = ("--controller", "regulated_pure_pursuit", "--planner", "auto", "--backend", "kinematic", "--seed", "1")
+    done = trundle("evaluate", room_map, "--robot", "nova_carter", *given, "-o", "runs/room", "--quiet")
+    assert done.code == 0, done.err
+
+
+@pytest.mark.parametrize("text", ["10", "m", "-5s", "1d", "0s", "2000h", "1.5h"])
+def test_a_time_budget_that_is_no_time_is_refused(trundle, text):
+    done = trundle("evaluate", "smoke", f"--time-budget={text}")
+    assert done.code == 2
+    assert f"--time-budget {text}: give a time" in done.err

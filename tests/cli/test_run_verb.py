@@ -397,3 +397,9 @@ def test_wrong_settings_of_sensing_are_reported(trundle, options, said):
     done = trundle("run", "maze", "--lidar", *options)
     assert done.code == 2
     assert said in done.err
+
+
+def test_a_map_for_no_episode_is_refused(trundle):
+    done = trundle("run", "office", "--map", "map.yaml")
+    assert done.code == 2
+    assert "--map goes with --from" in done.err

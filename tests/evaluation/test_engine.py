@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -178,3 +179,114 @@ def test_an_episode_is_repeated_by_its_scenario(room_map, tmp_path):
         episode = mission.run()
     assert episode.metrics.time_s == row.time_s
     assert episode.metrics.distance_m == row.distance_m
+
+
+def test_an_unfinished_evaluation_is_a_balanced_sample_that_says_what_is_missing(room_map, tmp_path):
+    worlds = [room_map, {"name": room_map, "label": "again", "options": {"height": 0.5}}]
+    suite = Suite.make(worlds=worlds, backends="kinematic", planners=["auto", "astar"], seeds=6)
+
+    def stop(progress):
+        if progress.done == 8:
+            raise KeyboardInterrupt
+
+    with pytest.raises(InterruptedEvaluationError, match=r"-o .*\. Not counted: 1 that had begun; slow .* flatters"):
+        run_suite(suite, tmp_path / "out", workers=1, on_progress=stop)
+    stopped = Evaluation(tmp_path / "out")
+    groups = [(row.world, row.planner) for row in stopped.rows()]
+    assert sorted(groups.count(group) for group in set(groups)) == [2, 2, 2, 2]
+    assert stopped.results.stopped.reason == "from outside"
+    assert len(stopped.results.stopped.in_flight_s) == 1
+    stopped.write_report()
+    summary = stopped.read_summary()
+    assert summary["stopped"] == {"reason": "from outside", "in_flight": 1, "left_out": 0}
+    assert summary["complete"] is False
+    assert "16 are missing. 1 of them had begun." in (tmp_path / "out" / "report.html").read_text()
+    run_suite(suite, tmp_path / "out", workers=2)
+    run_suite(suite, tmp_path / "whole", workers=1)
+    assert unmeasured(tmp_path / "out") == unmeasured(tmp_path / "whole")
+    assert Evaluation(tmp_path / "out").results.stopped is None
+
+
+def test_a_time_budget_ends_it_with_a_report_and_is_continued(room_map, tmp_path):
+    missions = listed([0.8, HANG, 0.9, 1.1])
+    suite = {"worlds": [room_map], "backends": "kinematic", "missions": missions, "planners": FaultyPlanner}
+    suite = Suite.make(**suite, limits={"wall_s": 100.0})
+    began = time.monotonic()
+    evaluation = evaluate(suite, workers=2, out=tmp_path / "out", time_budget_s=6.0)
+    assert time.monotonic() - began < 60.0  # less than the hanging episode takes
+    assert {row.start_x for row in evaluation.rows()} <= {0.8, 0.9, 1.1}
+    stopped = evaluation.results.stopped
+    assert stopped.reason == "by its time budget"
+    assert 1 <= len(stopped.in_flight_s) <= 2
+    assert "Stopped by its time budget after" in (tmp_path / "out" / "report.html").read_text()
+    assert not list((tmp_path / "out").glob(".*"))
+    again = evaluate(suite, workers=2, out=tmp_path / "out", time_budget_s=12.0)
+    assert {row.start_x for row in again.rows()} == {0.8, 0.9, 1.1}
+
+
+def test_settings_whose_first_ten_episodes_raise_are_given_up_and_compared_with_nothing(room_map, tmp_path):
+    suite = Suite.make(worlds=[room_map], backends="kinematic", planners=["astar", RaisingPlanner], seeds=25)
+    evaluation = evaluate(suite, workers=1, out=tmp_path / "out")
+    outcomes = [(row.planner, row.outcome) for row in evaluation.rows()]
+    assert outcomes.count(("astar", "arrived")) == 25
+    assert outcomes.count(("RaisingPlanner", "error")) == len(outcomes) - 25 == 10
+    summary = evaluation.read_summary()
+    assert summary["complete"] is True
+    assert summary["stopped"] == {"reason": "", "in_flight": 0, "left_out": 15}
+    [broken] = summary["only_errors"]
+    assert broken["labels"]["planner"] == "RaisingPlanner"
+    assert re.fullmatch(r"RuntimeError: no path today at .*test_engine\.py:\d+ in plan", broken["error"])
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert page.index("no path today") < page.index("35 episodes")
+    assert "Compared on the same missions" not in page
+    again = evaluate(suite, workers=2, out=tmp_path / "out")
+    assert len(again) == 35
+    sound = evaluate({"worlds": [room_map], "backends": "kinematic", "missions": 25}, out=tmp_path / "sound")
+    with pytest.raises(InputError, match=r"there is nothing to compare: .*no path today"):
+        sound.compare(evaluate(Suite.make(worlds=[room_map], backends="kinematic", planners=RaisingPlanner, seeds=3)))
+
+
+class RaisingPlanner:
+    """Raises in every episode."""
+
+    def plan(self, costmap, start, goal):
+        raise RuntimeError("no path today")
+
+
+@pytest.fixture
+def moved_map(room, tmp_path):
+    """An evaluation in a map that has moved since, and where it is now."""
+    for name in ("old", "new"):
+        (tmp_path / name).mkdir()
+    room.save(tmp_path / "old" / "room.yaml")
+    other = {"name": str(tmp_path / "old" / "room.yaml"), "label": "other", "options": {"height": 0.7}}
+    worlds = [str(tmp_path / "old" / "room.yaml"), other]
+    evaluation = evaluate({"worlds": worlds, "backends": "kinematic", "missions": 1}, out=tmp_path / "out")
+    for file in (tmp_path / "old").iterdir():
+        file.rename(tmp_path / "new" / file.name)
+    row = next(evaluation.rows())
+    return tmp_path, row
+
+
+def test_an_episode_is_repeated_with_a_map_that_has_moved(moved_map):
+    folder, row = moved_map
+    with pytest.raises(InputError, match=r"old/room\.yaml: this file of episode .* put it beside .* with --map"):
+        Evaluation(folder / "out").scenario_of(row.id)
+    for place in (folder / "new", folder / "new" / "room.yaml"):
+        scenario = Evaluation(folder / "out").scenario_of(row.id, map=place)
+        assert scenario.map == str(folder / "new" / "room.yaml")
+        assert scenario.start[:2] == (row.start_x, row.start_y)
+    for file in (folder / "new").iterdir():
+        file.rename(folder / "out" / file.name)
+    assert Evaluation(folder / "out").scenario_of(row.id).map == str(folder / "out" / "room.yaml")
+    with pytest.raises(InputError, match=r"there is no room\.yaml in it"):
+        Evaluation(folder / "out").scenario_of(row.id, map=folder / "old")
+
+
+def test_another_map_than_that_of_the_episode_is_refused(moved_map, room):
+    folder, row = moved_map
+    changed = room.data.copy()
+    changed[60:64, 60:64] = 100
+    type(room)(changed, room.resolution).save(folder / "new" / "other.yaml")
+    with pytest.raises(InputError, match="this is not the map of episode"):
+        Evaluation(folder / "out").scenario_of(row.id, map=folder / "new" / "other.yaml")

@@ -24,6 +24,16 @@ class Echo:
         return job
 
 
+class Large(Echo):
+    """Takes many bytes; returns how many."""
+
+    def __init__(self, size: int) -> None:
+        self.content = b"x" * size
+
+    def __call__(self, job, note):
+        return len(self.content)
+
+
 class Ask(Echo):
     """A job is the name of a method here, with arguments."""
 

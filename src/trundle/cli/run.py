@@ -38,6 +38,7 @@ def run(
     *,
     given: scenarios.ScenarioOptions = scenarios.DEFAULTS,
     from_: Annotated[str | None, Parameter(name="--from", metavar="FOLDER:ID")] = None,
+    map_: Annotated[str | None, Parameter(name="--map")] = None,
     report: bool = True,
     video: bool = True,
     view: Annotated[bool, Parameter(negative="")] = False,
@@ -61,19 +62,23 @@ def run(
             maze, cylinders, corridors, lot), or a world's file. With
             --backend isaac also an environment of Isaac Sim whose file is on this machine.
         from_: An episode of an evaluation, to be run again exactly, by its folder and the start of its id.
+        map_: With --from: the episode's map or world's file, or the folder that holds it, where it has moved; left out:
+            where it was, or else beside the evaluation's suite.yaml.
         report: Write report.html: one file with the replay, plots and figures of the run.
         video: Write video.mp4.
         view: Watch it drive in a window, if there is a screen.
         out: Output folder, which must not hold a run; default: a new one under runs.
     """
     told = nav2.Nav2Report()
+    if map_ is not None and from_ is None:
+        raise InputError("--map goes with --from; give the map to drive in as the first argument")
     if from_ is not None:
         if source is not None or given != scenarios.DEFAULTS:
             raise InputError(
                 "--from repeats an episode exactly: give no map, world or setting with it. To change something, give "
                 "other options with the scenario.yaml that it writes"
             )
-        scenario = evaluations.find_scenario(from_)
+        scenario = evaluations.find_scenario(from_, map_)
     elif source is None:
         raise InputError("give a map, a world or a scenario; or --from FOLDER:ID for an episode of an evaluation")
     else:

@@ -17,15 +17,19 @@ import numpy as np
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.episode import EpisodeTask, facts_of, parts_of
 from trundle.evaluation.interim import InterimReports
+from trundle.evaluation.order import EpisodeOrder
 from trundle.evaluation.pool import Done, Failed, Pool
 from trundle.evaluation.pool.pool import MOST_WORKERS
 from trundle.evaluation.row import Row
+from trundle.evaluation.schedule import GivenUp, Schedule
 from trundle.evaluation.statistics import Interval, wilson
-from trundle.evaluation.store import Store, code_versions
+from trundle.evaluation.store import Results, Store, code_versions
+from trundle.evaluation.store.layout import MANIFEST
+from trundle.evaluation.store.manifest import Stopped
 from trundle.evaluation.store.remote import is_remote, staged
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import unsampled_hash
-from trundle.values import check_count
+from trundle.values import check_count, check_number
 
 _SETUP_TRIES = 2
 """A part that failed so often while it was set up is not tried again."""
@@ -91,6 +95,7 @@ def run_suite(
     ray: str | None = None,
     mixed: bool = False,
     overwrite: bool = False,
+    time_budget_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Path | str:
     """Run the episodes of a suite that have no row in a folder yet.
@@ -105,6 +110,7 @@ def run_suite(
         ray: Address of a Ray cluster to run on, or `auto`, which starts one on this machine.
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
+        time_budget_s: Wall time [s] after which it stops, with the rows that it has; None means without limit.
         on_progress: Called at the start and after every row, with `ray` after every shard.
 
     Returns:
@@ -116,6 +122,9 @@ def run_suite(
         ClusterError: If the cluster cannot be reached, or no node of it is left.
         InterruptedEvaluationError: After Ctrl-C; all rows so far are in the folder.
     """
+    until = None
+    if time_budget_s is not None:
+        until = time.monotonic() + check_number("time_budget_s", time_budget_s, 0.001, 1e9, "s")
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)
     suite.check()
@@ -140,7 +149,8 @@ def run_suite(
                 overwrite=overwrite,
             )
         )
-        pending = np.fromiter(store.pending(suite.id_of(index) for index in range(total)), np.int64)
+        order = EpisodeOrder(suite)
+        pending = order.sort(np.fromiter(store.pending(suite.id_of(index) for index in range(total)), np.int64))
         if copy is not None:
             copy.push()
         out = store.folder if copy is None else str(folder)
@@ -148,26 +158,64 @@ def run_suite(
         tally = _Tally(Progress(out, total, resumed, done=resumed, damage=store.damage), on_progress)
         interim = InterimReports(out)
         opened.callback(interim.close)
+        given_up = GivenUp(order)
+        if resumed:
+            _note_rows(store.folder, given_up)
+        todo = (index for index in pending.tolist() if not given_up.has(index))
+        in_flight_s: tuple[float, ...] = ()
+        interrupt: KeyboardInterrupt | None = None
         try:
             if ray is not None and len(pending):
                 from trundle.evaluation.cluster import run_on_cluster
 
                 cluster = {"out": out, "address": ray, "versions": versions, "mixed": mixed, "workers": workers}
-                for shard in run_on_cluster(partial(SuiteRunner, suite), pending.tolist(), **cluster):
+                for shard in run_on_cluster(partial(SuiteRunner, suite), todo, until=until, **cluster):
+                    for index in shard.errors:
+                        given_up.note(index, "error")
+                    in_flight_s += tuple(shard.in_flight_s)
                     tally.add(shard.outcomes)
                     interim.look()
             elif len(pending):
-                with SuiteRunner(suite, workers or default_workers()) as runner:
-                    for row in runner.rows(pending.tolist()):
-                        store.append(row)
-                        tally.add({row.outcome: 1})
-                        interim.look()
-        except KeyboardInterrupt as interrupt:
+                with SuiteRunner(suite, workers or default_workers(), given_up) as runner:
+                    try:
+                        for row in runner.rows(todo, until=until):
+                            store.append(row)
+                            tally.add({row.outcome: 1})
+                            interim.look()
+                    finally:
+                        in_flight_s = runner.in_flight_s()
+        except KeyboardInterrupt as error:
+            interrupt = error
+        missing = total - tally.progress.done
+        if missing:
+            is_late = until is not None and (bool(in_flight_s) or time.monotonic() >= until)
+            reason = "from outside" if interrupt else "by its time budget" if is_late else ""
+            store.note_end(Stopped(reason=reason, in_flight_s=in_flight_s, left_out=0 if reason else missing))
+            if copy is not None:
+                copy.push((MANIFEST,))
+        if interrupt is not None:
             raise InterruptedEvaluationError(
                 f"stopped after {tally.progress.done:,} of {total:,} episodes; to continue, give the same command with "
-                f"-o {out}"
+                f"-o {out}{_describe_flight(len(in_flight_s))}"
             ) from interrupt
     return out
+
+
+def _describe_flight(count: int) -> str:
+    if count == 0:
+        return ""
+    return (
+        f". Not counted: {count:,} that had begun; slow episodes are more often among them, which flatters the figures"
+    )
+
+
+def _note_rows(folder: Path, given_up: GivenUp) -> None:
+    """Take the outcomes of the rows that a folder has."""
+    with Results.open(folder) as results:
+        found = results.columns("index", "outcome")
+    is_error = found["outcome"] == "error"
+    for index in found["index"][is_error].tolist():
+        given_up.note(index, "error")
 
 
 class _Tally:
@@ -196,9 +244,10 @@ class SuiteRunner:
     Args:
         suite: The suite.
         workers: Number of processes.
+        given_up: What is known of combinations that are given up; none means nothing.
     """
 
-    def __init__(self, suite: Suite, workers: int) -> None:
+    def __init__(self, suite: Suite, workers: int, given_up: GivenUp | None = None) -> None:
         self._suite = suite
         task = EpisodeTask(suite)
         self._pool = Pool(
@@ -208,23 +257,37 @@ class SuiteRunner:
             memory_mb=suite.limits.memory_mb,
             preload=task.modules,
         )
+        self._workers = workers
+        self._order = EpisodeOrder(suite)
         self._refused: deque[Row] = deque()
         self._unprepared: dict[str, list[Failed]] = {}
         """Failures of parts while they were set up, by part."""
+        self._given_up = given_up or GivenUp(self._order)
+        self._schedule: Schedule | None = None
 
-    def rows(self, indices: Iterable[int]) -> Iterator[Row]:
+    def rows(self, indices: Iterable[int], *, until: float | None = None) -> Iterator[Row]:
         """Run episodes, and give their rows as they end.
 
+        Episodes of a combination that is given up have no rows; see `GivenUp`.
+
         Args:
-            indices: Their numbers in the suite.
+            indices: Their numbers in the suite, in the order of `EpisodeOrder`.
+            until: When to stop, in terms of `time.monotonic` [s]; None means when all are done.
 
         Raises:
             PoolSetupError: If no worker can be started.
         """
-        for outcome in self._pool.run(self._jobs(indices)):
-            yield self._row_of(outcome)
+        self._schedule = schedule = Schedule(indices, self._order, self._workers, self._is_left_out)
+        for outcome in self._pool.run(schedule, until=until):
+            schedule.in_flight.pop(outcome.job)
+            yield self._noted(self._row_of(outcome))
             yield from self._take_refused()
         yield from self._take_refused()
+
+    def in_flight_s(self) -> tuple[float, ...]:
+        """For how long the episodes have been driven that have begun and not ended [s], the longest first."""
+        now = time.monotonic()
+        return () if self._schedule is None else tuple(now - began for began in self._schedule.in_flight.values())
 
     def close(self) -> None:
         """End the processes."""
@@ -236,14 +299,18 @@ class SuiteRunner:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _jobs(self, indices: Iterable[int]) -> Iterator[int]:
-        """The episodes to try; one that needs a part which failed twice in set-up gets that failure as its row."""
-        for index in indices:
-            failure = self._refusal(index) if self._unprepared else None
-            if failure is None:
-                yield index
-            else:
-                self._refused.append(row_of_failure(self._suite.spec(index), failure))
+    def _is_left_out(self, index: int) -> bool:
+        """Whether it is not to be tried: it is given up, or needs a part that failed twice in set-up."""
+        if self._given_up.has(index):
+            return True
+        failure = self._refusal(index) if self._unprepared else None
+        if failure is not None:
+            self._refused.append(self._noted(row_of_failure(self._suite.spec(index), failure)))
+        return failure is not None
+
+    def _noted(self, row: Row) -> Row:
+        self._given_up.note(row.index, row.outcome)
+        return row
 
     def _refusal(self, index: int) -> Failed | None:
         for part in parts_of(self._suite.spec(index)):

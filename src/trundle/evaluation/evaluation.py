@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.engine import OnProgress, run_suite
 from trundle.evaluation.episode import EpisodeTask
+from trundle.evaluation.moved_files import check_there, find_beside, use_map
 from trundle.evaluation.report.summary import count_outcomes, summarise
 from trundle.evaluation.report.write import HTML, SUMMARY, write_reports
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics import Comparison, Gate, GateResult, Interval, Table, compare, wilson
-from trundle.evaluation.store import Results
-from trundle.evaluation.store.layout import WRITTEN_AFTERWARDS
+from trundle.evaluation.store import Results, code_versions
+from trundle.evaluation.store.layout import SUITE, WRITTEN_AFTERWARDS
 from trundle.evaluation.store.remote import staged
 from trundle.evaluation.suite import Suite
 from trundle.evaluation.writer import write_apart
@@ -40,6 +41,7 @@ def evaluate(
     out: str | os.PathLike[str] | None = None,
     mixed: bool = False,
     overwrite: bool = False,
+    time_budget_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Evaluation:
     """Run a suite's episodes in worker processes, and write the report.
@@ -52,6 +54,8 @@ def evaluate(
             is continued. With `ray` it may be in an object store (`s3://bucket/folder`).
         mixed: Continue although earlier rows were made by other code.
         overwrite: Delete the evaluation that the folder holds.
+        time_budget_s: Wall time [s] after which it stops, with the rows that it has; none means without limit. The same
+            call with this folder as `out` continues it.
         on_progress: Called at the start and after every episode.
 
     Raises:
@@ -63,7 +67,16 @@ def evaluate(
         suite = Suite.make(**suite)
     elif not isinstance(suite, Suite):
         suite = Suite.load(suite)
-    folder = run_suite(suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=on_progress)
+    folder = run_suite(
+        suite,
+        out,
+        workers=workers,
+        ray=ray,
+        mixed=mixed,
+        overwrite=overwrite,
+        time_budget_s=time_budget_s,
+        on_progress=on_progress,
+    )
     evaluation = Evaluation(folder, suite=suite)
     evaluation.write_report()
     return evaluation
@@ -102,7 +115,7 @@ class Evaluation:
     @cached_property
     def suite(self) -> Suite:
         """What was run."""
-        return self._suite or Suite.load(self._copy.folder / "suite.yaml")
+        return self._suite or find_beside(Suite.load(self._copy.folder / SUITE), self._copy.folder)
 
     @cached_property
     def table(self) -> Table:
@@ -150,7 +163,8 @@ class Evaluation:
 
     def summary(self, require: Sequence[str] | None = None) -> dict[str, Any]:
         """The figures of `summary.json`."""
-        return summarise(self.table, total=self.results.total, gates=self.gates(require))
+        results = self.results
+        return summarise(self.table, total=results.total, gates=self.gates(require), stopped=results.stopped)
 
     def compare(self, other: Evaluation | str | os.PathLike[str]) -> Comparison:
         """Compare it, as the reference, with another evaluation of the same missions.
@@ -161,14 +175,23 @@ class Evaluation:
         after = other if isinstance(other, Evaluation) else Evaluation(other)
         return compare(self.table, after.table, names=(self.folder, after.folder))
 
-    def scenario_of(self, prefix: str) -> Scenario:
+    def scenario_of(self, prefix: str, *, map: str | os.PathLike[str] | None = None) -> Scenario:
         """The exact scenario of the episode whose id starts so; running it repeats the episode.
 
+        Args:
+            prefix: The start of its id.
+            map: Its map, or the file of its world, or the folder that holds it, where that has moved; none means where
+                the suite says, or else beside the folder's suite.yaml.
+
         Raises:
-            InputError: If there is none or more than one, or the suite's files have changed since.
+            InputError: If there is none or more than one, or its map is not there, or is another one.
         """
         row = self.results.find(prefix)
-        return EpisodeTask(self.suite).scenario_of(row.index)
+        suite = self.suite
+        if map is not None:
+            suite = use_map(suite, row, map, (self.results.versions, code_versions()))
+        check_there(suite, row, self._copy.folder)
+        return EpisodeTask(suite).scenario_of(row.index)
 
     def map_of(self, place: str) -> OccupancyGrid | None:
         """The map of a place by the key that its rows have; None where it cannot be made (any more).
@@ -216,6 +239,7 @@ class Evaluation:
                 require=self._parse(require),
                 maps=self.map_of,
                 facts={"started": results.started, **results.versions},
+                stopped=results.stopped,
             )
             self._copy.push(WRITTEN_AFTERWARDS)
         return f"{self.folder.rstrip('/')}/{HTML}"

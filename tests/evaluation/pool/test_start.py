@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from support.pool_tasks import Ask, CrashingSetup, Echo, FailingSetup, FailingSetupOnce, Planted
+from support.pool_tasks import Ask, CrashingSetup, Echo, FailingSetup, FailingSetupOnce, Large, Planted
 from support.pools import make_pool, value_of
 from trundle.errors import InputError, MissingExtraError
-from trundle.evaluation.pool import PoolSetupError
+from trundle.evaluation.pool import PoolSetupError, child
 
 SCRIPT = """
 import sys
@@ -120,3 +120,26 @@ def test_too_few_descriptors_are_reported():
             list(pool.run(range(1000)))
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+@pytest.mark.parametrize("fork", [True, False])
+@pytest.mark.parametrize("size", [60_000, 70_000, 1_000_000, 20_000_000])
+def test_a_task_of_any_size_reaches_its_workers(size, fork):
+    with make_pool(Large(size), fork=fork) as pool:
+        assert value_of(pool, None) == size
+
+
+@pytest.mark.parametrize("mode", ["serve", "work"])
+@pytest.mark.parametrize(
+    ("sent", "said"),
+    [
+        (b"", "0 of the 8 bytes of its length arrived"),
+        ((9).to_bytes(8, "big") + b"123", "3 of its 9 bytes arrived"),
+        ((3).to_bytes(8, "big") + b"123", "it cannot be unpickled: UnpicklingError"),
+    ],
+)
+def test_a_start_message_that_cannot_be_read_is_named(mode, sent, said):
+    done = subprocess.run([sys.executable, child.__file__, mode], input=sent, capture_output=True, check=False)
+    assert done.returncode == 1
+    assert f"the start message cannot be read: {said}" in done.stderr.decode()
+    assert len(done.stderr.splitlines()) == 1

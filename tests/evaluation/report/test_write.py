@@ -1,4 +1,6 @@
 import json
+import math
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -35,3 +37,17 @@ def test_a_label_that_does_not_occur_is_refused_before_anything_is_written(tmp_p
 def test_a_folder_that_is_gone_is_named(tmp_path):
     with pytest.raises(OutputError, match="gone"):
         write_reports(tmp_path / "gone", make_rows(1))
+
+
+@pytest.mark.parametrize("number", [math.inf, -math.inf, math.nan])
+def test_figures_that_are_not_finite_count_as_unknown(tmp_path, number):
+    rows = list(make_rows(20))
+    broken = dict.fromkeys(("time_s", "min_clearance_m", "end_x", "start_y", "goal_x", "closest_x", "spl"), number)
+    for at, outcome in ((0, "arrived"), (1, "stuck")):
+        rows[at] = replace(rows[at], outcome=outcome, trail=(number, 1.0, 2.0, number), vary={"mass": number}, **broken)
+    summary = write_reports(tmp_path, rows)
+    assert summary["episodes"] == 80
+    assert math.isfinite(summary["medians"]["time_s"])
+    page = (tmp_path / "report.html").read_text()
+    assert "nan" not in page.lower().split()
+    assert "infinity" not in page.lower()

@@ -30,7 +30,7 @@ def barn(
     *,
     worlds: Path,
     only: str | None = None,
-    seeds: str = "10",
+    seeds: Annotated[str, Parameter(name=["--seeds", "--seed"])] = "10",
     drive: Annotated[DriveOptions, Parameter(name="*")] = DriveOptions(),  # noqa: B008 - frozen
     output: Annotated[OutputOptions, Parameter(name="*")] = OutputOptions(),  # noqa: B008 - frozen
 ) -> int:

@@ -21,7 +21,7 @@ app = App(
 def compare(before: str, after: str, /, *, json: options.Json = False) -> int:
     """Compare two evaluations on the missions that both have.
 
-    Exit code 1 says that the second is clearly worse.
+    Exit code 1 says that the second is clearly worse, or that settings of it only raised exceptions.
 
     Args:
         before: The folder of the reference.
@@ -34,4 +34,4 @@ def compare(before: str, after: str, /, *, json: options.Json = False) -> int:
         output.print_json(comparison.as_dict())
     else:
         print("\n".join(comparison_lines(comparison)))
-    return 1 if comparison.worse else 0
+    return 1 if comparison.worse or comparison.only_errors[1] else 0

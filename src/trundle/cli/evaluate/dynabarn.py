@@ -29,8 +29,8 @@ def dynabarn(
     *,
     worlds: Path,
     only: str | None = None,
-    levels: str | None = None,
-    phases: str = "5",
+    levels: Annotated[str | None, Parameter(name=["--levels", "--level"])] = None,
+    phases: Annotated[str, Parameter(name=["--phases", "--phase"])] = "5",
     drive: Annotated[DriveOptions, Parameter(name="*")] = DriveOptions(),  # noqa: B008 - frozen
     output: Annotated[OutputOptions, Parameter(name="*")] = OutputOptions(),  # noqa: B008 - frozen
 ) -> int:

@@ -24,12 +24,20 @@ def carry_out(
     ray: str | None = None,
     mixed: bool = False,
     overwrite: bool = False,
+    time_budget_s: float | None = None,
 ) -> Evaluation | None:
     """Run a suite; see `run_suite` for arguments and errors. None means that it was stopped from outside."""
     try:
         with ends_as_by_ctrl_c(), ProgressLine(json=json, quiet=quiet) as line:
             folder = run_suite(
-                suite, out, workers=workers, ray=ray, mixed=mixed, overwrite=overwrite, on_progress=line.show
+                suite,
+                out,
+                workers=workers,
+                ray=ray,
+                mixed=mixed,
+                overwrite=overwrite,
+                time_budget_s=time_budget_s,
+                on_progress=line.show,
             )
     except InterruptedEvaluationError as stopped:
         output.remark(f"trundle: {stopped}", quiet=False)

@@ -27,6 +27,10 @@ from trundle.files.writing import make_folder, new_folder
 _MOST_LISTED = 1000
 
 
+def _crossed(name: str, help: str) -> Parameter:
+    return Parameter(name=[f"--{name}", f"--{name}s"], help=help)
+
+
 def _flag(help: str, negative: str = "") -> Parameter:
     return Parameter(help=help, negative=negative)
 
@@ -35,10 +39,10 @@ def _flag(help: str, negative: str = "") -> Parameter:
 class DriveOptions:
     """What drives, and what it has to live with."""
 
-    robot: Annotated[str, Parameter(help=options.ROBOT_HELP)] = "jackal"
-    speed: Annotated[str, Parameter(help="Its largest speed forwards and backwards [m/s]; 2,3,4 crosses several.")] = (
-        "2"
-    )
+    robot: Annotated[str, _crossed("robot", options.ROBOT_HELP)] = "jackal"
+    speed: Annotated[
+        str, _crossed("speed", "Its largest speed forwards and backwards [m/s]; 2,3,4 crosses several.")
+    ] = "2"
     noise: Annotated[float, Parameter(help="Standard deviation of its lidar's ranges [m].")] = 0.01
     drift: Annotated[
         bool | None,
@@ -46,16 +50,16 @@ class DriveOptions:
     ] = None
     scan_age: Annotated[float, Parameter(help="Age of the scans when they arrive [s].")] = 0.0
     command_delay: Annotated[float, Parameter(help="Delay of the commands [s].")] = 0.0
-    planner: Annotated[str, Parameter(help=f"{options.PLANNER_HELP} Commas cross several.")] = "auto"
+    planner: Annotated[str, _crossed("planner", f"{options.PLANNER_HELP} Commas cross several.")] = "auto"
     planner_option: options.PlannerOptions = None
-    controller: Annotated[str, Parameter(help=f"{options.CONTROLLER_HELP} Commas cross several.")] = (
+    controller: Annotated[str, _crossed("controller", f"{options.CONTROLLER_HELP} Commas cross several.")] = (
         "regulated_pure_pursuit"
     )
     controller_option: options.ControllerOptions = None
     collision_monitor: Annotated[
         bool | None, _flag("Let every command pass the collision monitor.", "--no-collision-monitor")
     ] = None
-    backend: Annotated[str, Parameter(help="The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
+    backend: Annotated[str, _crossed("backend", "The simulator: mujoco or kinematic. Commas cross several.")] = "mujoco"
 
     def conditions(self, robots: Sequence[str], *, seeds: str, drift: bool, monitor: bool) -> Conditions:
         """The conditions that they say, for robots by name or file; the last two where they say nothing.
@@ -96,6 +100,7 @@ class OutputOptions:
     require: verdict.Require = ()
     mixed: Annotated[bool, _flag("Continue although the code has changed since the earlier rows.")] = False
     overwrite: Annotated[bool, _flag("Delete the evaluation that the folder holds, and start again.")] = False
+    time_budget: verdict.TimeBudget = None
     json: options.Json = False
     quiet: options.Quiet = False
 
@@ -131,6 +136,7 @@ def run_benchmark(
         given: What to write.
         figures: Computes its figures.
     """
+    budget_s = verdict.parse_time_budget(given.time_budget)
     robots = drive.robots()
     make([drive.robot]).check()  # before a folder is made
     folder = given.folder(name)
@@ -147,6 +153,7 @@ def run_benchmark(
         workers=given.workers,
         mixed=given.mixed,
         overwrite=given.overwrite,
+        time_budget_s=budget_s,
     )
     if evaluation is None:
         return INTERRUPTED

@@ -12,6 +12,7 @@ from trundle.cli.shared import nav2, options, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation import Suite, suite_names
+from trundle.evaluation.suite.maps import MAPS, maps_suite
 from trundle.files.kinds import MAP, SUITE, WORLD, find_kind
 from trundle.worlds import world_names
 
@@ -22,6 +23,7 @@ app = App(
         "Examples:\n"
         "  trundle evaluate smoke\n"
         "  trundle evaluate map.yaml --planners auto,astar --backends kinematic --seeds 0:100\n"
+        "  trundle evaluate maps FOLDER --seeds 0:10\n"
         "  trundle evaluate suite.yaml -o runs/nightly --workers 16 --require 'success>=0.99'\n"
         "  trundle evaluate map.yaml --nav2-params nav2_params.yaml\n"
         "  trundle evaluate show runs/nightly --failed\n"
@@ -30,18 +32,18 @@ app = App(
 )
 
 
-def _names(help_text: str) -> Any:
-    return Parameter(help=help_text, negative="")
+def _names(name: str, help_text: str) -> Any:
+    return Parameter(name=[f"--{name}s", f"--{name}"], help=help_text, negative="")
 
 
 @app.default
 def run(
     *given: str,
-    robots: Annotated[str | None, _names("Robots, separated by commas: names or files.")] = None,
-    planners: Annotated[str | None, _names("Planners, separated by commas: auto,astar.")] = None,
-    controllers: Annotated[str | None, _names("Controllers, separated by commas.")] = None,
-    backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
-    seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
+    robots: Annotated[str | None, _names("robot", "Robots, separated by commas: names or files.")] = None,
+    planners: Annotated[str | None, _names("planner", "Planners, separated by commas: auto,astar.")] = None,
+    controllers: Annotated[str | None, _names("controller", "Controllers, separated by commas.")] = None,
+    backends: Annotated[str | None, _names("backend", "Simulators, separated by commas: mujoco,kinematic.")] = None,
+    seeds: Annotated[str | None, _names("seed", "Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
     nav2_params: nav2.Nav2Params = None,
     out: Annotated[str | None, Parameter(name=["--out", "-o"])] = None,
@@ -50,18 +52,19 @@ def run(
     require: verdict.Require = (),
     mixed: Annotated[bool, Parameter(negative="")] = False,
     overwrite: Annotated[bool, Parameter(negative="")] = False,
+    time_budget: verdict.TimeBudget = None,
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> int:
     """Run thousands of missions, and judge them.
 
     Writes a folder with suite.yaml, the rows (journal.jsonl, parts/*.parquet), report.html, junit.xml and summary.json.
-    Ctrl-C and SIGTERM stop it (exit code 130); the same command continues it. Exit code 1 says that a requirement was
-    not met.
+    Ctrl-C and SIGTERM stop it (exit code 130), as does --time-budget (with a report and the usual exit code); the same
+    command continues it. Exit code 1 says that a requirement was not met.
 
     Args:
-        given: A suite (a file, or smoke, tight or warehouses, which trundle ships), or maps and worlds, whose missions
-            are picked by seed.
+        given: A suite (a file, or smoke, tight or warehouses, which trundle ships), maps and a folder of ROS maps, or
+            maps and worlds, whose missions are picked by seed.
         time_limit: Simulated time after which an episode is stopped [s].
         out: Folder to write into, or to continue; left out: a new one under runs.
         workers: Number of processes; left out: one for each CPU.
@@ -71,9 +74,10 @@ def run(
     """
     if len(given) == 0:
         raise InputError(
-            f"give a suite ({', '.join(suite_names())}, or a file), or maps and worlds; trundle evaluate --help has "
-            "examples"
+            f"give a suite ({', '.join(suite_names())}, or a file), maps and a folder of ROS maps, or maps and "
+            "worlds; trundle evaluate --help has examples"
         )
+    budget_s = verdict.parse_time_budget(time_budget)
     lists = {"robots": robots, "planners": planners, "controllers": controllers, "backends": backends}
     changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
     if seeds is not None:
@@ -88,8 +92,17 @@ def run(
         changes = nav2.add_to_suite(nav2_params, suite.robots, changes, told)
         suite = _make_suite(given, changes)
         told.tell(quiet=quiet)
-    given_options = {"workers": workers, "ray": ray, "mixed": mixed, "overwrite": overwrite}
-    evaluation = carry_out(suite, out, json=json, quiet=quiet, **given_options)
+    evaluation = carry_out(
+        suite,
+        out,
+        json=json,
+        quiet=quiet,
+        workers=workers,
+        ray=ray,
+        mixed=mixed,
+        overwrite=overwrite,
+        time_budget_s=budget_s,
+    )
     return INTERRUPTED if evaluation is None else verdict.give(evaluation, json=json, facts=told.facts)
 
 
@@ -106,13 +119,17 @@ def _split(text: str) -> list[str]:
 
 def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
     """The suite that is given, changed by the options; or one of maps and worlds."""
+    if given[0] == MAPS:
+        missions = changes.get("missions", {})
+        rest = {name: value for name, value in changes.items() if name != "missions"}
+        return maps_suite(given[1:], **missions, **rest)
     for text in given:
         check_given(text, SUITE, MAP, WORLD)
     suites = [text for text in given if text in suite_names() or find_kind(text) == SUITE]
     if not suites:
         unknown = [text for text in given if not sources.looks_like_file(text) and text not in world_names()]
         if unknown:
-            raise UnknownNameError("suite or world", unknown[0], [*suite_names(), *world_names()])
+            raise UnknownNameError("suite or world", unknown[0], [*suite_names(), MAPS, *world_names()])
         return Suite.make(worlds=list(given), **changes)
     if len(given) > 1:
         raise InputError(f"give one suite alone, or maps and worlds; got {' '.join(given)}")

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from trundle.mission import Scenario
 
 
-def find_scenario(text: str) -> Scenario:
-    """The exact scenario of `FOLDER:ID`.
+def find_scenario(text: str, map: str | None = None) -> Scenario:
+    """The exact scenario of `FOLDER:ID`, whose map is `map` where that is given.
 
     Raises:
         InputError: If the folder has no evaluation, or there is no such episode, or more than one.
@@ -24,4 +24,4 @@ def find_scenario(text: str) -> Scenario:
     check_given(folder, EVALUATION)
     from trundle.evaluation import Evaluation
 
-    return Evaluation(folder).scenario_of(identity)
+    return Evaluation(folder).scenario_of(identity, map=map)

@@ -42,6 +42,7 @@ def run_on_cluster(
     mixed: bool = False,
     shard: int = SHARD,
     workers: int | None = None,
+    until: float | None = None,
 ) -> Iterator[ShardDone]:
     """Run episodes on all nodes of a cluster; their rows are parts in the folder when this yields their counts.
 
@@ -58,6 +59,7 @@ def run_on_cluster(
         mixed: Use nodes with other code.
         shard: Episodes that a node gets at a time.
         workers: Worker processes on each node; None means one for each of its CPUs.
+        until: When to end, in terms of `time.monotonic` [s]; None means when all is done.
 
     Raises:
         InputError: If the address is none.
@@ -68,16 +70,20 @@ def run_on_cluster(
     place = str(out) if is_remote(out) else str(Path(out).absolute())
     with connect(address) as ray, _token(out) as token:
         crew = _Crew(ray, (make_source, place), workers, (token, tuple(packages)))
-        while todo or crew.is_busy:
+        while crew.is_busy or (todo and not _is_over(until)):
             crew.hire()
             for member in crew.idle():
-                if todo:
-                    crew.give(member, todo.take())
+                if todo and not _is_over(until):
+                    crew.give(member, todo.take(), until)
             for done in crew.wait(None if mixed else versions):
                 if isinstance(done, ShardDone):
                     yield done
                 else:
                     todo.put_back(done)
+
+
+def _is_over(until: float | None) -> bool:
+    return until is not None and time.monotonic() >= until
 
 
 @dataclass(slots=True)
@@ -165,10 +171,11 @@ class _Crew:
         """Whether one has a shard."""
         return any(member.work is not None for member in self._members.values())
 
-    def give(self, member: _Member, work: _Work) -> None:
-        """Let a node run a shard."""
+    def give(self, member: _Member, work: _Work, until: float | None) -> None:
+        """Let a node run a shard, or what it can of it until then."""
         member.work = work
-        self._waiting[member.actor.run.remote(work.shard)] = member
+        left_s = None if until is None else max(0.0, until - time.monotonic())
+        self._waiting[member.actor.run.remote(work.shard, left_s)] = member
 
     def wait(self, versions: Mapping[str, str] | None) -> Iterator[ShardDone | _Work]:
         """Wait a little for answers: shards that are done, and shards of nodes that were lost.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,8 +22,12 @@ from trundle.evaluation.store.remote import RemoteFolder, is_remote
 class RowSource(Protocol):
     """Runs episodes on one machine."""
 
-    def rows(self, indices: Iterable[int]) -> Iterator[Row]:
-        """Run these episodes of the suite, and give their rows as they end."""
+    def rows(self, indices: Iterable[int], *, until: float | None = None) -> Iterator[Row]:
+        """Run these episodes of the suite, until a time of `time.monotonic`, and give their rows as they end."""
+        ...
+
+    def in_flight_s(self) -> tuple[float, ...]:
+        """For how long the episodes have been driven that have begun and not ended [s]."""
         ...
 
     def close(self) -> None:
@@ -41,10 +46,14 @@ class ShardDone:
     Attributes:
         episodes: How many it has.
         outcomes: How many of them ended how.
+        errors: Those that ended in `error`, by number.
+        in_flight_s: For how long those had been driven that had begun when the time was over [s].
     """
 
     episodes: int
     outcomes: Mapping[str, int]
+    errors: tuple[int, ...] = ()
+    in_flight_s: tuple[float, ...] = ()
 
 
 class Node:
@@ -86,8 +95,12 @@ class Node:
             )
         return code_versions(packages)
 
-    def run(self, indices: Sequence[int]) -> ShardDone:
+    def run(self, indices: Sequence[int], left_s: float | None = None) -> ShardDone:
         """Run the episodes of a shard, and write their rows as one part.
+
+        Args:
+            indices: Their numbers in the suite.
+            left_s: Time [s] after which those that have not ended are left; None means without limit.
 
         Raises:
             OutputError: If the part cannot be written.
@@ -95,15 +108,19 @@ class Node:
         if self._source is None:
             self._source = self._make_source(self._workers)
         outcomes: Counter[str] = Counter()
+        errors: list[int] = []
+        limit = {} if left_s is None else {"until": time.monotonic() + left_s}
         with tempfile.TemporaryDirectory(prefix="trundle-") as name:
             lines = Path(name) / "rows.jsonl"
             with lines.open("wb") as stream:
-                for row in self._source.rows(indices):
+                for row in self._source.rows(indices, **limit):
                     stream.write(encode_row(row))
                     outcomes[row.outcome] += 1
+                    errors += [row.index] if row.outcome == "error" else []
             if outcomes:
                 self._write(lines, Path(name))
-        return ShardDone(outcomes.total(), dict(outcomes))
+        left = self._source.in_flight_s() if limit else ()
+        return ShardDone(outcomes.total(), dict(outcomes), tuple(errors), left)
 
     def _write(self, lines: Path, scratch: Path) -> None:
         self._shards += 1

@@ -1,6 +1,7 @@
 """The script that a pool starts: a warm server that only imports and then forks workers, or a single worker.
 
-Nothing of trundle is imported before the search path is the pool's. The pool sends a pickle on standard input first.
+Nothing of trundle is imported before the search path is the pool's. The pool sends the start message
+on standard input first: its length in `LENGTH_BYTES` bytes, and a pickle.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _MESSAGE_BYTES = 1 << 16
 _SWEEP_S = 0.5
 
+LENGTH_BYTES = 8
+"""Of the length of the start message, the highest byte first."""
+
 
 def main() -> None:
     """Be what the first argument says."""
     mode, *numbers = sys.argv[1:]
-    begin = os.fdopen(0, "rb", buffering=0, closefd=False)
-    start: dict[str, Any] = pickle.load(begin)
+    start = _read_start()
     sys.path[:] = start["path"]
     if mode == "serve":
         _Server(socket.socket(fileno=int(numbers[0])), start).serve()
@@ -37,6 +40,25 @@ def main() -> None:
         sock, output, dump = (int(number) for number in numbers)
         _end_with_input(os.dup(0))
         _work(socket.socket(fileno=sock), output, dump, start)
+
+
+def _read_start() -> dict[str, Any]:
+    """Read the start message; a pipe gives a long one in pieces."""
+    with os.fdopen(0, "rb", closefd=False) as stream:
+        head = stream.read(LENGTH_BYTES)
+        size = int.from_bytes(head, "big")
+        content = stream.read(size)
+    problem = ""
+    if len(head) < LENGTH_BYTES:
+        problem = f"{len(head)} of the {LENGTH_BYTES} bytes of its length arrived"
+    elif len(content) < size:
+        problem = f"{len(content):,} of its {size:,} bytes arrived"
+    else:
+        try:
+            return pickle.loads(content)
+        except Exception as error:  # noqa: BLE001 - a damaged pickle raises anything
+            problem = f"it cannot be unpickled: {type(error).__name__}: {error}"
+    sys.exit(f"the start message cannot be read: {problem}")
 
 
 class _Server:

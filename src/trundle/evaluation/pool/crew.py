@@ -103,6 +103,11 @@ class Crew:
         launcher.start(handle.number, WorkerEnds(their_sock, their_output, their_dump))
         return handle
 
+    @property
+    def next_number(self) -> int:
+        """The number that the next worker will have."""
+        return self._count + 1
+
     def wait(self, until: float | None) -> list[Event]:
         """Wait for something to happen, at most until a time.
 

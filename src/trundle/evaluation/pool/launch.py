@@ -209,7 +209,7 @@ class ForkServer:
             return
         self._said.seek(0)
         said = self._said.read()[-_TAIL:].decode(errors="replace").strip().splitlines()[-1:]
-        reason = ": ".join([f"their server ended with {describe_status(status)} while it imported", *said])
+        reason = ": ".join([f"their server ended with {describe_status(status)} before it was ready", *said])
         raise PoolSetupError(f"the workers cannot be started: {reason}")
 
 
@@ -289,7 +289,8 @@ def _send_start(process: subprocess.Popen[bytes], start: Mapping[str, Any], *, c
     if process.stdin is None:
         raise RuntimeError("the child has no standard input")
     with contextlib.suppress(BrokenPipeError):  # it has ended, as will be found
-        process.stdin.write(pickle.dumps(dict(start)))
+        content = pickle.dumps(dict(start))
+        process.stdin.write(len(content).to_bytes(code.LENGTH_BYTES, "big") + content)
         process.stdin.flush()
         if close:
             process.stdin.close()

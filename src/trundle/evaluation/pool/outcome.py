@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from trundle.errors import TrundleError
 
@@ -31,6 +31,22 @@ class Task(Protocol):
         Args:
             job: As drawn from the iterable that `Pool.run` was given.
             note: Tells the pool what is known so far.
+        """
+        ...
+
+
+@runtime_checkable
+class Jobs(Protocol):
+    """Jobs, of which each worker gets those that suit it."""
+
+    def take(self, worker: int) -> Any:
+        """The next job for a worker that is free.
+
+        Args:
+            worker: Its number; a replacement has a new one.
+
+        Raises:
+            StopIteration: If there are no more jobs, for any worker.
         """
         ...
 

@@ -16,7 +16,7 @@ from trundle.evaluation.pool.crew import Crew, Dumped, Event, Gone, Message
 from trundle.evaluation.pool.deadlines import Deadlines
 from trundle.evaluation.pool.handle import Handle, State
 from trundle.evaluation.pool.launch import CAN_FORK, describe_start
-from trundle.evaluation.pool.outcome import Done, Failed, PoolSetupError, Task
+from trundle.evaluation.pool.outcome import Done, Failed, Jobs, PoolSetupError, Task
 from trundle.evaluation.pool.places import describe_place
 from trundle.evaluation.pool.verdict import MOST_KILLS, Judge, Verdict
 from trundle.values import check_count, check_number
@@ -96,7 +96,7 @@ class Pool:
         self._judge = Judge(self._deadline_s, memory_mb)
         self._deadlines = Deadlines()
         self._next_watch = 0.0 if watched else None
-        self._source: Iterator[Any] | None = None
+        self._source: Jobs | None = None
         self._idle: list[Handle] = []
         self._again: deque[_Try] = deque()
         self._outcomes: list[Done | Failed] = []
@@ -110,11 +110,15 @@ class Pool:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def run(self, jobs: Iterable[Any]) -> Iterator[Done | Failed]:
+    def run(self, jobs: Iterable[Any] | Jobs, *, until: float | None = None) -> Iterator[Done | Failed]:
         """Do jobs, and yield what became of each as it ends.
 
         A job is drawn when a worker is free for it. If the iterator is closed, or an exception such as
         KeyboardInterrupt passes through it, the workers are killed at once.
+
+        Args:
+            jobs: What to do.
+            until: When to end in the same way, in terms of `time.monotonic` [s]; None means when all is done.
 
         Raises:
             PoolSetupError: If workers cannot be started, or the task's `setup` failed twice.
@@ -123,11 +127,13 @@ class Pool:
         if self._is_running:
             raise InputError("this pool is running jobs already; let those end first, or make another pool")
         self._is_running, is_finished = True, False
-        self._source = iter(jobs)
+        self._source = jobs if isinstance(jobs, Jobs) else _InOrder(jobs)
         try:
             self._give_out()
             while self._in_flight:
-                for event in self._crew.wait(self._soonest()):
+                if until is not None and time.monotonic() >= until:
+                    return
+                for event in self._crew.wait(_earliest(self._soonest(), until)):
                     self._attend(event)
                 self._end_late_ones()
                 self._watch_memory()
@@ -154,8 +160,9 @@ class Pool:
         while self._again and self._make_room():
             self._start_worker(self._again.popleft())
         while self._source is not None and (self._idle or len(self._crew.handles) < self._most):
+            worker = self._idle[-1].number if self._idle else self._crew.next_number
             try:
-                job = next(self._source)
+                job = self._source.take(worker)
             except StopIteration:
                 self._source = None
                 return
@@ -308,8 +315,7 @@ class Pool:
 
     def _soonest(self) -> float | None:
         """When to look again, whatever happens."""
-        times = [each for each in (self._deadlines.soonest(), self._next_watch) if each is not None]
-        return min(times, default=None)
+        return _earliest(self._deadlines.soonest(), self._next_watch)
 
     def _conclude_hang(self, handle: Handle) -> None:
         handle.read_dump()
@@ -346,6 +352,20 @@ class Pool:
                 output=handle.describe_output(),
             )
         )
+
+
+class _InOrder:
+    """Jobs for whoever is free first."""
+
+    def __init__(self, jobs: Iterable[Any]) -> None:
+        self._jobs = iter(jobs)
+
+    def take(self, worker: int) -> Any:
+        return next(self._jobs)
+
+
+def _earliest(*times: float | None) -> float | None:
+    return min((each for each in times if each is not None), default=None)
 
 
 def _pickle_task(task: Task) -> bytes:

@@ -22,6 +22,9 @@ def comparison_lines(comparison: Comparison) -> list[str]:
     No line that trundle words is longer than 80 columns; names of folders may make one so.
     """
     lines = [f"A = {comparison.first}", f"B = {comparison.second}"]
+    for name, found in zip("AB", comparison.only_errors, strict=True):
+        for each in found:
+            lines += textwrap.wrap(clean(f"{name}, {each}; it is compared with nothing"), _WIDTH)
     if comparison.by_ends:
         lines += textwrap.wrap(
             "No mission is the same in both: a robot or a world was changed. Compared are those with the same name of "

@@ -11,20 +11,26 @@ import numpy.typing as npt
 from trundle.evaluation.statistics.figures import FIGURES, Figure
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.intervals import wilson
+from trundle.evaluation.statistics.only_errors import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows
+from trundle.evaluation.store.manifest import Stopped
 
 
-def summarise(table: Table, *, total: int | None = None, gates: Sequence[GateResult] = ()) -> dict[str, Any]:
+def summarise(
+    table: Table, *, total: int | None = None, gates: Sequence[GateResult] = (), stopped: Stopped | None = None
+) -> dict[str, Any]:
     """The figures of an evaluation, and of each of its groups, as plain values.
 
     Args:
         table: The rows so far.
         total: How many episodes there are to be; none means those that there are.
         gates: The results of what is required.
+        stopped: Why not all episodes have a row, where that is known.
 
     Returns:
-        `episodes`, `total`, `complete`, `success` (None without an episode) with the ends of its 95 % interval
-        `success_low` and `success_high`, `outcomes`, `medians`, `passed` (None without a gate), `gates`, and
+        `episodes`, `total`, `complete`, `stopped` (None, or `reason`, `in_flight` and `left_out`), `only_errors` (the
+        settings of which every episode ended in `error`), `success` (None without an episode) with the ends of its 95 %
+        interval `success_low` and `success_high`, `outcomes`, `medians`, `passed` (None without a gate), `gates`, and
         `by_group`, with the same figures for each combination of labels: `world=office planner=auto`.
     """
     total = len(table) if total is None else total
@@ -32,7 +38,9 @@ def summarise(table: Table, *, total: int | None = None, gates: Sequence[GateRes
     return {
         "episodes": len(table),
         "total": total,
-        "complete": len(table) >= total,
+        "complete": len(table) + (0 if stopped is None else stopped.left_out) >= total,
+        "stopped": stopped_as_dict(stopped),
+        "only_errors": [each.as_dict() for each in find_only_errors(table)],
         **_figures(table, everything),
         "passed": all(gate.passed for gate in gates) if gates else None,
         "gates": [gate.as_dict() for gate in gates],
@@ -45,6 +53,40 @@ def summarise(table: Table, *, total: int | None = None, gates: Sequence[GateRes
             for group in group_rows(table)
         },
     }
+
+
+def stopped_as_dict(stopped: Stopped | None) -> dict[str, Any] | None:
+    """Why not all episodes have a row, as plain values."""
+    if stopped is None:
+        return None
+    return {"reason": stopped.reason, "in_flight": len(stopped.in_flight_s), "left_out": stopped.left_out}
+
+
+def describe_missing(done: int, total: int, stopped: Mapping[str, Any] | None) -> str:
+    """Say of an evaluation with fewer rows than episodes what is missing, and what that does to its figures.
+
+    Args:
+        done: How many episodes have a row.
+        total: How many there are to be.
+        stopped: Why, as in `summary.json`; None where it is not known.
+    """
+    missing = total - done
+    if stopped is None:
+        counted = f"{done:,} episode{'' if done == 1 else 's'}"
+        return f"Unfinished: {counted} of {total:,} so far. All figures here are of those that are done."
+    if not stopped["reason"]:
+        return (
+            f"{done:,} of {total:,} episodes: the other {missing:,} were left out, as the first ten with their "
+            "planner, controller, backend and settings all ended in an error."
+        )
+    text = f"Stopped {stopped['reason']} after {done:,} of {total:,} episodes: {missing:,} are missing."
+    begun = stopped["in_flight"]
+    if begun:
+        text += (
+            f" {begun:,} of them had begun. Slow episodes are more often among those than quick ones, and leaving them "
+            "out flatters the figures."
+        )
+    return f"{text} Episodes come in an order by which those that are done are a balanced sample of all."
 
 
 def count_outcomes(table: Table, rows: npt.NDArray[np.intp] | None = None) -> dict[str, int]:

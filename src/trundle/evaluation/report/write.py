@@ -15,6 +15,7 @@ from trundle.evaluation.report.summary import summarise
 from trundle.evaluation.row import Row
 from trundle.evaluation.statistics.gates import Gate
 from trundle.evaluation.statistics.table import Table
+from trundle.evaluation.store.manifest import Stopped
 from trundle.files.writing import write_text
 
 HTML, JUNIT, SUMMARY = "report.html", "junit.xml", "summary.json"
@@ -30,6 +31,7 @@ def write_reports(
     require: Sequence[Gate] = (),
     maps: Maps = lambda _: None,
     facts: Mapping[str, str] | None = None,
+    stopped: Stopped | None = None,
 ) -> dict[str, Any]:
     """Write the reports into the folder of an evaluation; each replaces its file as a whole.
 
@@ -42,6 +44,7 @@ def write_reports(
         require: What is required.
         maps: Gives the map of a world by the key in a row's `place`; None where it is not known.
         facts: What else is to be said at the top of the page: versions, the command, when it was run.
+        stopped: Why not all episodes have a row, where that is known.
 
     Returns:
         What summary.json has; `passed` is the verdict.
@@ -57,8 +60,10 @@ def write_reports(
             gate.check_labels({label: table.named[label].names for label in gate.labels})
     gates = [gate.judge(table) for gate in require]
     name = path.resolve().name if name is None else name
-    summary = summarise(table, total=total, gates=gates)
-    page = render_page(table, name=name, folder=shown, total=total, gates=gates, maps=maps, facts=facts)
+    summary = summarise(table, total=total, gates=gates, stopped=stopped)
+    page = render_page(
+        table, name=name, folder=shown, total=total, gates=gates, maps=maps, facts=facts, stopped=stopped
+    )
     write_text(path / HTML, page)
     write_text(path / JUNIT, write_junit(table, shown, name=name, gates=gates))
     write_text(path / SUMMARY, json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n")

@@ -11,6 +11,7 @@ import numpy as np
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.figures import FIGURES, Figure
+from trundle.evaluation.statistics.only_errors import OnlyErrors, find_only_errors
 from trundle.evaluation.statistics.paired import Mean, bootstrap_means, holm, mcnemar_exact
 from trundle.evaluation.statistics.pairing import Pairing, pair_between, pair_within
 from trundle.evaluation.statistics.table import Table
@@ -173,6 +174,8 @@ class Comparison:
         only_second: Likewise of the second.
         by_ends: Whether the missions are the same by the names of their worlds, seeds, starts and goals alone, as the
             content of the worlds or the robots is not.
+        only_errors: Settings of the first and of the second of which every episode ended in an exception; they are
+            compared with nothing.
     """
 
     first: str
@@ -181,6 +184,7 @@ class Comparison:
     only_first: int
     only_second: int
     by_ends: bool = False
+    only_errors: tuple[Sequence[OnlyErrors], Sequence[OnlyErrors]] = ((), ())
 
     @property
     def worse(self) -> bool:
@@ -201,6 +205,8 @@ class Comparison:
             "only_in_a": self.only_first,
             "only_in_b": self.only_second,
             "paired_by": "ends" if self.by_ends else "mission",
+            "only_errors_in_a": [each.as_dict() for each in self.only_errors[0]],
+            "only_errors_in_b": [each.as_dict() for each in self.only_errors[1]],
             "comparisons": self.count,
             "pairs": [pair.as_dict() for pair in self.pairs],
         }
@@ -224,12 +230,16 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
     for name, table in zip(names, (first, second), strict=True):
         if len(table) == 0:
             raise InputError(f"{name} has no episode yet; resume it with trundle evaluate")
+    only_errors = find_only_errors(first), find_only_errors(second)
     for by_ends in (False, True):
         found = pair_between(first, second, by_ends=by_ends)
         pairings = [pairing for pairing in found if len(pairing.first_rows)]
         if pairings:
             break
     else:
+        broken = [f"{name}: {each}" for name, found in zip(names, only_errors, strict=True) for each in found]
+        if broken:
+            raise InputError("there is nothing to compare: " + "; ".join(broken))
         raise InputError(
             f"no mission of {names[0]} is in {names[1]}, and none has the same name of the world, seed, start and "
             f"goal. {_differences(first, second)}"
@@ -239,7 +249,7 @@ def compare(first: Table, second: Table, names: tuple[str, str] = ("a", "b")) ->
         for side in ("first_rows", "second_rows")
     )
     pairs = _compare_pairs(first, second, pairings)
-    return Comparison(*names, pairs, len(first) - len(used), len(second) - len(others), by_ends)
+    return Comparison(*names, pairs, len(first) - len(used), len(second) - len(others), by_ends, only_errors)
 
 
 def compare_within(table: Table, name: str = "") -> Comparison | None:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.errors import InputError
+from trundle.evaluation.statistics.only_errors import has_only_errors
 from trundle.evaluation.statistics.table import VARIANT, Group, Table, group_rows, name_labels
 from trundle.values import first_names
 
@@ -38,7 +39,7 @@ class Pairing:
 
 def pair_within(table: Table) -> list[Pairing]:
     """Pairs of the settings of one evaluation: all of up to three, of more each with the first."""
-    groups = group_rows(table, VARIANT)
+    groups = _usable_groups(table)
     few = len(groups) <= _ALL_PAIRS
     pairs = combinations(groups, 2) if few else ((groups[0], other) for other in groups[1:])
     return [_pair(table, one, table, other, (one.name, other.name)) for one, other in pairs]
@@ -56,7 +57,7 @@ def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[
     Raises:
         InputError: If it is not clear which settings to compare.
     """
-    ones, others = group_rows(first, VARIANT), group_rows(second, VARIANT)
+    ones, others = _usable_groups(first), _usable_groups(second)
     matches = _match(ones, others, VARIANT)
     if not matches:
         kept = [name for name in VARIANT if _values(ones, name) == _values(others, name)]
@@ -70,6 +71,11 @@ def pair_between(first: Table, second: Table, *, by_ends: bool = False) -> list[
         names = name_labels(one.labels, columns), name_labels(other.labels, columns)
         pairings.append(_pair(first, one, second, other, names, by_ends=by_ends))
     return pairings
+
+
+def _usable_groups(table: Table) -> list[Group]:
+    """The settings, without those that only raised exceptions: how good they are is not known."""
+    return [group for group in group_rows(table, VARIANT) if not has_only_errors(table, group)]
 
 
 def _match(ones: Sequence[Group], others: Sequence[Group], columns: Sequence[str]) -> list[tuple[Group, Group]]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import islice
 from typing import Any
 
@@ -31,6 +32,7 @@ NUMBERS = (*_EXACT, *_SMALL, *_SENSING, *_SCORES, *_CLOCKS, *_PLACES)
 _NAMED = (*LABELS, "outcome")
 _KEYS = {"id": "S16", "mission": "S16"}
 
+_FIGURES = tuple(field.name for field in fields(Row) if field.type == "float | None")
 _AT_ONCE = 4096
 _BLOCK = 32 * _AT_ONCE
 """Rows of an array that is filled: large ones go back to the system when they are joined."""
@@ -165,7 +167,7 @@ class _Reader:
         self._put("ends", [_ends_of(row) for row in batch], np.uint64)
         self._put("cluster", [cluster_of(row) for row in batch], np.uint64)
         for name in sorted({name for row in batch for name in row.vary or ()}):
-            values = np.array([(row.vary or {}).get(name, np.nan) for row in batch], dtype=float)
+            values = np.array([_number((row.vary or {}).get(name)) for row in batch], dtype=float)
             self._vary.setdefault(name, []).append((self._rows, values))
         self._rows += len(batch)
         for row in batch:
@@ -182,11 +184,12 @@ class _Reader:
     def _keep(self, row: Row) -> None:
         if row.outcome != ARRIVED:
             if len(self._failed) < MOST_FAILED:
+                row = _drawable(row)
                 self._failed.append(row if len(self._failed) < _MOST_TRAILS else replace(row, trail=()))
             return
         examples = self._examples.setdefault(row.world, [])
-        if len(examples) < _TRAILS_OF_ARRIVED and row.trail:
-            examples.append(row)
+        if len(examples) < _TRAILS_OF_ARRIVED and (drawable := _drawable(row)).trail:
+            examples.append(drawable)
 
     def _take(self, name: str, kind: Any) -> npt.NDArray:
         """A whole column, whose blocks are given back."""
@@ -208,7 +211,8 @@ class _Reader:
             column = np.full(self._rows, np.nan)
             for first, values in self._vary.pop(name):
                 column[first : first + len(values)] = values
-            vary[name] = column
+            if not np.isnan(column).all():
+                vary[name] = column
         return Table(
             numbers={name: self._take(name, np.float64) for name in NUMBERS},
             named={name: self._take_names(name) for name in _NAMED},
@@ -224,7 +228,16 @@ class _Reader:
 
 
 def _number(value: float | None) -> float:
-    return float("nan") if value is None else value
+    """A figure; NaN where it is not known or not finite."""
+    return value if value is not None and math.isfinite(value) else math.nan
+
+
+def _drawable(row: Row) -> Row:
+    """The row without figures and a trail that are not finite, which no drawing can hold."""
+    values = ((name, getattr(row, name)) for name in _FIGURES)
+    broken = {name: None for name, value in values if value is not None and not math.isfinite(value)}
+    trail = row.trail if all(map(math.isfinite, row.trail)) else ()
+    return replace(row, trail=trail, **broken) if broken or len(trail) < len(row.trail) else row
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import fields
 from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, cast
 
 from trundle.evaluation.row import Row
 
+LONGEST_LINE = 4 << 20
+"""Of a row [bytes]."""
+
 _NUMBER = (int, float)
+_LARGEST = 1e18
+"""Of the finite figures: they fit into 64 bits as whole numbers, too."""
+_BOUNDS = {"index": 1 << 31, "seed": 1 << 64}
+_ID = re.compile(r"[0-9a-f]{16}")
+_SURROGATE = re.compile(r"[\ud800-\udfff]")
 _KINDS: Mapping[str, tuple[str, tuple[type, ...]]] = {
     "str": ("VARCHAR", (str,)),
     "str | None": ("VARCHAR", (str, type(None))),
@@ -48,13 +58,13 @@ def encode_row(row: Row) -> bytes:
 
 
 def decode_row(line: bytes) -> dict[str, Any]:
-    """The values that a line holds.
+    """The values that a line holds, all of which DuckDB can read, too.
 
     Raises:
         ValueError: If it is not a row; the message says why.
     """
     try:
-        values = json.loads(line)
+        values = json.loads(line.decode(), object_pairs_hook=_unique_keys)
     except RecursionError as error:
         raise ValueError("not JSON") from error
     if not isinstance(values, dict):
@@ -64,10 +74,40 @@ def decode_row(line: bytes) -> dict[str, Any]:
         raise ValueError(f"no {', '.join(missing)}")
     for name, value in values.items():
         kinds = _JSON_TYPES.get(name)
-        if kinds is not None and type(value) not in kinds:
+        if kinds is not None and not (type(value) in kinds and _is_in_bounds(name, value)):
             raise ValueError(f"{name} is {value!r:.40}")
-    to_key(values["id"])
     return values
+
+
+def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    values = dict(pairs)
+    if len(values) < len(pairs):
+        raise ValueError("a key is there twice")
+    return values
+
+
+def _is_in_bounds(name: str, value: Any) -> bool:
+    """Whether a value of the right type is one that a row can have."""
+    if name in _BOUNDS:
+        return 0 <= value < _BOUNDS[name]
+    if name == "id":
+        return _ID.fullmatch(value) is not None
+    if isinstance(value, str):
+        return value.isascii() if name == "mission" else _is_text(value)
+    if name == "trail":
+        return len(value) % 2 == 0 and all(_is_figure(number) for number in value)
+    if isinstance(value, dict):
+        return all(_is_text(key) and _is_figure(number) for key, number in cast("dict[str, Any]", value).items())
+    return value is None or _is_figure(value)
+
+
+def _is_figure(value: Any) -> bool:
+    return type(value) in _NUMBER and (abs(value) < _LARGEST or (type(value) is float and not math.isfinite(value)))
+
+
+def _is_text(text: str) -> bool:
+    """Whether it has no half of a surrogate pair, which UTF-8 cannot write."""
+    return text.isascii() or not _SURROGATE.search(text)
 
 
 def to_key(identity: str) -> int:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from trundle.errors import OutputError
-from trundle.evaluation.store.columns import decode_row
-from trundle.evaluation.store.layout import JOURNAL
+from trundle.evaluation.store.columns import LONGEST_LINE, decode_row
+from trundle.evaluation.store.layout import DAMAGED_LINES, JOURNAL
 from trundle.files.writing import atomic_path, write_bytes
 
 
@@ -86,27 +87,54 @@ class Entry:
     offset: int
 
 
-def read_journal(path: Path, damage: list[str]) -> Iterator[Entry]:
+def read_journal(path: Path, damage: list[str], aside: BinaryIO | None = None) -> Iterator[Entry]:
     """Read the rows of a journal.
 
     Args:
         path: The journal; a missing one is empty.
         damage: Gets a message for each line that holds no row.
+        aside: Gets these lines.
     """
     try:
         stream = path.open("rb")
     except FileNotFoundError:
         return
-    offset = 0
+    number = offset = 0
     with stream:
-        for number, line in enumerate(stream, 1):
+        while line := stream.readline(LONGEST_LINE):
+            number += 1
             try:
-                if not line.endswith(b"\n"):
-                    raise ValueError("it is cut off")
-                yield Entry(line, decode_row(line), offset)
+                entry = Entry(line, _decode(line), offset)
             except ValueError as error:
                 damage.append(f"{path}:{number}: this line holds no row ({error})")
-            offset += len(line)
+                _skip_line(stream, line, aside)
+            else:
+                yield entry
+            offset = stream.tell()
+
+
+def _decode(line: bytes) -> dict[str, Any]:
+    if not line.endswith(b"\n"):
+        raise ValueError("it is cut off" if len(line) < LONGEST_LINE else "it is too long")
+    return decode_row(line)
+
+
+def _skip_line(stream: BinaryIO, line: bytes, aside: BinaryIO | None) -> None:
+    """Go to the next line, and keep this one, of which the first piece has been read."""
+    while line:
+        if aside is not None:
+            aside.write(line)
+        line = b"" if line.endswith(b"\n") else stream.readline(LONGEST_LINE)
+
+
+def put_damage_aside(path: Path) -> Path:
+    """Append the lines of a journal that hold no row to `journal.jsonl.damaged`, and return its path."""
+    aside = path.with_name(DAMAGED_LINES)
+    with aside.open("ab") as kept:
+        deque(read_journal(path, [], kept), maxlen=0)
+        kept.flush()
+        os.fsync(kept.fileno())
+    return aside
 
 
 def rewrite_journal(path: Path, entries: Iterable[Entry]) -> None:

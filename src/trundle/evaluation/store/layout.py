@@ -11,6 +11,8 @@ from trundle.files.opening import exists
 SUITE = "suite.yaml"
 MANIFEST = "evaluation.json"
 JOURNAL = "journal.jsonl"
+DAMAGED_LINES = f"{JOURNAL}.damaged"
+"""Lines of the journal that held no row when the evaluation was continued."""
 PARTS = "parts"
 SELECTION = "selection.npy"
 """The ids of the suite's episodes, by index: written where the folder also holds rows that are not of the suite."""

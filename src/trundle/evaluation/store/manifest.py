@@ -15,6 +15,22 @@ from trundle.files.writing import write_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Stopped:
+    """Why an evaluation has ended without a row for each episode.
+
+    Attributes:
+        reason: "from outside", "by its time budget", or empty where all is done that is to be done.
+        in_flight_s: For how long the episodes had been driven that had begun and have no row [s].
+        left_out: How many episodes were left out, as their combination of planner, controller, backend and settings was
+            given up.
+    """
+
+    reason: str
+    in_flight_s: tuple[float, ...] = ()
+    left_out: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Manifest:
     """What an evaluation's folder says of itself.
 
@@ -24,6 +40,7 @@ class Manifest:
         started: When the evaluation was started, as ISO 8601.
         versions: Of the code that its rows are made with.
         earlier_versions: Of other code that made some of its rows, oldest first (`--mixed`).
+        stopped: Why it has ended without a row for each episode; None while it runs, after a kill, and at the end.
     """
 
     name: str
@@ -31,6 +48,7 @@ class Manifest:
     started: str
     versions: Mapping[str, str]
     earlier_versions: tuple[Mapping[str, str], ...] = ()
+    stopped: Stopped | None = None
 
     @classmethod
     def load(cls, folder: Path) -> Manifest:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trundle.errors import OutputError
 from trundle.evaluation.store.columns import to_key
 from trundle.evaluation.store.ids import IdSet, Keys
-from trundle.evaluation.store.journal import Entry, read_journal, rewrite_journal
+from trundle.evaluation.store.journal import Entry, put_damage_aside, read_journal, rewrite_journal
 from trundle.evaluation.store.layout import JOURNAL, PARTS
 from trundle.evaluation.store.parts import connect, find_fault, list_parts, read_keys
 from trundle.files.writing import sync_folder
@@ -41,7 +41,7 @@ class Found:
 def mend(folder: Path) -> Found:
     """Remove what a kill or damage left: half files, damaged parts and lines, and rows that are in a part already.
 
-    A damaged part is kept with `.damaged` added to its name.
+    A damaged part is kept with `.damaged` added to its name, and a damaged line in `journal.jsonl.damaged`.
 
     Raises:
         OutputError: If the folder cannot be read or written.
@@ -88,24 +88,21 @@ def _mend_journal(folder: Path, in_parts: IdSet, damage: list[str]) -> tuple[Key
     problems: list[str] = []
     keys: list[int] = []
     indices: list[int] = []
-    for entry in _unique(read_journal(path, problems), in_parts):
-        keys.append(to_key(entry.values["id"]))
-        indices.append(entry.values["index"])
-    if problems or len(keys) < _count_lines(path):
-        rewrite_journal(path, _unique(read_journal(path, []), in_parts))
-    damage.extend(f"{problem}; its episode runs again" for problem in problems)
+    rows, is_new = 0, _novelty(in_parts)
+    for entry in read_journal(path, problems):
+        rows += 1
+        if is_new(entry):
+            keys.append(to_key(entry.values["id"]))
+            indices.append(entry.values["index"])
+    if problems:
+        aside = put_damage_aside(path)
+        damage.extend(f"{problem}; its episode runs again, and it is kept in {aside.name}" for problem in problems)
+    if problems or len(keys) < rows:
+        rewrite_journal(path, filter(_novelty(in_parts), read_journal(path, [])))
     return np.array(keys, np.uint64), np.array(indices, np.int64)
 
 
-def _unique(entries: Iterable[Entry], in_parts: IdSet) -> Iterator[Entry]:
-    """Leave out rows that are in a part, or came before."""
+def _novelty(in_parts: IdSet) -> Callable[[Entry], bool]:
+    """Says of one entry after the other whether its row is neither in a part nor came before."""
     seen = IdSet(np.empty(0, np.uint64))
-    return (entry for entry in entries if entry.values["id"] not in in_parts and seen.add(entry.values["id"]))
-
-
-def _count_lines(path: Path) -> int:
-    try:
-        with path.open("rb") as stream:
-            return sum(1 for _ in stream)
-    except FileNotFoundError:
-        return 0
+    return lambda entry: entry.values["id"] not in in_parts and seen.add(entry.values["id"])

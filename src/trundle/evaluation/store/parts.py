@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trundle.errors import MissingExtraError, OutputError
-from trundle.evaluation.store.columns import SQL_TYPES
+from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import PARTS
 from trundle.files.writing import sync_file, sync_folder
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"\d{6,}(-\w+)?-(?P<digest>[0-9a-f]{16})\.parquet")
 _NEEDED = ("id", "index", "outcome")
-_LONGEST_LINE = 4 << 20
 _PLACE = ", filename = true, file_row_number = true"
 INSTALL = 'pip install "trundle[evaluate]"'
 
@@ -131,7 +130,7 @@ def select_lines(rows: Path) -> str:
     columns = ", ".join(f"{quote_name(name)}: {quote(kind)}" for name, kind in SQL_TYPES.items())
     return (
         f"SELECT * FROM read_json({quote(rows)}, format = 'newline_delimited', columns = {{{columns}}}, "
-        f"maximum_object_size = {_LONGEST_LINE})"
+        f"maximum_object_size = {LONGEST_LINE})"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -14,7 +15,7 @@ from trundle.errors import InputError, MissingExtraError
 from trundle.evaluation.row import Row
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import SELECTION, SUITE, check_holds_evaluation
-from trundle.evaluation.store.manifest import Manifest
+from trundle.evaluation.store.manifest import Manifest, Stopped
 from trundle.evaluation.store.parts import INSTALL, has_duckdb, list_parts
 from trundle.evaluation.store.tables import JournalTable, SqlTable, Table, check_columns
 
@@ -67,6 +68,11 @@ class Results:
     def total(self) -> int:
         """Number of episodes of the suite."""
         return self._manifest.total
+
+    @property
+    def stopped(self) -> Stopped | None:
+        """Why the evaluation has ended without a row for each episode; None while it runs, and where it is done."""
+        return self._manifest.stopped
 
     @property
     def started(self) -> str:
@@ -171,10 +177,14 @@ class Results:
 
 def _read_selection(folder: Path) -> Keys | None:
     try:
-        return np.load(folder / SELECTION, allow_pickle=False)
+        with (folder / SELECTION).open("rb") as stream:
+            selection = np.load(stream, allow_pickle=False)
+        if not isinstance(selection, np.ndarray) or selection.ndim != 1 or selection.dtype != np.uint64:
+            raise ValueError("it holds no ids")
+        return selection
     except FileNotFoundError:
         return None
-    except ValueError as error:
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(
             f"{folder / SELECTION}: it is damaged ({error}); continue the evaluation with trundle evaluate to write it "
             "again"

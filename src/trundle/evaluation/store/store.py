@@ -6,6 +6,7 @@ import os
 from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from datetime import datetime
 from io import BytesIO
 from pathlib import Path
@@ -20,6 +21,7 @@ from trundle.evaluation.store.continuing import check_continues
 from trundle.evaluation.store.ids import IdSet, Keys
 from trundle.evaluation.store.journal import Journal
 from trundle.evaluation.store.layout import (
+    DAMAGED_LINES,
     JOURNAL,
     MANIFEST,
     PARTS,
@@ -28,7 +30,7 @@ from trundle.evaluation.store.layout import (
     WRITTEN_AFTERWARDS,
     check_free_for_evaluation,
 )
-from trundle.evaluation.store.manifest import Manifest
+from trundle.evaluation.store.manifest import Manifest, Stopped
 from trundle.evaluation.store.mending import Found, mend
 from trundle.evaluation.store.parts import connect, has_duckdb, write_part
 from trundle.files.folder_lock import FolderLock
@@ -166,6 +168,14 @@ class Store:
             if self._waiting >= self._part_rows and self._makes_parts:
                 self._make_part()
 
+    def note_end(self, stopped: Stopped) -> None:
+        """Write down why the evaluation ends without a row for each episode.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        replace(Manifest.load(self.folder), stopped=stopped).save(self.folder)
+
     def close(self) -> None:
         """Put all rows on the disk, as Parquet where DuckDB is installed; closing twice does nothing.
 
@@ -237,7 +247,7 @@ def _clear(folder: Path) -> None:
     if not exists(folder / MANIFEST):
         return
     try:
-        for name in (JOURNAL, *WRITTEN_AFTERWARDS, SELECTION, SUITE):
+        for name in (JOURNAL, DAMAGED_LINES, *WRITTEN_AFTERWARDS, SELECTION, SUITE):
             (folder / name).unlink(missing_ok=True)
         if exists(folder / PARTS):
             for part in (folder / PARTS).iterdir():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -48,6 +48,7 @@ class Expansion:
 
     Attributes:
         total: Number of episodes.
+        cases: Number of combinations of planner, controller, smoother, backend and settings: the episodes of a mission.
         worlds, robots, planners, controllers, backends: Labels.
     """
 
@@ -62,8 +63,8 @@ class Expansion:
             len(suite.backends),
             *(len(values) for values in self._settings.values()),
         ]
-        self._cases = math.prod(self._sizes)
-        per_world = [len(suite.robots) * missions.count * self._cases for missions in self._missions]
+        self.cases = math.prod(self._sizes)
+        per_world = [len(suite.robots) * missions.count * self.cases for missions in self._missions]
         self._ends = list(itertools.accumulate(per_world))
         self.total = self._ends[-1]
         self.worlds = _labels("world", [_world_names(world) for world in suite.worlds])
@@ -83,6 +84,14 @@ class Expansion:
             **dict(zip(names, self._sizes, strict=True)),
         }
         return {name: size for name, size in sizes.items() if size != 1}
+
+    def missions(self) -> Iterator[tuple[SuiteWorld, Missions]]:
+        """Each world with its missions, which each robot drives, in the order of the episodes."""
+        return zip(self._suite.worlds, self._missions, strict=True)
+
+    def world_of(self, index: int) -> int:
+        """Which of the suite's worlds an episode is in."""
+        return self._locate(index)[0]
 
     def id_of(self, index: int) -> str:
         """Hash of everything that decides an episode."""
@@ -132,7 +141,7 @@ class Expansion:
             vary=drawn,
             reference=world.reference,
             content=(
-                world_of_seed(world, self._world_digests[at_world], seed).hex(),
+                world_of_seed(world, self._world_digest(at_world), seed).hex(),
                 self._robot_digests[at_robot].hex(),
             ),
         )
@@ -145,7 +154,8 @@ class Expansion:
         """
         digests = self._choice_digests
         in_world = [digest(missions.model_dump(mode="json")) for missions in self._missions]
-        worlds = [world + missions for world, missions in zip(self._world_digests, in_world, strict=True)]
+        own = [self._world_digest(world) for world in range(len(in_world))]
+        worlds = [world + missions for world, missions in zip(own, in_world, strict=True)]
         smoothers = [_label_of(smoother) for smoother in self._suite.smoothers]
         _refuse_twice("world", self.worlds, worlds)
         _refuse_twice("robot", self.robots, self._robot_digests)
@@ -164,7 +174,7 @@ class Expansion:
         Raises:
             InputError: If there are any.
         """
-        for index in {*range(min(self._cases, _MOST_CHECKED)), *self._ends[:-1]}:
+        for index in {*range(min(self.cases, _MOST_CHECKED)), *self._ends[:-1]}:
             check_unknown_cost(self.spec(index).scenario)
 
     # Numbers --------------------------------------------------------------------------------------------------------
@@ -175,7 +185,7 @@ class Expansion:
             raise InputError(f"there is no episode {index}: the suite has {self.total:,}")
         world = bisect.bisect_right(self._ends, index)
         rest = index - (self._ends[world - 1] if world else 0)
-        rest, case = divmod(rest, self._cases)
+        rest, case = divmod(rest, self.cases)
         robot, mission = divmod(rest, self._missions[world].count)
         at: list[int] = []
         for size in reversed(self._sizes):
@@ -203,7 +213,7 @@ class Expansion:
         return short(
             [
                 self._common_digest,
-                self._world_digests[world],
+                self._world_digest(world),
                 self._robot_digests[robot],
                 self._rule_digest(world, listed),
                 digests[0][case.planner],
@@ -226,8 +236,14 @@ class Expansion:
         return {}
 
     @cached_property
-    def _world_digests(self) -> list[bytes]:
-        return [world_content(world) for world in self._suite.worlds]
+    def _found_digests(self) -> dict[int, bytes]:
+        return {}
+
+    def _world_digest(self, world: int) -> bytes:
+        """Of one world, so that an episode can be made where the files of others are missing."""
+        if world not in self._found_digests:
+            self._found_digests[world] = world_content(self._suite.worlds[world])
+        return self._found_digests[world]
 
     @cached_property
     def _robot_digests(self) -> list[bytes]:

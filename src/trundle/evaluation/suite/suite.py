@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -70,7 +71,7 @@ class Suite(SuiteFields):
         elif file.suffix.lower() not in _SUFFIXES and not exists(file):
             raise UnknownNameError("suite", text, suite_names())
         suite = load_config(file, cls, kind=SUITE)
-        return suite._with_paths(lambda name: str(file.parent / name))
+        return suite.with_paths(lambda name: str(file.parent / name))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it as YAML that `load` reads back as the same suite; of a Python object, only its name is kept.
@@ -84,7 +85,7 @@ class Suite(SuiteFields):
 
     def to_yaml(self, path: str | os.PathLike[str]) -> str:
         """The text that `save` writes at this path."""
-        plain = self._with_paths(lambda name: path_beside(name, path))._plain()
+        plain = self.with_paths(lambda name: path_beside(name, path))._plain()
         return yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, allow_unicode=True)
 
     @property
@@ -129,7 +130,8 @@ class Suite(SuiteFields):
     def __str__(self) -> str:
         return repr(self)
 
-    def _with_paths(self, moved: Any) -> Self:
+    def with_paths(self, moved: Callable[[str], str]) -> Self:
+        """The suite with other paths of its files: `moved` gives the new one of each."""
         worlds = [
             world.model_copy(update={field: moved(path) for field, path in world.files().items()})
             for world in self.worlds

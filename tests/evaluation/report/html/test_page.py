@@ -1,4 +1,3 @@
-import hashlib
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -163,11 +162,11 @@ def test_worlds_are_drawn_with_and_without_their_maps(maps):
 
 def test_many_worlds_show_those_with_most_failures():
     rows = [
-        replace(row, place=hashlib.sha256(row.mission.encode()).hexdigest()[:16], world="corridor")
-        for row in make_rows(40, failing=(0.3, 0.1))
+        replace(row, place=f"{row.seed // 2}-{row.world}", world="corridor")
+        for row in make_rows(160, failing=(0.3, 0.1))
     ]
     shown = page(rows).shown
-    assert "These are the 6 with the most failures of 80 worlds." in shown
+    assert "These are the 6 with the most failures of 160 worlds." in shown
     assert re.search(r"corridor, seed \d+", shown)
 
 
@@ -220,3 +219,23 @@ def test_outcomes_that_are_neither_success_nor_failure_to_drive_have_marks_of_th
     assert f'<g id="m-{outcome}" class="c-{outcome}">' in text
     assert f".c-{outcome}{{" in text
     assert f'href="#m-{outcome}"' in text
+
+
+def own_worlds(missions):
+    for row in make_rows(missions, worlds=("office",), failing=(0.5, 0.3), seed=2):
+        yield replace(row, place=f"{row.seed:08x}")
+
+
+def test_failures_in_worlds_of_their_own_are_a_table_with_thumbnails():
+    rows = list(own_worlds(40))
+    failed = [row for row in rows if row.outcome != "arrived"]
+    found = page(rows)
+    assert "Where it fails" not in found.text
+    assert found.text.count("</svg></td><th") == len(failed)
+    for row in failed:
+        assert f"office, seed {row.seed}" in found.shown
+        assert row.id[:12] in found.text
+
+
+def test_few_worlds_have_maps_of_their_failures():
+    assert "Where it fails" in page(own_worlds(6)).text

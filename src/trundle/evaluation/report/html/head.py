@@ -9,26 +9,37 @@ import numpy as np
 
 from trundle.evaluation.report.html.charts import interval_bar, outcome_bar, share_axis
 from trundle.evaluation.report.html.marks import count_text
-from trundle.evaluation.report.summary import count_outcomes
+from trundle.evaluation.report.summary import count_outcomes, describe_missing, stopped_as_dict
+from trundle.evaluation.report.table import clean
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.gates import Gate, GateResult
 from trundle.evaluation.statistics.intervals import no_failure_bound, wilson
+from trundle.evaluation.statistics.only_errors import find_only_errors
 from trundle.evaluation.statistics.table import LABELS, Table, group_rows, iterate_groups
+from trundle.evaluation.store.manifest import Stopped
 
 _MOST_GROUPS = 40
 _MARKS = {"passed": ("✓", "good"), "failed": ("✕", "bad"), "undecided": ("?", "warn")}
 
 
-def verdict(table: Table, name: str, total: int, gates: Sequence[GateResult], facts: Mapping[str, str]) -> str:
-    """Name, verdict, what is required, and what was run."""
+def verdict(
+    table: Table,
+    name: str,
+    total: int,
+    gates: Sequence[GateResult],
+    facts: Mapping[str, str],
+    stopped: Stopped | None = None,
+) -> str:
+    """Name, verdict, what only raised exceptions, what is required, and what was run."""
     done = len(table)
     text, kind = _verdict_words(gates)
     parts = [f'<header><h1><span class="badge {kind}">{text}</span> {escape(name)}</h1>']
+    parts += [
+        f'<p class="banner"><b>Only errors:</b> {escape(clean(str(each)))}; it is compared with nothing.</p>'
+        for each in find_only_errors(table)
+    ]
     if done < total:
-        parts.append(
-            f'<p class="banner"><b>Unfinished:</b> {_count(done, "episode")} of {total:,} so far. All figures here are '
-            "of those that are done.</p>"
-        )
+        parts.append(f'<p class="banner">{escape(describe_missing(done, total, stopped_as_dict(stopped)))}</p>')
     if gates:
         items = "".join(_gate_item(gate) for gate in gates)
         parts.append(f'<ul class="gates">{items}</ul>')

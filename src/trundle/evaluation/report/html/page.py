@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from trundle.evaluation.report.html.changes import comparisons, variations
+from trundle.evaluation.report.html.failure_table import failure_table, has_own_worlds
 from trundle.evaluation.report.html.head import groups, tiles, verdict
 from trundle.evaluation.report.html.marks import definitions
 from trundle.evaluation.report.html.places import Maps, failure_cards, find_places, map_definitions, world_maps
@@ -14,6 +15,7 @@ from trundle.evaluation.report.html.style import STYLE
 from trundle.evaluation.statistics.comparison import compare_within
 from trundle.evaluation.statistics.gates import GateResult
 from trundle.evaluation.statistics.table import Table
+from trundle.evaluation.store.manifest import Stopped
 
 
 def render_page(
@@ -25,6 +27,7 @@ def render_page(
     gates: Sequence[GateResult] = (),
     maps: Maps = lambda _: None,
     facts: Mapping[str, str] | None = None,
+    stopped: Stopped | None = None,
 ) -> str:
     """The page: verdict first, then success, comparisons, maps with failures, distributions and variations.
 
@@ -38,18 +41,22 @@ def render_page(
         gates: The results of what is required.
         maps: Gives the map of a world by the key in a row's `place`; None where it is not known.
         facts: What else is to be said at the top: versions, the command, when it was run.
+        stopped: Why not all episodes have a row, where that is known.
     """
     total = len(table) if total is None else total
-    body = [verdict(table, name, total, gates, facts or {})]
+    body = [verdict(table, name, total, gates, facts or {}, stopped)]
     if len(table):
         places = find_places(table, maps)
+        if has_own_worlds(table, places):
+            failures = [failure_table(table, places, folder)]
+        else:
+            failures = [world_maps(table, places), failure_cards(table, places, folder)]
         body += [
             tiles(table),
             groups(table, gates),
             comparisons(compare_within(table, name)),
             map_definitions(places),
-            world_maps(table, places),
-            failure_cards(table, places, folder),
+            *failures,
             variations(table),
             distributions(table),
             extremes(table, folder),

@@ -141,12 +141,12 @@ def failure_cards(table: Table, places: Sequence[Place], folder: str) -> str:
         return "<section><h2>Failures</h2><p>None: every episode arrived.</p></section>"
     numbers = _numbers(places)
     cards = [
-        _card(place, place.clusters[at], number, folder, _variants(table))
+        _card(place, place.clusters[at], number, folder, variant_labels(table))
         for (key, at), number in numbers.items()
         for place in places
         if place.key == key
     ]
-    cards += _cards_without_place(table, folder)
+    cards += cards_without_place(table, folder)
     clusters = sum(len(place.clusters) for place in places)
     more = "" if clusters <= len(numbers) else f" The {len(numbers)} largest of {clusters:,} clusters are shown."
     command = escape(f"trundle evaluate show {folder} --failed")
@@ -278,7 +278,7 @@ def _scale_bar(frame: Frame, width: float, height: float, scale: float = 1.0) ->
     )
 
 
-def _variants(table: Table) -> list[str]:
+def variant_labels(table: Table) -> list[str]:
     """Labels in which the settings differ."""
     return [name for name in VARIANT if len(table.named[name].names) > 1]
 
@@ -289,16 +289,16 @@ def _card(place: Place, cluster: Cluster, number: int, folder: str, variants: Se
     x, y = (round(number, 1) + 0.0 for number in cluster.center)
     near = f"near ({x:.1f}, {y:.1f})"
     words = _words(rows, folder, variants)
-    return f'<div class="card">{_thumbnail(place, rows)}<div><p>{title} {near}</p>{words}</div></div>'
+    return f'<div class="card">{thumbnail(place, rows)}<div><p>{title} {near}</p>{words}</div></div>'
 
 
-def _cards_without_place(table: Table, folder: str) -> list[str]:
+def cards_without_place(table: Table, folder: str) -> list[str]:
     """Failures of which not even the start is known: a card for each cause."""
     causes: dict[str, list[Row]] = {}
     for row in table.failed:
         if _failed_at(row) is None:
             causes.setdefault(cause(row), []).append(row)
-    variants = _variants(table)
+    variants = variant_labels(table)
     ordered = sorted(causes.values(), key=lambda rows: -len(rows))[:_MORE]
     return [
         f'<div class="card"><div><p><b>Before the start</b></p>{_words(rows, folder, variants)}</div></div>'
@@ -326,7 +326,7 @@ def _words(rows: Sequence[Row], folder: str, variants: Sequence[str]) -> str:
     return "".join(parts)
 
 
-def _thumbnail(place: Place, rows: Sequence[Row]) -> str:
+def thumbnail(place: Place, rows: Sequence[Row]) -> str:
     """The surroundings of a cluster, with the route of its first episode and where all of them ended."""
     points = np.array([_failed_at(row) for row in rows])
     center = points.mean(axis=0)

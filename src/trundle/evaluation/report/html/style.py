@@ -73,6 +73,7 @@ figure b{font-size:.96rem}
 .card{padding:0;overflow:hidden;display:flex;flex-direction:column}
 .card>div{padding:.6rem .8rem .75rem}
 .card p{margin:.25rem 0}
+.thumbs svg[role=img]{width:12rem;border-radius:5px}.thumbs td.text{max-width:26rem}
 .no{display:inline-block;min-width:1.5em;text-align:center;border-radius:1em;background:var(--ink);color:var(--page);
 font-weight:700;font-size:.86rem;margin-right:.35em;padding:0 .3em}
 details{margin:.3rem 0}summary{cursor:pointer;color:var(--accent)}
