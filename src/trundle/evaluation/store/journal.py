@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any
 from trundle.errors import OutputError
 from trundle.evaluation.store.columns import decode_row
 from trundle.evaluation.store.layout import JOURNAL
-from trundle.files.writing import atomic_path, write_bytes
+from trundle.files.writing import atomic_path, cannot_write, write_bytes
 
 
 class Journal:
@@ -71,10 +72,10 @@ class Journal:
             raise self._error(error) from error
         if written != len(line):
             self._take_back(written)
-            raise OutputError(f"cannot write {self.path}: the disk is full")
+            raise self._error(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
 
     def _error(self, error: OSError) -> OutputError:
-        return OutputError(f"cannot write {self.path}: {error.strerror or error}")
+        return cannot_write(self.path, error)
 
 
 @dataclass(frozen=True, slots=True)
