@@ -137,6 +137,15 @@ class TestModels:
         with pytest.raises(error, match=r"other\.xml:1: round\.xml includes itself"):
             load(write(tmp_path, "round.xml", attach("other.xml")))
 
+    @pytest.mark.parametrize(
+        "size", ["nrow='100000' ncol='100000'", "nrow='-4' ncol='5'", "nrow='2147483647' ncol='2'"]
+    )
+    def test_a_height_field_that_is_too_large(self, tmp_path, load, error, size):
+        field = f"<asset>\n<hfield name='h' {size} size='1 1 1 1'/></asset>"
+        text = f"<mujoco>{field}<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>"
+        with pytest.raises(error, match=r"w\.xml:2: a height field has up to 20000000 heights, got nrow"):
+            load(write(tmp_path, "w.xml", text))
+
     @pytest.mark.parametrize("made", ["count='100000000'", "count='1000'><replicate count='2000'"])
     def test_a_hundred_million_copies(self, tmp_path, load, error, made):
         end = "</replicate>" * made.count("count")
