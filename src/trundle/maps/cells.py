@@ -21,9 +21,9 @@ UNKNOWN = -1
 MAX_CELLS = 400_000_000
 """The most cells of a map; 1 km² at 0.05 m has as many. More are probably a mistake."""
 
-MAX_LOADED_CELLS = 40_000_000
-"""The most cells of a map that is loaded without another limit, 316 m square at 0.05 m: `trundle map check` takes up to
-1.5 GB for them, whatever the image's format (measured with noise)."""
+MAX_LOADED_CELLS = 20_000_000
+"""The most cells of a map that is loaded without another limit, 223 m square at 0.05 m: `trundle map check` takes up to
+1.5 GB for them, whatever the image's format (measured with noise and a checkerboard)."""
 
 MOST_CELLS = 2**31 - 1
 """What a limit on cells may be: the kernels count them with 32 bits."""

@@ -54,7 +54,7 @@ class MapOptions(Config):
         height: Height of the walls [m].
         unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
             the scenario's `unknown` is blocked, and free otherwise.
-        max_cells: The most cells of the map; none means 40 million.
+        max_cells: The most cells of the map; none means 20 million.
     """
 
     height: Positive = 1.0

@@ -168,7 +168,7 @@ MaxCells = Annotated[
     Parameter(
         name="--max-cells",
         converter=_read_integer,
-        help="The most cells of a map that is read; left out: 40 million, for which check takes up to 1.5 GB.",
+        help="The most cells of a map that is read; left out: 20 million, for which check takes up to 1.5 GB.",
     ),
 ]
 EXAMPLES = {
