@@ -316,7 +316,7 @@ planners: [auto, {name: least_cost, options: {goal_tolerance: 0.5}}]
 controllers: [regulated_pure_pursuit, mppi]
 backends: [kinematic]
 missions: {seeds: "0:10"}
-vary: {friction: [0.5, 1.0], latency_s: [0.0, 0.1]}
+vary: {friction: {uniform: [0.5, 1.0]}}
 """
     return _write(folder, {"suite.yaml": text})
 
