@@ -12,7 +12,7 @@ from trundle.costmap import Costmap
 from trundle.errors import InputError, NoValidControlError, RobotWarning
 from trundle.geometry import Pose2D, Pose3D, Twist2D, path_length, wrap_angles
 from trundle.maps import OccupancyGrid, SpeedMask
-from trundle.mission import Scenario, Trajectory, run, sample_mission
+from trundle.mission import DropBox, Manual, Scenario, StepOnce, Trajectory, load_directives, run, sample_mission
 from trundle.navigation import Navigator, NavigatorSettings
 from trundle.navigation.speed_limiter import SpeedLimiter
 from trundle.observation import Scan
@@ -20,7 +20,7 @@ from trundle.path import Path
 from trundle.planning import PathCheck, create_planner
 from trundle.robots import Robot
 from trundle.sim import simulate
-from trundle.solids import Mesh, OccupancyCells
+from trundle.solids import Box, Mesh, OccupancyCells
 from trundle.worlds import World
 
 CARTER = Robot.load("nova_carter")
@@ -206,3 +206,45 @@ def test_ragged_lists_and_text_are_refused_as_input(call):
 def test_a_path_that_is_too_long_to_be_checked_is_refused():
     with pytest.raises(InputError, match="too long to be checked"):
         PathCheck(Path([[0, 0, 0], [1e9, 0, 0]]))
+
+
+HUGE = int("9" * 400)
+HUGER = 1 << 40_000
+"""Python does not write it in decimals."""
+
+
+@pytest.mark.parametrize("number", [HUGE, -HUGE, HUGER], ids=["400 digits", "negative", "12,000 digits"])
+@pytest.mark.parametrize(
+    "take",
+    [
+        lambda number: Costmap.from_grid(GRID, CARTER, inflation_radius=number),
+        lambda number: OccupancyGrid(GRID.data, number),
+        lambda number: OccupancyGrid.from_world(World("empty", ()), resolution=number),
+        lambda number: Box((1.0, 1.0, number)),
+        lambda number: Pose2D(number, 0.0),
+        lambda number: Twist2D(0.0, number),
+        lambda number: World.generate("warehouse", seed=1, size=(number, 20.0)),
+        lambda number: World.generate("warehouse", seed=number),
+        lambda number: create_controller("regulated_pure_pursuit", robot=CARTER, lookahead_time=number),
+        lambda number: Manual(number, 0.0),
+        lambda number: DropBox(1.0, number),
+        lambda number: StepOnce(number),
+        lambda number: Scenario.make(world="warehouse", goal_yaw_tolerance=number),
+        lambda number: Scenario.make(world="warehouse", start=(0.0, 0.0, number)),
+        lambda number: Scenario.make(world="warehouse", time_limit_s=number),
+    ],
+    ids=lambda take: "",
+)
+def test_an_integer_that_no_float_can_hold_is_refused(take, number):
+    with pytest.raises(InputError) as caught:
+        take(number)
+    assert len(str(caught.value)) < 400
+
+
+def test_a_directive_with_an_integer_of_400_digits_is_refused_with_its_file(tmp_path):
+    file = tmp_path / "directives.json"
+    file.write_text(f'{{"directives": [{{"index": 0, "time": {HUGE}, "directive": "pause"}}]}}')
+    with pytest.raises(
+        InputError, match=r"directives\.json: directive 1: time must be a number of 0 or more s, got 99"
+    ):
+        load_directives(file)

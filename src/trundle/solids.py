@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -13,7 +12,7 @@ import numpy.typing as npt
 
 from trundle.errors import WorldError
 from trundle.geometry import FloatArray, Pose3D, rotation_matrices
-from trundle.values import as_array
+from trundle.values import as_array, is_finite_number, show_value
 
 Color: TypeAlias = tuple[float, float, float, float]
 """Red, green, blue and opacity, each 0 to 1."""
@@ -23,8 +22,8 @@ _VERTICES_AT_ONCE = 1 << 14  # Few enough to stay in the processor's cache.
 
 def _check_positive(what: str, *values: float) -> None:
     for value in values:
-        if not (math.isfinite(value) and value > 0.0):
-            raise WorldError(f"{what} must be a positive number of metres, got {value}")
+        if not (is_finite_number(value) and value > 0.0):
+            raise WorldError(f"{what} must be a positive number of metres, got {show_value(value)}")
 
 
 @dataclass(frozen=True, slots=True)

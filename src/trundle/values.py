@@ -27,12 +27,32 @@ def as_number(value: object, what: str) -> float:
             raise TypeError
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what} must be a number, got {value!r}") from None
+        raise InputError(f"{what} must be a number, got {show_value(value)}") from None
+
+
+def finite_number(value: object) -> float | None:
+    """A finite real number as a float; None for text, bools, NaN, infinity and integers that no float can hold."""
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def is_finite_number(value: object) -> TypeGuard[float]:
-    """Whether this is a finite number, and not text."""
-    return isinstance(value, numbers.Real) and math.isfinite(value)
+    """Whether this is a finite number, and neither text nor a bool."""
+    return finite_number(value) is not None
+
+
+def show_value(value: object, most: int = 80) -> str:
+    """A value for a message, shortened; Python refuses to write integers of more than 4300 digits."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return f"a number of type {type(value).__name__} with thousands of digits"
+    return text if len(text) <= most else f"{text[:most]}…"
 
 
 def check_number(name: str, value: object, least: float, most: float, unit: str = "") -> float:
@@ -41,12 +61,11 @@ def check_number(name: str, value: object, least: float, most: float, unit: str 
     Raises:
         InputError: If it is not such a number, or NaN.
     """
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        number = float(value)
-        if least <= number <= most:
-            return number
+    number = value if isinstance(value, float) and math.isinf(value) else finite_number(value)
+    if number is not None and least <= number <= most:
+        return number
     bounds = f"of {least:g} or more" if math.isinf(most) else f"from {least:g} to {most:g}"
-    raise InputError(f"{name} must be a number {bounds}{unit and f' {unit}'}, got {value!r}")
+    raise InputError(f"{name} must be a number {bounds}{unit and f' {unit}'}, got {show_value(value)}")
 
 
 def check_count(name: str, value: object, least: int, most: int) -> int:
@@ -57,7 +76,7 @@ def check_count(name: str, value: object, least: int, most: int) -> int:
     """
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and least <= value <= most:
         return int(value)
-    raise InputError(f"{name} must be an integer from {least} to {most}, got {value!r}")
+    raise InputError(f"{name} must be an integer from {least} to {most}, got {show_value(value)}")
 
 
 def check_flag(name: str, value: object) -> bool:
@@ -67,7 +86,7 @@ def check_flag(name: str, value: object) -> bool:
         InputError: If it is not a bool.
     """
     if not isinstance(value, bool | np.bool_):
-        raise InputError(f"{name} must be true or false, got {value!r}")
+        raise InputError(f"{name} must be true or false, got {show_value(value)}")
     return bool(value)
 
 
@@ -100,7 +119,7 @@ def as_sequence(values: Sequence[float] | object, what: str = "a pose") -> Seque
     """
     if isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes):
         return tuple(values)
-    raise InputError(f"{what} must be a sequence of numbers, got {values!r}")
+    raise InputError(f"{what} must be a sequence of numbers, got {show_value(values)}")
 
 
 def as_array(
@@ -125,7 +144,7 @@ def check_seed(seed: object) -> int:
     """
     if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)
-    raise InputError(f"a seed must be an integer of 0 or more, got {seed!r}")
+    raise InputError(f"a seed must be an integer of 0 or more, got {show_value(seed)}")
 
 
 def first_names(names: Sequence[str], most: int = 5) -> str:

@@ -11,7 +11,7 @@ import pytest
 from trundle.errors import RobotError, TrundleError, WorldError
 from trundle.files.mesh import read_mesh
 from trundle.files.model_spec import compile_spec, read_spec
-from trundle.files.parser_errors import parser_errors
+from trundle.files.parser_errors import parser_errors, parser_reason
 from trundle.sim.mujoco.joints import read_joints
 
 ANYTHING = [
@@ -83,5 +83,46 @@ def test_a_fault_outside_the_parser_stays_what_it_is(tmp_path, monkeypatch):
 def test_an_error_that_is_typed_already_stays():
     with pytest.raises(RobotError, match=r"^as it was$"), parser_errors("a file", WorldError):
         raise RobotError("as it was")
-    with pytest.raises(TrundleError, match=r"^a file: OverflowError$"), parser_errors("a file", WorldError):
+    with (
+        pytest.raises(TrundleError, match=r"^a file: its reader gives no reason \(OverflowError\); "),
+        parser_errors("a file", WorldError),
+    ):
         raise OverflowError
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        AssertionError(),
+        KeyError("y"),
+        IndexError("list index out of range"),
+        TypeError("'NoneType' …"),
+        RuntimeError(""),
+        RuntimeError("Caught an unknown exception!"),
+        AttributeError("mesh"),
+        StopIteration(),
+        OverflowError(),
+    ],
+    ids=repr,
+)
+def test_messages_that_say_nothing_come_with_what_to_do(problem):
+    reason = parser_reason(problem)
+    assert reason.startswith(f"its reader gives no reason ({type(problem).__name__}")
+    assert reason.endswith("write it again, or in another format")
+
+
+def test_messages_that_say_something_stay(tmp_path):
+    assert parser_reason(ValueError("chunk was not\nexpected length!")) == "chunk was not expected length!"
+
+
+def test_a_ply_without_a_column_says_what_to_do(tmp_path):
+    pytest.importorskip("trimesh")
+    file = tmp_path / "a.ply"
+    file.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0\n1 0\n0 1\n3 0 1 2\n"
+    )
+    with pytest.raises(
+        WorldError, match=r"a\.ply: cannot be read as a \.ply file: its reader gives no reason \(KeyError: 'y'"
+    ):
+        read_mesh(file)

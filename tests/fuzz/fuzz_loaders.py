@@ -2,6 +2,7 @@
 
     PYTHONPATH=tests python -m fuzz.fuzz_loaders                             200 files of each format
     PYTHONPATH=tests python -m fuzz.fuzz_loaders --count 5000 --jobs 16      what a release is checked with
+    PYTHONPATH=tests python -m fuzz.fuzz_loaders --count 300 --cli --jobs 16 by the command line
     PYTHONPATH=tests python -m fuzz.fuzz_loaders usd sdf --seed 3 --seconds 600
 
 Foreign files are read as users read them, by the guarded child; one child stays for many files. A finding does not end
@@ -18,11 +19,14 @@ import faulthandler
 import io
 import logging
 import multiprocessing
+import os
 import random
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
+import threading
 import time
 import traceback
 import warnings
@@ -30,6 +34,7 @@ import zipfile
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +47,9 @@ from trundle.guard import Child, ReadCall, ReadLimits
 
 LIMITS = ReadLimits(seconds=5.0, gigabytes=2.0)
 """Less time than users have: a file that takes longer is refused here sooner."""
+
+CLI_SECONDS, CLI_KILOBYTES = 10.0, 2_000_000
+"""What a command may take for a file."""
 
 LONGEST = 60.0
 """For one file [s], its child's start and all loaders that it is given to."""
@@ -98,8 +106,8 @@ def mutate_member(archive: bytes, generator: random.Random) -> bytes:
 class Reader:
     """Reads files of one format in a folder, foreign ones in one child that stays."""
 
-    def __init__(self, folder: Path, form: str) -> None:
-        self._folder, self._form, self._child = folder, form, Child()
+    def __init__(self, folder: Path, form: str, *, cli: bool = False) -> None:
+        self._folder, self._form, self._child, self._cli = folder, form, Child(), cli
         self._files = loader_seeds.SEEDS[form](folder)
 
     def close(self) -> None:
@@ -116,6 +124,8 @@ class Reader:
             file.write_bytes(mutate_member(content, generator))
         else:
             file.write_bytes(mutate(content, generator, TOKENS))
+        if self._cli:
+            return command_line(self._form, file), file
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
@@ -164,10 +174,15 @@ def _map(_: Child, file: Path) -> None:
     OccupancyGrid.load(file)
 
 
-def _image(child: Child, file: Path) -> None:
+def _beside(file: Path) -> Path:
+    """The YAML of a map's image."""
     yaml = file.with_suffix(".yaml")
     yaml.write_text(loader_seeds.MAP_YAML.replace("map.pgm", file.name))
-    _map(child, yaml)
+    return yaml
+
+
+def _image(child: Child, file: Path) -> None:
+    _map(child, _beside(file))
 
 
 def _scenario(_: Child, file: Path) -> None:
@@ -188,6 +203,13 @@ def _npz(_: Child, file: Path) -> None:
         HeightField.load(file)
 
 
+def _in_run(file: Path) -> Path:
+    folder = file.parent / "run"
+    shutil.copytree(file.parent / loader_seeds.RUN, folder, dirs_exist_ok=True)
+    shutil.copy(file, folder / file.name.removeprefix(PREFIX))
+    return folder
+
+
 def _run(_: Child, file: Path) -> None:
     """In the place of the file of a run that it was made from."""
     from trundle.mission import Episode, Scenario
@@ -196,13 +218,135 @@ def _run(_: Child, file: Path) -> None:
     if file.suffix == ".csv":
         Motion.load(file)
         return
-    folder = file.parent / "run"
-    shutil.copytree(file.parent / loader_seeds.RUN, folder, dirs_exist_ok=True)
-    shutil.copy(file, folder / file.name.removeprefix(PREFIX))
+    folder = _in_run(file)
     try:
         Episode.load(folder)
     finally:
         Scenario.load(folder)
+
+
+def _in_evaluation(file: Path) -> Path:
+    folder = file.parent / "evaluation"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(file.parent / loader_seeds.EVALUATION, folder)
+    shutil.copy(file, next(folder.rglob(file.name.removeprefix(PREFIX))))
+    return folder
+
+
+def _evaluation(_: Child, file: Path) -> None:
+    """In the place of the file of an evaluation that it was made from; read by tables, reports and a continuation."""
+    from trundle.evaluation import Evaluation
+
+    evaluation = Evaluation(_in_evaluation(file))
+    try:
+        evaluation.summary()
+        evaluation.write_report(apart=False)
+        evaluation.read_summary()
+        list(evaluation.rows())
+    finally:
+        evaluation.close()
+
+
+def _directives(_: Child, file: Path) -> None:
+    from trundle.mission import load_directives
+
+    load_directives(file)
+
+
+def _nav2(_: Child, file: Path) -> None:
+    from trundle.mission import Scenario
+    from trundle.nav2 import read_nav2_params
+
+    Scenario.make(**{"world": "warehouse", **read_nav2_params(file, "nova_carter").settings})
+
+
+def _suite(_: Child, file: Path) -> None:
+    from trundle.evaluation import Suite
+
+    suite = Suite.load(file)
+    for index in range(0, len(suite), max(1, len(suite) // 3)):
+        suite.spec(index)
+
+
+def _mcap(_: Child, file: Path) -> None:
+    from trundle.recording import read_info, read_run, recover
+
+    read_info(file)
+    try:
+        recover(file, file.parent / loader_seeds.BAGS / "new.mcap", overwrite=True)
+    finally:
+        read_run(file)
+
+
+def _barn(child: Child, file: Path) -> None:
+    from trundle.evaluation.public.reference import load_reference
+
+    if file.suffix == ".npy":
+        load_reference(file)
+    else:
+        _world(child, file)
+
+
+def _dynabarn(_: Child, file: Path) -> None:
+    from trundle.worlds.dynabarn import load_dynabarn, read_dynabarn
+
+    for name in read_dynabarn(file):
+        load_dynabarn(file, world=name)
+
+
+def _commands(form: str, file: Path) -> list[list[str]]:
+    """How the command line reads a file of a format."""
+    out = file.parent / "out"
+    short = ["--seeds", "1", "--workers", "1", "--time-limit", "0.1", "--overwrite", "-o", str(out)]
+    match form:
+        case "evaluation":
+            folder = str(_in_evaluation(file))
+            return [["evaluate", "report", folder], ["evaluate", "show", folder, "--json"]]
+        case "run":
+            return [["replay", str(_in_run(file)), "--json"]]
+        case "directives":
+            scenario = file.with_suffix(".yaml")
+            scenario.write_text(f"world: warehouse\nbackend: kinematic\ntime_limit_s: 0.1\ndirectives: {file.name}\n")
+            return [["run", str(scenario), "--no-video", "--overwrite", "-o", str(out)]]
+        case "nav2":
+            return [["scenario", "warehouse", "--nav2-params", str(file), "-o", f"{out}.yaml"]]
+        case "suite":
+            return [["evaluate", str(file), *short]]
+        case "mcap":
+            made = ["-o", f"{out}.mcap", "--overwrite"]
+            return [["record", "info", str(file)], ["record", "recover", str(file), *made]]
+        case "dynabarn":
+            return [["evaluate", "dynabarn", "--worlds", str(file), *short]]
+        case "barn" if file.suffix == ".npy":
+            shutil.copy(file, file.with_name("path_7.npy"))
+            return [["evaluate", "barn", "--worlds", str(file.parent), *short]]
+        case "map":
+            return [["map", "check", str(file)]]
+        case "image":
+            return [["map", "check", str(_beside(file))]]
+        case "scenario":
+            return [["scenario", str(file), "--json", "-o", f"{out}.yaml"]]
+        case _:
+            return [["map", "build", str(file), "-o", f"{out}.yaml"]]
+
+
+def command_line(form: str, file: Path) -> str:
+    """Read a file by the command line; return how it ended."""
+    ended = "read"
+    for command in _commands(form, file):
+        with tempfile.TemporaryFile() as said:
+            process = subprocess.Popen([sys.executable, "-m", "trundle", *command], stdout=said, stderr=said)
+            killer = threading.Timer(CLI_SECONDS, process.kill)
+            killer.start()
+            _, status, used = os.wait4(process.pid, 0)
+            killer.cancel()
+            process.returncode = code = os.waitstatus_to_exitcode(status)
+            said.seek(0)
+            text = said.read().decode(errors="replace")
+        if code not in (0, 1, 2) or used.ru_maxrss > CLI_KILOBYTES:
+            return f"{' '.join(command)}: exit code {code}, {used.ru_maxrss} kB\n{text[-3000:]}"
+        ended = "refused" if code == 2 else ended
+    return ended
 
 
 LOADERS: dict[str, Callable[[Child, Path], None]] = {
@@ -216,11 +360,25 @@ LOADERS: dict[str, Callable[[Child, Path], None]] = {
     "scenario": _scenario,
     "npz": _npz,
     "run": _run,
+    "evaluation": _evaluation,
+    "directives": _directives,
+    "nav2": _nav2,
+    "suite": _suite,
+    "mcap": _mcap,
+    "barn": _barn,
+    "dynabarn": _dynabarn,
 }
 
 
 def play(
-    form: str, numbers: range, seed: int, until: float, keep: str | None = None, progress: str | None = None
+    form: str,
+    numbers: range,
+    seed: int,
+    until: float,
+    keep: str | None = None,
+    progress: str | None = None,
+    *,
+    cli: bool = False,
 ) -> tuple[collections.Counter[str], list[Finding]]:
     """Read some files of a format; return how they ended, and the findings.
 
@@ -232,6 +390,7 @@ def play(
         keep: A folder for files that were found.
         progress: A file that gets the number of each file before it is read; this process is then a separate one
             that ends where a file takes too long and prints nothing of what trundle logs.
+        cli: Whether to read them by the command line.
     """
     if progress is not None:
         logging.getLogger("trundle").addHandler(logging.NullHandler())
@@ -239,7 +398,7 @@ def play(
     ends: collections.Counter[str] = collections.Counter()
     findings: list[Finding] = []
     with tempfile.TemporaryDirectory() as folder:
-        reader = Reader(Path(folder), form)
+        reader = Reader(Path(folder), form, cli=cli)
         try:
             for number in numbers:
                 if time.monotonic() > until:
@@ -303,6 +462,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=3600.0, help="for everything")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--cli", action="store_true", help="by the command line, each file in a process")
     parser.add_argument("--keep", help="a folder for files that were found")
     options = parser.parse_args()
     options.formats = options.formats or list(LOADERS)
@@ -319,7 +479,10 @@ def main() -> int:
     findings: list[Finding] = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         jobs = {
-            pool.submit(play_apart, form, numbers, options.seed, until, options.keep): form for form, numbers in slices
+            pool.submit(
+                play_apart, form, numbers, options.seed, until, options.keep, read=partial(play, cli=options.cli)
+            ): form
+            for form, numbers in slices
         }
         for job in concurrent.futures.as_completed(jobs):
             ends, found = job.result()

@@ -236,6 +236,128 @@ def runs(folder: Path) -> list[Path]:
     return [place / name for name in ("episode.json", "paths.npz", "trajectory.npz", "drive.csv")]
 
 
+EVALUATION = "evaluated"
+"""The folder of an evaluation, in that of the files."""
+
+BAGS = "bags"
+"""A folder for what is made of a recording, in that of the files."""
+
+
+def evaluations(folder: Path) -> list[Path]:
+    """Files of an evaluation: its rows, its suite and what it keeps of itself."""
+    from trundle.evaluation import Suite, evaluate
+
+    place = folder / EVALUATION
+    suite = Suite.make(
+        worlds=[{"name": "warehouse", "seed": 1, "options": {"size": [14, 11]}}], backends=["kinematic"], seeds="0:3"
+    )
+    evaluate(suite, out=place, workers=1).close()
+    names = ("journal.jsonl", "suite.yaml", "evaluation.json", "summary.json")
+    return [*(place / name for name in names if (place / name).is_file()), *sorted(place.glob("parts/*.parquet"))]
+
+
+def directives(folder: Path) -> list[Path]:
+    """The directives of a steered run."""
+    from trundle.mission import (
+        Cancel,
+        DropBox,
+        End,
+        FollowPath,
+        GivenDirective,
+        Manual,
+        Pause,
+        PlaceRobot,
+        Restart,
+        RunBehavior,
+        SetGoal,
+        SetGoals,
+        SetPose,
+        Speed,
+        StepOnce,
+        save_directives,
+    )
+
+    given = (
+        Pause(),
+        StepOnce(3),
+        Speed(2.0),
+        SetGoal((1.0, 2.0)),
+        SetGoals(((1.0, 2.0), (3.0, 4.0, 0.5))),
+        FollowPath(((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
+        RunBehavior("spin", {"angle": 1.0}),
+        Cancel(),
+        SetPose((1.0, 2.0, 0.5)),
+        Manual(0.5, -0.1),
+        DropBox(1.0, 2.0, 0.3),
+        PlaceRobot(1.0, 2.0, 0.3),
+        Restart("next"),
+        End(),
+    )
+    save_directives(
+        folder / "directives.json", [GivenDirective(index, 0.05 * index, one) for index, one in enumerate(given)]
+    )
+    return [folder / "directives.json"]
+
+
+def nav2(folder: Path) -> list[Path]:
+    """Nav2's parameters, as three distributions have them."""
+    data = Path(__file__).parents[1] / "nav2" / "data"
+    return _write(folder, {file.name: file.read_text() for file in sorted(data.glob("*.yaml"))})
+
+
+def suites(folder: Path) -> list[Path]:
+    """A suite that crosses everything."""
+    text = """name: nightly
+worlds:
+  - {name: warehouse, seed: 1, options: {size: [14, 11]}}
+  - {name: maze, options: {rows: 5, columns: 5}}
+robots: [nova_carter, turtlebot3_burger]
+planners: [auto, {name: least_cost, options: {goal_tolerance: 0.5}}]
+controllers: [regulated_pure_pursuit, mppi]
+backends: [kinematic]
+missions: {seeds: "0:10"}
+vary: {friction: {uniform: [0.5, 1.0]}}
+"""
+    return _write(folder, {"suite.yaml": text})
+
+
+def recordings(folder: Path) -> list[Path]:
+    """A run as MCAP, complete and cut off."""
+    from trundle.mission import Scenario
+    from trundle.recording import Recorder
+
+    scenario = Scenario.make(
+        world={"name": "warehouse", "options": {"size": [14, 11]}}, backend="kinematic", seed=5, time_limit_s=3
+    )
+    with scenario.build() as mission, Recorder(folder / "run.mcap", scenario=mission.scenario) as record:
+        mission.run(observers=[record])
+    content = (folder / "run.mcap").read_bytes()
+    (folder / "cut.mcap").write_bytes(content[: len(content) // 2])
+    (folder / BAGS).mkdir()
+    return [folder / "run.mcap", folder / "cut.mcap"]
+
+
+def barn(folder: Path) -> list[Path]:
+    """A world of BARN's and its path."""
+    cylinder = (
+        "<model name='c{0}'><static>1</static><pose>{0} 1 0 0 0 0</pose><link name='l'><collision name='c'><geometry>"
+        "<cylinder><radius>0.075</radius><length>1</length></cylinder></geometry></collision></link></model>"
+    )
+    models = "".join(cylinder.format(number) for number in range(5))
+    np.save(folder / "path_7.npy", np.stack([np.arange(30), np.arange(30)], axis=1))
+    world = f"<sdf version='1.6'><world name='w'>{models}</world></sdf>"
+    return [*_write(folder, {"world_7.world": world}), folder / "path_7.npy"]
+
+
+def dynabarn(folder: Path) -> list[Path]:
+    """Two worlds of DynaBARN's."""
+    import json
+
+    moves = {"waypoints": [[0, 1, 2], [2.5, 3, 2], [5, 1, 2.5]], "period_s": 6.0}
+    worlds = {f"world_{n}": {"level": level, "obstacles": [moves, moves]} for n, level in ((1, "easy"), (2, "hard"))}
+    return _write(folder, {"worlds.json": json.dumps(worlds, indent=1)})
+
+
 SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "urdf": urdf,
     "mjcf": mjcf,
@@ -247,4 +369,11 @@ SEEDS: dict[str, Callable[[Path], list[Path]]] = {
     "scenario": scenarios,
     "npz": npz,
     "run": runs,
+    "evaluation": evaluations,
+    "directives": directives,
+    "nav2": nav2,
+    "suite": suites,
+    "mcap": recordings,
+    "barn": barn,
+    "dynabarn": dynabarn,
 }

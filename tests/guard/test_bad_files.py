@@ -101,7 +101,7 @@ def test_a_height_field_for_which_mujoco_raises_an_exception_of_no_type(tmp_path
         "<mujoco><asset><hfield name='h' nrow='100000000' ncol='5' size='1 1 1 1'/></asset>"
         "<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>"
     )
-    with pytest.raises(error, match=r"w\.xml: "):
+    with pytest.raises(error, match=r"w\.xml:1: a height field has up to"):
         load(write(tmp_path, "w.xml", text), memory_limit_gb=0.5)
 
 
@@ -136,6 +136,15 @@ class TestModels:
         write(tmp_path, "other.xml", attach("round.xml"))
         with pytest.raises(error, match=r"other\.xml:1: round\.xml includes itself"):
             load(write(tmp_path, "round.xml", attach("other.xml")))
+
+    @pytest.mark.parametrize(
+        "size", ["nrow='100000' ncol='100000'", "nrow='-4' ncol='5'", "nrow='2147483647' ncol='2'"]
+    )
+    def test_a_height_field_that_is_too_large(self, tmp_path, load, error, size):
+        field = f"<asset>\n<hfield name='h' {size} size='1 1 1 1'/></asset>"
+        text = f"<mujoco>{field}<worldbody><geom type='hfield' hfield='h'/></worldbody></mujoco>"
+        with pytest.raises(error, match=r"w\.xml:2: a height field has up to 20000000 heights, got nrow"):
+            load(write(tmp_path, "w.xml", text))
 
     @pytest.mark.parametrize("made", ["count='100000000'", "count='1000'><replicate count='2000'"])
     def test_a_hundred_million_copies(self, tmp_path, load, error, made):
@@ -232,7 +241,7 @@ def test_memory_for_an_image_is_that_of_its_file(tmp_path, monkeypatch):
 
     monkeypatch.setattr("trundle.maps.images.image.read_up_to", read)
     with pytest.raises(MapError, match="truncated"):
-        OccupancyGrid.load(write(tmp_path, "m.yaml", YAML.format(0.05, [0, 0, 0])))
+        OccupancyGrid.load(write(tmp_path, "m.yaml", YAML.format(0.05, [0, 0, 0])), max_cells=400_000_000)
     assert asked == [(20_000 * 20_000 * 2 + 21 - 65536, 70_021 - 65536)]
 
 

@@ -15,7 +15,9 @@ DATA = Path(__file__).parent / "data"
 NODES = {name: yaml.safe_load((DATA / f"{name}.yaml").read_text()) for name in ("jazzy", "kilted")}
 
 VALUES = st.one_of(
-    st.sampled_from([None, True, "", "x", "[[", [], [1], ["a", 1], 0, -1, 1e300, -1e300, 1e-300, 10**30, float("nan")]),
+    st.sampled_from(
+        [None, True, "", "x", "[[", [], [1], ["a", 1], 0, -1, 1e300, -1e300, 1e-300, 10**30, 10**400, float("nan")]
+    ),
     st.sampled_from(
         ["::", "a/b", "nav2_mppi_controller::MPPIController", "[[0, 0], [0, 0], [0, 0]]", "$(var x)", "../.."]
     ),
@@ -63,3 +65,27 @@ def test_an_angle_in_degrees_is_warned_of(tmp_path):
     file.write_text("amcl:\n  ros__parameters: {set_initial_pose: true, initial_pose: {x: 1.0, y: 2.0, yaw: 90.0}}\n")
     with pytest.warns(AngleWarning):
         read_nav2_params(file)
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        (
+            ("local_costmap", "local_costmap", "ros__parameters", "inflation_layer", "inflation_radius"),
+            "inflation_radius",
+        ),
+        (("local_costmap", "local_costmap", "ros__parameters", "footprint"), "footprint"),
+        (("velocity_smoother", "ros__parameters", "max_velocity"), "max_velocity"),
+    ],
+)
+@pytest.mark.parametrize("number", [10**400, 1 << 40_000], ids=["400 digits", "12,000 digits"])
+def test_an_integer_that_no_float_can_hold_is_refused_with_its_line(path, found, number, tmp_path):
+    text = hex(number) if number.bit_length() > 2000 else str(number)
+    value = {"footprint": f"[[{text}, 0.2], [-0.3, 0.2], [0.1, -0.3]]", "max_velocity": f"[{text}, 0.0, 1.0]"}.get(
+        found, text
+    )
+    file = tmp_path / "hostile.yaml"
+    content = yaml.safe_dump(replaced(NODES["jazzy"], path, "HERE"), allow_unicode=True)
+    file.write_text(content.replace("HERE", f"'{value}'" if found == "footprint" else value))
+    with pytest.raises(InputError, match=rf"hostile\.yaml:\d+.*{found}"):
+        read_nav2_params(file, "nova_carter")

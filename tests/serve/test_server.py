@@ -206,7 +206,7 @@ def test_connections_that_say_nothing_are_closed(impatient: Served) -> None:
 
 def test_more_connections_than_the_limit_are_closed_at_once(impatient: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     visitor = impatient.visit()
-    monkeypatch.setattr(server_module, "MAX_CONNECTIONS", 8)
+    monkeypatch.setattr(server_module, "MAX_STRANGERS", 8)
     silent = [socket.create_connection(("127.0.0.1", visitor.port)) for _ in range(12)]
     try:
         assert any(_is_closed(one) for one in silent)
@@ -222,6 +222,46 @@ def test_more_connections_than_the_limit_are_closed_at_once(impatient: Served, m
         except OSError:
             continue
     pytest.fail("the server did not recover")
+
+
+def test_half_open_connections_do_not_keep_out_who_has_the_cookie(served: Served) -> None:
+    visitor = served.visit()
+    with contextlib.ExitStack() as stack:
+        for number in range(300):
+            silent = stack.enter_context(socket.create_connection(("127.0.0.1", visitor.port)))
+            if number % 2:
+                silent.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        assert visitor.see("/")[0] == 200
+        assert visitor.get(f"/?token={visitor.token}")[0] == 200
+        with visitor.open() as page:
+            page.wait("hello")
+
+
+def test_pages_of_the_owner_are_counted_apart_and_refused_with_a_reason(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    visitor = served.visit()
+    monkeypatch.setattr(server_module, "MAX_OWNERS", 1)
+    with visitor.open():
+        status, _, body = visitor.see("/")
+        assert (status, body) == (503, b"too many connections are open: close other pages of this server")
+        assert visitor.get("/")[0] == 401
+
+
+@pytest.mark.parametrize("method", ["HEAD", "TRACE", "OPTIONS", "PUT", "DELETE", "PATCH", "PROPFIND", "get", "GETX"])
+@pytest.mark.parametrize("path", ["/", "/ws", "/nothing"])
+def test_nothing_but_get_is_answered(served: Served, method: str, path: str) -> None:
+    visitor = served.visit()
+    head = f"{method} {path} HTTP/1.1\r\nHost: {visitor.host}\r\nCookie: {visitor.cookie}\r\n\r\n"
+    with socket.create_connection(("127.0.0.1", visitor.port)) as raw:
+        raw.settimeout(20.0)
+        raw.sendall(head.encode())
+        answer = b""
+        while data := raw.recv(4096):
+            answer += data
+    assert answer.startswith(b"HTTP/1.1 405 Method Not Allowed\r\n")
+    assert b"\r\nAllow: GET\r\n" in answer
+    assert visitor.cookie.encode() not in answer
 
 
 def _is_closed(connection: socket.socket) -> bool:

@@ -217,8 +217,11 @@ def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
 
 def _fail_of_system(error: OSError, *, json: bool) -> int:
     """Report a system error; a stdout that cannot be written to gets no JSON."""
+    from trundle.files.writing import DISK_FULL, cannot_write
+
     try:
-        code = _fail(error, json=json)
+        is_full = error.errno in DISK_FULL
+        code = _fail(cannot_write(error.filename or "the output", error) if is_full else error, json=json)
         sys.stdout.flush()
         return code
     except OSError:

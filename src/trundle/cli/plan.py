@@ -53,6 +53,7 @@ def plan(
     compare: Annotated[bool, Parameter(negative="")] = False,
     seed: options.Seed = 0,
     compat: options.Compat = None,
+    max_cells: options.MaxCells = None,
     keepout: options.Keepout = None,
     speed_mask: options.SpeedMaskFile = None,
     backend: options.Backend = "mujoco",
@@ -114,15 +115,17 @@ def plan(
         raise InputError("--compare runs every planner with its default options: leave planner options out")
     smoothing = settings.choose("smoother", smoother, smoother_options, base.smoother)
     navigator = Navigator(
-        OccupancyGrid.load(map_file, compat=compat),
+        OccupancyGrid.load(map_file, compat=compat, max_cells=max_cells),
         base.assumed_robot(Robot.load(robot)),
         planner=chosen,
         controller=settings.choose("controller", controller, controller_options, base.controller),
         smoother=smoothing,
         costmap=base.part(CostmapSettings),
         settings=base.part(RunSettings),
-        keepout=None if base.keepout is None else KeepoutMask.load(base.keepout, compat=compat),
-        speed_mask=None if base.speed_mask is None else SpeedMask.load(base.speed_mask, compat=compat),
+        keepout=None if base.keepout is None else KeepoutMask.load(base.keepout, compat=compat, max_cells=max_cells),
+        speed_mask=None
+        if base.speed_mask is None
+        else SpeedMask.load(base.speed_mask, compat=compat, max_cells=max_cells),
     )
     if first is None and base.start is not None:
         first = Pose2D.of(base.start)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from trundle.control.collision import FOOTPRINT_PADDING_M
 from trundle.errors import InputError
 from trundle.robots import Robot
+from trundle.values import is_finite_number, show_value
 
 _FULL_SPEED_IN_S = 0.5
 
@@ -51,8 +51,10 @@ class PursuitSettings:
     def __post_init__(self) -> None:
         for name in self.__slots__:
             value = getattr(self, name)
-            if value is not None and not (isinstance(value, int | float) and math.isfinite(value) and value >= 0.0):
-                raise InputError(f"regulated_pure_pursuit: {name} must be a number of at least 0, got {value!r}")
+            if value is not None and not (is_finite_number(value) and value >= 0.0):
+                raise InputError(
+                    f"regulated_pure_pursuit: {name} must be a number of at least 0, got {show_value(value)}"
+                )
         if self.max_linear_accel == 0.0:
             raise InputError(
                 "regulated_pure_pursuit: max_linear_accel must be above 0, the robot would never drive off"

@@ -36,7 +36,7 @@ from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.maps.frame import GridFrame
 from trundle.maps.grid import OccupancyGrid
 from trundle.robots import Robot
-from trundle.values import check_kind, is_finite_number
+from trundle.values import check_kind, is_finite_number, show_value
 
 if TYPE_CHECKING:
     from trundle.maps.masks import KeepoutMask
@@ -97,7 +97,9 @@ class Costmap(GridFrame):
         if data.ndim != 2 or data.size == 0 or data.dtype != np.uint8:
             raise MapError(f"a costmap needs uint8 costs of shape (rows, cols), got {data.dtype} {data.shape}")
         if not (is_finite_number(self.resolution) and self.resolution > 0.0):
-            raise MapError(f"resolution must be a positive number of metres per cell, got {self.resolution!r}")
+            raise MapError(
+                f"resolution must be a positive number of metres per cell, got {show_value(self.resolution)}"
+            )
         resolution = float(self.resolution)
         keepout = self.keepout
         if keepout is not None:
@@ -338,7 +340,7 @@ class Costmap(GridFrame):
             InputError: If `cap` is not a positive number.
         """
         if not (is_finite_number(cap) and cap > 0.0):
-            raise InputError(f"cap must be a positive number of metres, got {cap!r}")
+            raise InputError(f"cap must be a positive number of metres, got {show_value(cap)}")
         corners = self.footprint if outline is None else outline
         return _core.footprint_clearance(
             self.data, self.resolution, *self.origin.as_tuple(), corners, as_poses(poses), float(cap)

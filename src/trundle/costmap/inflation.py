@@ -10,7 +10,7 @@ import numpy.typing as npt
 from trundle import _core
 from trundle.errors import InputError
 from trundle.maps.cells import OCCUPIED
-from trundle.values import is_finite_number
+from trundle.values import is_finite_number, show_value
 
 FREE_SPACE = 0
 """Cost of a cell that is farther from every obstacle than the inflation radius."""
@@ -35,10 +35,10 @@ def check_inflation(inflation_radius: float, cost_scaling_factor: float, resolut
     if not (is_finite_number(inflation_radius) and 0.0 <= inflation_radius <= _MAX_INFLATION_CELLS * resolution):
         raise InputError(
             f"inflation_radius must be from 0 to {_MAX_INFLATION_CELLS} cells "
-            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {inflation_radius!r}"
+            f"({_MAX_INFLATION_CELLS * resolution:g} m here), got {show_value(inflation_radius)}"
         )
     if not (is_finite_number(cost_scaling_factor) and cost_scaling_factor >= 0.0):
-        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {cost_scaling_factor!r}")
+        raise InputError(f"cost_scaling_factor must be a number of 0 or more, got {show_value(cost_scaling_factor)}")
 
 
 def cost_table(

@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from trundle.angles import FORM, describe_degrees, is_in_degrees, parse_angle, warn_of_degrees
 from trundle.geometry import wrap_angle
+from trundle.values import is_finite_number
 
 ANGLES = "angles"
 """Validation context key: what to do with an angle that is probably in degrees."""
@@ -28,7 +29,7 @@ def read_angle(value: object, info: ValidationInfo) -> object:
             value = parse_angle(value)
         except ValueError:
             raise PydanticCustomError("angle", "{text} is not an angle; write " + FORM, {"text": repr(value)}) from None
-    if isinstance(value, float | int) and is_in_degrees(value):
+    if is_finite_number(value) and is_in_degrees(value):
         wish = (info.context or {}).get(ANGLES)
         if wish == _REFUSE:
             raise PydanticCustomError(DEGREES, "{message}", {"message": describe_degrees(value)})

@@ -25,6 +25,9 @@ MAX_DEPTH = 32
 MAX_ELEMENTS = 1_000_000
 """Limit on elements in all files, counted once per generated copy."""
 
+MAX_SAMPLES = 20_000_000
+"""Limit on the heights of a height field: MuJoCo gives no reason where it gets no memory for them."""
+
 _COPIES = ("replicate", "composite", "flexcomp")
 _FOLDERS = ("meshdir", "texturedir", "assetdir")
 
@@ -75,6 +78,8 @@ class _Check:
             self.elements += copies
             if self.elements > MAX_ELEMENTS:
                 raise self.error(f"{where}: this generates more than {MAX_ELEMENTS} elements; use fewer copies")
+            if element.tag == "hfield":
+                self._check_heights(where, element)
             name = element.get("file")
             if name is None:
                 continue
@@ -87,6 +92,18 @@ class _Check:
                 raise self.error(f"{where}: cannot read {found}: {problem.strerror or problem}") from problem
             if element.tag in ("include", "model"):
                 self._enter(where, found, above)
+
+    def _check_heights(self, where: str, element: XmlElement) -> None:
+        """Check the size of a height field; MuJoCo checks all else of it."""
+        try:
+            rows, cols = (int(element.get(name, "0")) for name in ("nrow", "ncol"))
+        except ValueError:
+            return  # MuJoCo reports it
+        if min(rows, cols) < 0 or rows * cols > MAX_SAMPLES:
+            raise self.error(
+                f"{where}: a height field has up to {MAX_SAMPLES} heights, got nrow {rows} and ncol {cols}; "
+                "make it coarser, or correct the numbers"
+            )
 
     def _enter(self, where: str, file: Path, above: tuple[Path, ...]) -> None:
         if file.resolve() in above:

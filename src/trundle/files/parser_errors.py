@@ -9,6 +9,12 @@ from trundle.errors import InputError, TrundleError
 
 _NOT_UTF8 = "it contains text that is not UTF-8"
 
+_DAMAGED = "the file is damaged, or holds something that is not supported: write it again, or in another format"
+_SILENT = (AssertionError, LookupError, TypeError, AttributeError, ArithmeticError, StopIteration, NotImplementedError)
+"""Exceptions of parsers whose messages are about their code, and not about the file."""
+
+_NOTHING = ("", "Caught an unknown exception!", "Unknown exception", "unknown error", "None")
+
 
 @contextmanager
 def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
@@ -33,7 +39,7 @@ def parser_errors(message: str, error: type[InputError]) -> Iterator[None]:
 
 
 def parser_reason(problem: BaseException) -> str:
-    """The message of an exception on one line; its type if the message is empty."""
+    """The message of an exception on one line; where it says nothing to a user, that, and what to do."""
     try:
         text = str(problem)
     except UnicodeDecodeError:  # its message quotes the file's bytes
@@ -41,4 +47,8 @@ def parser_reason(problem: BaseException) -> str:
         problem = UnicodeError()
     if isinstance(problem, UnicodeError):
         return _NOT_UTF8
-    return " ".join(text.split()) or type(problem).__name__
+    text = " ".join(text.split())
+    if isinstance(problem, _SILENT) or text in _NOTHING:
+        known = "" if text in _NOTHING else f" ({type(problem).__name__}: {text})"
+        return f"its reader gives no reason{known or f' ({type(problem).__name__})'}; {_DAMAGED}"
+    return text

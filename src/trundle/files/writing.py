@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import stat
@@ -13,6 +14,16 @@ from pathlib import Path
 
 from trundle.errors import OutputError
 from trundle.values import as_path
+
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a system that has no room for a file."""
+
+_ADVICE = {
+    errno.ENOSPC: "free space on that disk, or write to another one",
+    errno.EDQUOT: "free space of yours on that disk, or write to another one",
+    errno.EFBIG: "raise the limit on the size of files (ulimit -f), or write less",
+    errno.EROFS: "write to another disk",
+}
 
 
 @contextmanager
@@ -33,7 +44,7 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
         os.close(handle)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise cannot_write(path, error) from error
     temporary = Path(name)
     try:
         yield temporary
@@ -44,9 +55,15 @@ def atomic_path(target: str | os.PathLike[str], *, durable: bool = False) -> Ite
         if durable:
             sync_folder(path.parent)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise cannot_write(path, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def cannot_write(what: str | os.PathLike[str], error: OSError) -> OutputError:
+    """The error of a file that could not be written: which, why, and what to do where the disk is full."""
+    reason = f"cannot write {os.fspath(what)}: {error.strerror or error}"
+    return OutputError(f"{reason}; {_ADVICE[error.errno]}" if error.errno in _ADVICE else reason)
 
 
 def write_bytes(target: str | os.PathLike[str], content: bytes, *, durable: bool = False) -> None:
@@ -84,7 +101,7 @@ def write_new_bytes(target: str | os.PathLike[str], content: bytes) -> bool:
             temporary.replace(path)
         sync_folder(path.parent)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise cannot_write(path, error) from error
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
@@ -123,7 +140,7 @@ def make_folder(target: str | os.PathLike[str]) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
+        raise cannot_write(f"to the folder {folder}", error) from error
     return folder
 
 
@@ -145,7 +162,7 @@ def new_folder(root: str | os.PathLike[str], name: str) -> Path:
             number += 1
             continue
         except OSError as error:
-            raise OutputError(f"cannot write to the folder {folder}: {error.strerror or error}") from error
+            raise cannot_write(f"to the folder {folder}", error) from error
         sync_folder(parent)
         return folder
 

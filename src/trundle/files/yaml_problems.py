@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from trundle.files.yaml_nodes import place
+from trundle.values import show_value
 
 Location: TypeAlias = tuple[int | str, ...]
 
@@ -134,8 +135,7 @@ def _show(value: object) -> str:
         return f"{value:.12g}"
     if isinstance(value, Mapping):
         return "a mapping"
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}…"
+    return show_value(value, 60)
 
 
 def _hint(text: str, choices: Sequence[str]) -> str:

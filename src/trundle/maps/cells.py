@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trundle.geometry import Pose2D
+from trundle.values import check_count
 
 Cells: TypeAlias = npt.NDArray[np.int8]
 
@@ -20,10 +21,26 @@ UNKNOWN = -1
 MAX_CELLS = 400_000_000
 """The most cells of a map; 1 km² at 0.05 m has as many. More are probably a mistake."""
 
+MAX_LOADED_CELLS = 20_000_000
+"""The most cells of a map that is loaded without another limit, 223 m square at 0.05 m: `trundle map check` takes up to
+1.5 GB for them, whatever the image's format (measured with noise and a checkerboard)."""
+
+MOST_CELLS = 2**31 - 1
+"""What a limit on cells may be: the kernels count them with 32 bits."""
+
 MAX_EXTENT = 1e5
 """Largest width of a map [m]; paths are checked every few centimetres."""
 MAX_ORIGIN = 1e9
 """Farthest origin of a map [m]; survey coordinates (UTM) are below 1e7."""
+
+
+def cell_limit(given: int | None) -> int:
+    """The most cells of a map that is loaded.
+
+    Raises:
+        InputError: If the limit that is given is none.
+    """
+    return MAX_LOADED_CELLS if given is None else check_count("max_cells", given, 1, MOST_CELLS)
 
 
 class PlacedCells(NamedTuple):

@@ -19,7 +19,7 @@ from trundle.maps.height_field import HeightField
 from trundle.maps.over_floor import mark_over_floor
 from trundle.maps.rasterise import DEPTH, TOUCH, HeightBand, SolidRaster
 from trundle.solids import Solid, solids_bounds
-from trundle.values import as_array, first_names, is_finite_number
+from trundle.values import as_array, first_names, is_finite_number, show_value
 
 Bounds: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 Coverage: TypeAlias = Literal["any", "centre"]
@@ -91,7 +91,8 @@ def rasterise_world(
         )
     if not (is_finite_number(resolution) and MIN_RESOLUTION <= resolution <= MAX_RESOLUTION):
         raise MapError(
-            f"resolution must be the edge of a cell, {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m, got {resolution!r}"
+            f"resolution must be the edge of a cell, {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m, "
+            f"got {show_value(resolution)}"
         )
     if coverage not in ("any", "centre"):
         raise MapError(f'coverage is {coverage!r}; it must be "any" or "centre"')
@@ -100,7 +101,7 @@ def rasterise_world(
     if style == "isaac" and coverage != "any":
         raise MapError('style="isaac" marks every touched cell: leave coverage at "any"')
     if not (is_finite_number(margin) and margin >= 0.0):
-        raise MapError(f"margin must be a number of metres of at least 0, got {margin!r}")
+        raise MapError(f"margin must be a number of metres of at least 0, got {show_value(margin)}")
     slope = _check_floor(floor, max_slope, floor_z, style)
     band = _choose_band(z_range, floor_z, resolution, style)
     remarks: list[str] = []
@@ -147,9 +148,9 @@ def _check_floor(floor: HeightField | None, max_slope: float | None, floor_z: fl
 def _choose_band(z_range: tuple[float, float], floor_z: float, resolution: float, style: Style) -> HeightBand:
     numbers = as_array(z_range, np.float64, "z_range", MapError).ravel().tolist()
     if len(numbers) != 2 or not all(map(math.isfinite, numbers)) or numbers[1] - numbers[0] <= 4.0 * DEPTH:
-        raise MapError(f"z_range must be (lowest, highest) height in metres, lowest first, got {z_range!r}")
+        raise MapError(f"z_range must be (lowest, highest) height in metres, lowest first, got {show_value(z_range)}")
     if not is_finite_number(floor_z):
-        raise MapError(f"floor_z must be a height in metres, got {floor_z!r}")
+        raise MapError(f"floor_z must be a height in metres, got {show_value(floor_z)}")
     low, high = numbers[0] + floor_z, numbers[1] + floor_z
     if style == "isaac":
         # Per cell, Isaac Sim's generator queries overlaps with a box of half extents (cell/2, cell/2, Δz/2 + cell/2).

@@ -97,7 +97,12 @@ class OccupancyGrid(GridFrame):
 
     @classmethod
     def load(
-        cls, path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        compat: Compat | None = None,
+        allow_outside: bool = False,
+        max_cells: int | None = None,
     ) -> OccupancyGrid:
         """Read a ROS map (YAML and image), or a MovingAI map (suffix `.map`).
 
@@ -105,13 +110,15 @@ class OccupancyGrid(GridFrame):
             path: The map's YAML file.
             compat: "humble" reads thresholds, colour and alpha as Nav2 Humble did; None as current Nav2 does.
             allow_outside: Whether `image` may lie outside the YAML file's folder.
+            max_cells: The most cells to accept; of an image of 16-bit colour or of text, fewer. A larger one is refused
+                before it is decoded. None means 20 million.
 
         Raises:
             MapError: If a file or a value in it is invalid; the message gives file, line and column.
         """
         from trundle.maps.ros_reader import load_map
 
-        found = load_map(path, compat=compat, allow_outside=allow_outside)
+        found = load_map(path, compat=compat, allow_outside=allow_outside, max_cells=max_cells)
         try:
             return cls(*found)
         except MapError as error:

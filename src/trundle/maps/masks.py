@@ -56,7 +56,9 @@ class KeepoutMask:
         _check_grid(self.grid, self.name)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], *, compat: Compat | None = None) -> KeepoutMask:
+    def load(
+        cls, path: str | os.PathLike[str], *, compat: Compat | None = None, max_cells: int | None = None
+    ) -> KeepoutMask:
         """Read a mask as a ROS map.
 
         Raises:
@@ -66,7 +68,7 @@ class KeepoutMask:
         if kind not in (None, _KEEPOUT_TYPE) or (fields.get("base", 0.0), fields.get("multiplier", 1.0)) != (0.0, 1.0):
             what = f"type {kind}, {_KINDS[kind]}" if kind else f"{' and '.join(fields)}, as a speed mask has"
             raise MapError(f"{os.fspath(path)}: not a keep-out mask: it has {what}; use it as such")
-        return cls(OccupancyGrid.load(path, compat=compat), os.fspath(path))
+        return cls(OccupancyGrid.load(path, compat=compat, max_cells=max_cells), os.fspath(path))
 
     def costs_on(self, frame: GridFrame) -> npt.NDArray[np.uint8]:
         """Lower bounds of the costs of another grid's cells: 254 where they touch a keep-out cell at all.
@@ -149,6 +151,7 @@ class SpeedMask:
         base: float | None = None,
         multiplier: float | None = None,
         compat: Compat | None = None,
+        max_cells: int | None = None,
     ) -> SpeedMask:
         """Read a mask as a ROS map. Arguments not given are taken from its YAML, else from Nav2: percent, 0 and 1.
 
@@ -163,7 +166,7 @@ class SpeedMask:
             )
         said = "percent" if kind is None else _SPEED_TYPES[kind]
         return cls(
-            OccupancyGrid.load(path, compat=compat),
+            OccupancyGrid.load(path, compat=compat, max_cells=max_cells),
             said if unit is None else unit,
             fields.get("base", 0.0) if base is None else float(base),
             fields.get("multiplier", 1.0) if multiplier is None else float(multiplier),

@@ -42,12 +42,13 @@ class MovingAIQuery:
     optimal_length: float
 
 
-def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0) -> OccupancyGrid:
+def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0, max_cells: int | None = None) -> OccupancyGrid:
     """Read a MovingAI map.
 
     Args:
         path: The `.map` file.
         resolution: Edge of a cell [m].
+        max_cells: As for `OccupancyGrid.load`.
 
     Returns:
         A grid with `.`, `G` and `S` (swamp) free and `@`, `O`, `T`, `W` occupied; its origin is (0, 0, 0).
@@ -55,7 +56,7 @@ def load_map(path: str | os.PathLike[str], *, resolution: float = 1.0) -> Occupa
     Raises:
         MapError: If the file cannot be read, is truncated, or holds other terrain.
     """
-    return OccupancyGrid(read_cells(path), resolution)
+    return OccupancyGrid(read_cells(path, max_cells), resolution)
 
 
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:

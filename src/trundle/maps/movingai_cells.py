@@ -13,23 +13,27 @@ import numpy as np
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
 from trundle.files.writing import write_bytes
-from trundle.maps.cells import FREE, MAX_CELLS, OCCUPIED, UNKNOWN, Cells
+from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cell_limit
 from trundle.maps.values import round_trinary
 
 _FREE_TERRAIN = b".GS"
 _BLOCKED_TERRAIN = b"@OTW"
 
 
-def read_cells(path: str | os.PathLike[str]) -> Cells:
+def read_cells(path: str | os.PathLike[str], max_cells: int | None = None) -> Cells:
     """Read the cells of a `.map` file, row 0 at the bottom; see `trundle.maps.movingai.load_map`."""
     source = Path(path)
-    lines = read_content(source, MAX_CELLS + 1_000_000).split(b"\n")
+    most = cell_limit(max_cells)
+    lines = read_content(source, most + 1_000_000).split(b"\n")
     if lines and lines[-1] == b"":
         lines.pop()
     lines = [line.removesuffix(b"\r") for line in lines]
     height, width, first = _parse_header(lines, source)
-    if height * width > MAX_CELLS:
-        raise MapError(f"{source}: {width} x {height} cells are more than a map may have ({MAX_CELLS})")
+    if height * width > most:
+        raise MapError(
+            f"{source}: {width} x {height} cells need max_cells={height * width}, and the limit is {most}: raise "
+            f"it (--max-cells {height * width}), or crop the map"
+        )
     rows = lines[first : first + height]
     if len(rows) < height:
         raise MapError(f"{source}:{len(lines)}:1: the map ends after {len(rows)} of {height} rows; copy it again")

@@ -25,7 +25,13 @@ from trundle.values import as_path
 _IMAGE_SUFFIXES = (".png", ".pgm", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg")
 
 
-def load_map(path: str | os.PathLike[str], *, compat: Compat | None = None, allow_outside: bool = False) -> PlacedCells:
+def load_map(
+    path: str | os.PathLike[str],
+    *,
+    compat: Compat | None = None,
+    allow_outside: bool = False,
+    max_cells: int | None = None,
+) -> PlacedCells:
     """Read the cells of a map; see `OccupancyGrid.load`."""
     source = Path(as_path(path, "a map's file", MapError))
     if compat not in (None, "humble"):
@@ -34,11 +40,11 @@ def load_map(path: str | os.PathLike[str], *, compat: Compat | None = None, allo
     if suffix == ".map":
         from trundle.maps.movingai_cells import read_cells
 
-        return PlacedCells(read_cells(source), 1.0, Pose2D(0.0, 0.0, 0.0))
+        return PlacedCells(read_cells(source, max_cells), 1.0, Pose2D(0.0, 0.0, 0.0))
     if suffix in _IMAGE_SUFFIXES:
         raise MapError(f"{source} is an image; give the map's YAML file, which names the image and the resolution")
     description = load_description(source)
-    pixels = read_image(find_image(source, description, allow_outside=allow_outside))
+    pixels = read_image(find_image(source, description, allow_outside=allow_outside), max_cells=max_cells)
     _warn_of_unknown_as_free(pixels, description)
     return PlacedCells(compute_cells(pixels, description.rule, compat), description.resolution, description.origin)
 

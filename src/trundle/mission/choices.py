@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from trundle.files.choice import Choice
 from trundle.files.config_fields import Positive
 from trundle.files.yaml_config import Config
+from trundle.maps.cells import MOST_CELLS
 from trundle.registry import Registry
 from trundle.worlds.load import is_world_file
 
@@ -53,10 +54,12 @@ class MapOptions(Config):
         height: Height of the walls [m].
         unknown: What unknown cells are in the simulated world; in the map they stay unknown. None means solid where
             the scenario's `unknown` is blocked, and free otherwise.
+        max_cells: The most cells of the map; none means 20 million.
     """
 
     height: Positive = 1.0
     unknown: Literal["solid", "free"] | None = None
+    max_cells: Annotated[int, Field(ge=1, le=MOST_CELLS)] | None = None
 
 
 class RecordChoice(Config):

@@ -59,14 +59,18 @@ def make_place(scenario: ScenarioFields) -> Place:
     world, grid, floor_z = _make_world(scenario, robot)
     if scenario.movers:
         world = replace(world, movers=(*world.movers, *(choice.make() for choice in scenario.movers)))
-    compat = scenario.compat
+    compat, limit = scenario.compat, None if scenario.map_options is None else scenario.map_options.max_cells
     return Place(
         world=world,
         robot=robot,
         grid=grid,
         floor_z=floor_z,
-        keepout=None if scenario.keepout is None else KeepoutMask.load(scenario.keepout, compat=compat),
-        speed_mask=None if scenario.speed_mask is None else SpeedMask.load(scenario.speed_mask, compat=compat),
+        keepout=None
+        if scenario.keepout is None
+        else KeepoutMask.load(scenario.keepout, compat=compat, max_cells=limit),
+        speed_mask=None
+        if scenario.speed_mask is None
+        else SpeedMask.load(scenario.speed_mask, compat=compat, max_cells=limit),
     )
 
 
@@ -92,8 +96,8 @@ def _unknown(scenario: ScenarioFields) -> Any:
 def _make_world(scenario: ScenarioFields, robot: Robot) -> tuple[World, OccupancyGrid, float]:
     """The world with its floor at z = 0, its map, and how high the floor was before [m]."""
     if scenario.map is not None:
-        grid = OccupancyGrid.load(scenario.map, compat=scenario.compat)
         walls = scenario.map_options or MapOptions()
+        grid = OccupancyGrid.load(scenario.map, compat=scenario.compat, max_cells=walls.max_cells)
         return World.from_map(grid, height=walls.height, unknown=_unknown(scenario)), grid, 0.0
     if scenario.world is None:
         raise ScenarioError("give either world or map")

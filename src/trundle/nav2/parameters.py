@@ -7,14 +7,13 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeGuard
 
 import yaml
 
 from trundle.errors import InputError
 from trundle.files.yaml_config import Plain, plain_value
 from trundle.files.yaml_nodes import compose, place
-from trundle.values import as_path
+from trundle.values import as_path, finite_number, show_value
 
 _PARAMETERS = "ros__parameters"
 _WILD = ("*", "**")
@@ -113,14 +112,14 @@ class NodeParameters:
         found = self.find(name)
         if found is None:
             return default
-        value = found.value
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        value = finite_number(found.value)
+        if value is None:
             raise self._wrong(found, "must be a finite number")
         if not (least <= value <= most and value > above):
             ends = [f"at least {least:g}"] * (least > -math.inf) + [f"above {above:g}"] * (above > -math.inf)
             ends += [f"at most {most:g}"] * (most < math.inf)
             raise self._wrong(found, f"must be {' and '.join(ends)}")
-        return float(value)
+        return value
 
     def integer(self, name: str, default: int, *, least: int | None = None) -> int:
         """An integer.
@@ -193,10 +192,10 @@ class NodeParameters:
             return default
         value = found.value
         items: list[Plain] = value if isinstance(value, list) else []
-        if len(items) not in lengths or not all(_is_number(item) for item in items):
+        if len(items) not in lengths or None in (numbers := [finite_number(item) for item in items]):
             sizes = " or ".join(map(str, lengths))
             raise self._wrong(found, f"must be a list of {sizes} finite numbers")
-        return tuple(float(item) for item in items if _is_number(item))
+        return tuple(number for number in numbers if number is not None)
 
     def wrong(self, name: str, rule: str) -> InputError:
         """The error that a parameter, or one that is missing, breaks a rule."""
@@ -206,7 +205,7 @@ class NodeParameters:
         return self._wrong(found, rule)
 
     def _wrong(self, found: Parameter, rule: str) -> InputError:
-        return InputError(f"{found.where}: {self.name}: {found.name} {rule}, got {found.value!r}")
+        return InputError(f"{found.where}: {self.name}: {found.name} {rule}, got {show_value(found.value)}")
 
 
 class ParameterFile:
@@ -304,7 +303,3 @@ class ParameterFile:
 
 def _is_empty(node: yaml.Node) -> bool:
     return isinstance(node, yaml.ScalarNode) and node.value in ("", "~", "null") and node.style is None
-
-
-def _is_number(value: object) -> TypeGuard[int | float]:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, cast
 
 import yaml
 from mcap.records import Attachment
 from mcap.writer import CompressionType, Writer
 
 from trundle.errors import OutputError
+from trundle.files.writing import atomic_path, cannot_write
 from trundle.messages.distros import OLD_BAGS
 from trundle.messages.qos import Qos
 from trundle.version import __version__
+
+_LOGGER = logging.getLogger(__name__)
 
 CHUNK_BYTES = 4 * 1024 * 1024
 """A chunk ends when it is this large, besides every time it is flushed."""
@@ -45,11 +51,78 @@ class Topic:
     count: int = 0
 
 
+class _LateFile:
+    """A file that is written in memory until it appears, so that a kill before that leaves none.
+
+    Args:
+        path: The file; one that exists is replaced.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._stream: IO[bytes] = io.BytesIO()
+        self._is_there = False
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._stream.closed
+
+    def write(self, data: bytes | memoryview) -> int:
+        """Write; see `io`."""
+        with self._problems():
+            written = self._stream.write(data)
+        if not self._is_there and self._stream.tell() > CHUNK_BYTES:
+            self.appear()
+        return written
+
+    def tell(self) -> int:
+        """Where the next write goes."""
+        return self._stream.tell()
+
+    def flush(self) -> None:
+        """Hand everything to the operating system."""
+        with self._problems():
+            self._stream.flush()
+
+    def appear(self) -> None:
+        """Write what there is to the disk, whole, and from then on everything else."""
+        if self._is_there:
+            self.flush()
+            return
+        content = cast("io.BytesIO", self._stream).getvalue()
+        with atomic_path(self._path) as temporary:
+            stream = temporary.open("r+b")
+            try:
+                stream.write(content)
+                stream.flush()
+            except OSError:
+                stream.close()
+                raise
+        self._stream, self._is_there = stream, True
+
+    def close(self, *, durable: bool = False) -> None:
+        """Close it; see `io`."""
+        with self._problems():
+            if durable:
+                self._stream.flush()
+                os.fsync(self._stream.fileno())
+            self._stream.close()
+
+    @contextmanager
+    def _problems(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise cannot_write(self._path, error) from error
+
+
 @dataclass(slots=True, eq=False)
 class BagWriter:
     """Writes messages to an MCAP file with rosbag2's schemas, QoS, type hashes and metadata.
 
-    Its chunks are compressed with zstd. What was flushed stays readable if the process is killed.
+    Its chunks are compressed with zstd. The file appears with its first messages, when they are flushed. What was
+    flushed stays readable if the process is killed.
 
     Args:
         path: The file; one that exists is overwritten.
@@ -60,7 +133,7 @@ class BagWriter:
         topics: What was added.
 
     Raises:
-        OutputError: If the file cannot be written.
+        OutputError: If the file cannot be written, from any method that writes.
     """
 
     path: Path
@@ -70,15 +143,12 @@ class BagWriter:
     _first: int | None = None
     _last: int = 0
     _schemas: dict[tuple[str, str, bytes], int] = field(default_factory=dict[tuple[str, str, bytes], int])
-    _stream: Any = field(init=False)
+    _stream: _LateFile = field(init=False)
     _writer: Writer = field(init=False)
 
     def __post_init__(self) -> None:
-        try:
-            self._stream = self.path.open("wb")
-        except OSError as error:
-            raise OutputError(f"cannot write {self.path}: {error.strerror or error}") from error
-        self._writer = Writer(self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        self._stream = _LateFile(self.path)
+        self._writer = Writer(cast("IO[bytes]", self._stream), chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library=f"trundle {__version__}")
 
     def add_topic(self, name: str, type_name: str, definition: str, type_hash: str, qos: Qos) -> Topic:
@@ -128,10 +198,9 @@ class BagWriter:
         topic.count += 1
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Write a metadata record; it is flushed."""
+        """Write a metadata record."""
         self._writer.flush()
         self._writer.add_metadata(name, dict(values))
-        self._stream.flush()
 
     def add_attachment(self, record: Attachment) -> None:
         """Write an attachment of another bag."""
@@ -145,6 +214,8 @@ class BagWriter:
     def flush(self) -> None:
         """End the chunk, and hand everything to the operating system."""
         self._writer.flush()
+        if self._first is not None:
+            self._stream.appear()
 
     def close(self, custom: Mapping[str, str] | None = None) -> None:
         """Write rosbag2's metadata and the index, and close the file durably.
@@ -155,15 +226,17 @@ class BagWriter:
         self._writer.flush()
         self._writer.add_metadata(METADATA, {"serialized_metadata": self._metadata(custom or {})})
         self._writer.finish()
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
-        self._stream.close()
+        self._stream.appear()
+        self._stream.close(durable=True)
 
     def abandon(self) -> None:
-        """Flush and close the file without an index; `recover` makes one."""
+        """Flush and close the file without an index; `recover` makes one. There is none where it has no message."""
         if not self._stream.closed:
-            self._writer.flush()
-            self._stream.close()
+            try:
+                self.flush()
+                self._stream.close()
+            except OutputError as error:
+                _LOGGER.warning("%s; its last chunk is lost", error)
 
     def _metadata(self, custom: Mapping[str, str]) -> str:
         """The bag's metadata.yaml, as rosbag2 of the distribution has it."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Self
 from trundle.costmap import Costmap
 from trundle.costmap.inflation import LETHAL, NO_INFORMATION
 from trundle.errors import InputError, OutputError, UnknownNameError
-from trundle.files.writing import output_path
+from trundle.files.writing import cannot_write, output_path
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import FREE, OCCUPIED, UNKNOWN
 from trundle.messages.distros import DEFAULT, DISTROS, Distro
@@ -134,7 +134,7 @@ class Recorder:
         try:
             self._partial.replace(path)
         except OSError as error:
-            raise OutputError(f"cannot name {self._partial} {path}: {error.strerror or error}") from error
+            raise cannot_write(path, error) from error
 
     def close(self) -> None:
         """Close the file of a run that did not end; what there is of it stays under its partial name."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Protocol, Self
 
 from trundle.errors import InputError, OutputError
-from trundle.files.writing import output_path
+from trundle.files.writing import cannot_write, output_path
 from trundle.messages.distros import Distro
 from trundle.messages.qos import Qos
 from trundle.recording.bag_writer import BagWriter, Topic
@@ -116,7 +116,7 @@ class WireRecord:
             if self._is_open:
                 try:
                     self._write(topic, type_name, qos, data, self._since_start(time))
-                except (OSError, ValueError, InputError) as error:
+                except (OSError, ValueError, InputError, OutputError) as error:
                     self._fail(error)
 
     def close(self) -> None:
@@ -131,13 +131,13 @@ class WireRecord:
             self._is_open = False
             try:
                 self._bag.close()
-            except OSError as error:
+            except OutputError as error:
                 self._fail(error)
                 return
         try:
             self._partial.replace(self.path)
         except OSError as error:
-            raise OutputError(f"cannot name {self._partial} {self.path}: {error.strerror or error}") from error
+            raise cannot_write(self.path, error) from error
 
     def _since_start(self, time: float) -> float:
         """The time in the recording, in which what came before a reset lies before what comes after it."""
@@ -161,11 +161,8 @@ class WireRecord:
             self._flushed_at, self._flushed_clock = self._last, now
 
     def _fail(self, error: Exception) -> None:
-        reason = error.strerror or str(error) if isinstance(error, OSError) else str(error)
+        reason = cannot_write(self._partial, error) if isinstance(error, OSError) else error
         self.error = f"{self._partial}: the recording stopped: {reason}"
         self._is_open = False
         _LOGGER.warning("%s; trundle record recover %s keeps what it has", self.error, self._partial)
-        try:
-            self._bag.abandon()
-        except OSError:
-            _LOGGER.debug("its last chunk is lost", exc_info=True)
+        self._bag.abandon()

@@ -29,8 +29,11 @@ from trundle.serve.run_files import ServedFile, TooLargeError, find_run_file, li
 _LOGGER = logging.getLogger(__name__)
 
 PORT = 8765
-MAX_CONNECTIONS = 256
-"""Connections that are open at once, with those that have not said yet what they want."""
+MAX_OWNERS = 128
+"""Connections with the cookie, or the token, that are open at once."""
+
+MAX_STRANGERS = 128
+"""Connections without, most of which have not said yet what they want; one more closes the oldest of them."""
 
 MAX_BODIES_BYTES = 256 * 2**20
 """Of all answers that wait to be read."""
@@ -51,6 +54,7 @@ _BASE_HEADERS = {
     "X-Frame-Options": "DENY",
 }
 _NOTHING = "default-src 'none'; frame-ancestors 'none'"
+_TOO_MANY = "too many connections are open: close other pages of this server"
 _SANDBOX = "sandbox allow-scripts allow-downloads; frame-ancestors 'none'"
 """Of a report: its scripts run, but not as pages of this server, whose cookie would let them drive."""
 
@@ -203,13 +207,16 @@ class PageServer:
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None for a page that may open its WebSocket."""
-        response = self._route(request)
-        if response is not None and isinstance(connection, _Connection) and not connection.hold(len(response.body)):
+        opened = cast("_Connection", connection)
+        response = self._route(opened, request)
+        if response is not None and not opened.hold(len(response.body)):
             return _respond(503, "busy: try again later")
         return response
 
-    def _route(self, request: Request) -> Response | None:
+    def _route(self, connection: _Connection, request: Request) -> Response | None:
         headers, access = request.headers, self._access
+        if getattr(request, "method", "GET") != "GET":  # websockets below 16 parses nothing else
+            return _respond(405, "only GET is answered", extra={"Allow": "GET"})
         hosts = headers.get_all("Host")
         if not access.allows_host(hosts):
             return _respond(403, "this name is not the server's: open the address that trundle printed")
@@ -220,10 +227,12 @@ class PageServer:
         tokens = parse_qs(query).get("token", [])
         if path == "/" and tokens:
             if len(tokens) == 1 and access.has_token(tokens[0]):
-                return self._welcome()
+                return self._welcome() if connection.admit() else _respond(503, _TOO_MANY)
             return _respond(403, "this token is not the server's: open the address that trundle printed")
         if not access.has_cookie(headers.get_all("Cookie")):
             return _respond(401, "open the address that trundle printed, with its token")
+        if not connection.admit():
+            return _respond(503, _TOO_MANY)
         if is_socket:
             return None
         if path == "/":
@@ -259,10 +268,17 @@ class PageServer:
 
 
 class _Connections:
-    """What is open, and how much of answers waits to be read."""
+    """What is open, and how much of answers waits to be read.
+
+    Attributes:
+        strangers: Those without cookie or token, the oldest first.
+        owners: Those with one.
+        bytes: Of answers that wait to be read.
+    """
 
     def __init__(self) -> None:
-        self.open = 0
+        self.strangers: dict[_Connection, None] = {}
+        self.owners: set[_Connection] = set()
         self.bytes = 0
 
 
@@ -275,17 +291,29 @@ class _Connection(ServerConnection):
         self._held = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Count it; too many are closed at once."""
-        self._connections.open += 1
+        """Count it as a stranger's; where there are too many, the oldest of these is closed."""
         super().connection_made(transport)
-        if self._connections.open > MAX_CONNECTIONS:
-            self.transport.abort()
+        strangers = self._connections.strangers
+        if len(strangers) >= MAX_STRANGERS:
+            oldest = next(iter(strangers))
+            del strangers[oldest]
+            oldest.transport.abort()
+        strangers[self] = None
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Count it no more."""
-        self._connections.open -= 1
+        self._connections.strangers.pop(self, None)
+        self._connections.owners.discard(self)
         self._connections.bytes -= self._held
         super().connection_lost(exc)
+
+    def admit(self) -> bool:
+        """Give it one of the places for those with the cookie; False where there is none."""
+        if len(self._connections.owners) >= MAX_OWNERS:
+            return False
+        self._connections.strangers.pop(self, None)
+        self._connections.owners.add(self)
+        return True
 
     def hold(self, size: int) -> bool:
         """Count an answer of this size [bytes]; False where too much waits to be read."""
@@ -303,7 +331,14 @@ def _respond(
     kind: str = "text/plain; charset=utf-8",
     extra: dict[str, str] | None = None,
 ) -> Response:
-    reasons = {200: "OK", 401: "Unauthorized", 403: "Forbidden", 404: "Not Found", 413: "Content Too Large"}
+    reasons = {
+        200: "OK",
+        401: "Unauthorized",
+        403: "Forbidden",
+        404: "Not Found",
+        405: "Method Not Allowed",
+        413: "Content Too Large",
+    }
     content = body.encode() if isinstance(body, str) else body
     fields = {
         **_BASE_HEADERS,

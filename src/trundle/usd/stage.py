@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from trundle.errors import OutputError
-from trundle.files.writing import atomic_path
+from trundle.files.writing import DISK_FULL, atomic_path, cannot_write
 from trundle.geometry import Pose3D
 from trundle.solids import Color, Mesh
 
@@ -57,7 +58,9 @@ def save(stage: Any, path: str | os.PathLike[str]) -> None:
         try:
             stage.GetRootLayer().Export(str(temporary))
         except Tf.ErrorException as error:
-            raise OutputError(f"cannot write {target}: {error}") from error
+            # USD repeats its errors for every few bytes: the system's own are these.
+            number = next((number for number in DISK_FULL if os.strerror(number) in str(error)), errno.EIO)
+            raise cannot_write(target, OSError(number, os.strerror(number))) from error
 
 
 def set_pose(xformable: Any, pose: Pose3D) -> None:

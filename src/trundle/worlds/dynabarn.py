@@ -18,7 +18,7 @@ from trundle.files.opening import open_file, read_up_to
 from trundle.files.parser_errors import parser_reason
 from trundle.geometry import Pose3D
 from trundle.solids import Box, Color, Cylinder, Solid
-from trundle.values import check_number, is_finite_number
+from trundle.values import check_number, is_finite_number, show_value
 from trundle.worlds.movers import Mover, Waypoints
 from trundle.worlds.world import World
 
@@ -128,7 +128,8 @@ def _read_motion(where: str, obstacle: object, start_s: float) -> Waypoints:
     last = frames[-1]
     if not is_finite_number(period) or period < last[0]:
         raise WorldError(
-            f"{where}: period_s must be a number of {last[0]:g} s, the last key frame, or more; got {period!r}"
+            f"{where}: period_s must be a number of {last[0]:g} s, the last key frame, or more; "
+            f"got {show_value(period)}"
         )
     if period > last[0]:
         frames.append((float(period), *last[1:]))

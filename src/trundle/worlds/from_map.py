@@ -12,7 +12,12 @@ from trundle.worlds.world import World
 
 
 def load_map(
-    path: Path, *, height: float = 1.0, unknown: Unknown = "solid", compat: Literal["humble"] | None = None
+    path: Path,
+    *,
+    height: float = 1.0,
+    unknown: Unknown = "solid",
+    compat: Literal["humble"] | None = None,
+    max_cells: int | None = None,
 ) -> World:
     """Read a map (a ROS YAML or a MovingAI .map) as a world of walls.
 
@@ -21,10 +26,11 @@ def load_map(
         height: Of the walls [m].
         unknown: Treat unknown cells as "solid" or "free".
         compat: "humble" reads a YAML as ROS 2 Humble does.
+        max_cells: As for `OccupancyGrid.load`.
 
     Raises:
         MapError: If the file cannot be used.
         WorldError: As `World.from_map`.
     """
-    world = World.from_map(OccupancyGrid.load(path, compat=compat), height=height, unknown=unknown)
+    world = World.from_map(OccupancyGrid.load(path, compat=compat, max_cells=max_cells), height=height, unknown=unknown)
     return replace(world, name=path.stem)

@@ -15,7 +15,7 @@ from trundle.geometry import Pose3D
 from trundle.maps import OccupancyGrid
 from trundle.maps.cells import OCCUPIED, UNKNOWN
 from trundle.solids import Box, Color, OccupancyCells, Solid
-from trundle.values import check_kind, is_finite_number
+from trundle.values import check_kind, is_finite_number, show_value
 from trundle.worlds.options import Unknown, check_choice
 
 MOST_BOXES = 5_000
@@ -78,7 +78,7 @@ def extrude(
     """
     check_choice("unknown", unknown, ("solid", "free"))
     if not (is_finite_number(height) and height > 0.0):
-        raise WorldError(f"height must be a positive number of metres, got {height!r}")
+        raise WorldError(f"height must be a positive number of metres, got {show_value(height)}")
     advice = "OccupancyGrid.load(path) loads one"
     check_kind(grid, (OccupancyGrid, str, os.PathLike), "a world's map", advice)
     name = "map"

@@ -143,6 +143,17 @@ def test_a_world_without_room_is_refused():
         walk_of((Crowd("people", 60, area=(0.0, 0.0, 3.0, 3.0)),), ()).reset(0, ROBOT)
 
 
+def test_a_crowd_that_is_far_too_large_is_refused_before_its_members_look_for_their_paths(monkeypatch):
+    walk = walk_of((Crowd("people", 1000),))
+    monkeypatch.setattr(WalkableFloor, "field_to", lambda *_: pytest.fail("a path for a crowd that is refused"))
+    placed = []
+    place_one = CrowdWalk._place_one
+    monkeypatch.setattr(CrowdWalk, "_place_one", lambda self, *args: placed.append(args) or place_one(self, *args))
+    with pytest.raises(WorldError, match=r"clear of the \d+ before it; make the crowd smaller"):
+        walk.reset(0, ROBOT)
+    assert len(placed) < 1000
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -53,6 +53,7 @@ def check(
     floor_z: options.FloorZ = None,
     paths: options.Paths = None,
     compat: options.Compat = None,
+    max_cells: options.MaxCells = None,
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     json: options.Json = False,
 ) -> int:
@@ -92,7 +93,16 @@ def check(
     robot_area = _covered(machine.footprint) if machine is not None else None
     low, high = machine.z_range if machine is not None else DEFAULT_Z_RANGE
     heights = (low if z_min is None else z_min, high if z_max is None else z_max)
-    report = check_map(map_file, world=place, robot=machine, start=first, goals=goals, z_range=heights, compat=compat)
+    report = check_map(
+        map_file,
+        world=place,
+        robot=machine,
+        start=first,
+        goals=goals,
+        z_range=heights,
+        compat=compat,
+        max_cells=max_cells,
+    )
     if target is not None and report.corrected is not None:
         report.corrected.save(target, mode=choose_mode(report.corrected))
     if picture is not None and report.grid is not None:

@@ -71,7 +71,7 @@ def convert(
             unknown in one map are taken from the other.
         source_resolution: Cell size of a MovingAI map [m], which its file does not contain; default: 1.
         source_origin: The lower-left corner of a MovingAI map [m, m, rad]; default: 0,0.
-        max_cells: The most cells to accept; left out: 400 million.
+        max_cells: The most cells to accept; left out: 20 million of a map that is read, 400 million of the new one.
     """
     from trundle.maps import MAX_CELLS
     from trundle.maps.convert import convert_grid
@@ -82,7 +82,7 @@ def convert(
     for source in sources:
         check_given(source, MAP)
     rectangle = _parse_crop(crop)
-    grids = _load(sources, compat, source_resolution, source_origin)
+    grids = _load(sources, compat, source_resolution, source_origin, max_cells)
     target = options.output_file(out, "map.yaml", (".yaml", ".yml", _MOVINGAI))
     is_movingai = target.suffix.lower() == _MOVINGAI
     if is_movingai and mode is not None:
@@ -113,7 +113,7 @@ def _parse_crop(text: str | None) -> Crop | None:
 
 
 def _load(
-    sources: list[Path], compat: Compat | None, resolution: float | None, origin: str | None
+    sources: list[Path], compat: Compat | None, resolution: float | None, origin: str | None, max_cells: int | None
 ) -> list[OccupancyGrid]:
     from dataclasses import replace
 
@@ -128,9 +128,12 @@ def _load(
             "--source-resolution and --source-origin are for MovingAI maps (.map): a ROS map has both in its YAML"
         )
     return [
-        replace(load_movingai_map(source, resolution=1.0 if resolution is None else resolution), origin=corner)
+        replace(
+            load_movingai_map(source, resolution=1.0 if resolution is None else resolution, max_cells=max_cells),
+            origin=corner,
+        )
         if source in silent
-        else OccupancyGrid.load(source, compat=compat)
+        else OccupancyGrid.load(source, compat=compat, max_cells=max_cells)
         for source in sources
     ]
 

@@ -163,6 +163,14 @@ Compat = Annotated[
     Literal["humble"] | None,
     Parameter(name="--compat", help="Read the map as Nav2 of ROS 2 Humble does, instead of the current Nav2."),
 ]
+MaxCells = Annotated[
+    int | None,
+    Parameter(
+        name="--max-cells",
+        converter=_read_integer,
+        help="The most cells of a map that is read; left out: 20 million, for which check takes up to 1.5 GB.",
+    ),
+]
 EXAMPLES = {
     "planner": "goal_tolerance=0.5",
     "controller": "desired_linear_vel=0.4",

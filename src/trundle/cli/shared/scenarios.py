@@ -65,6 +65,7 @@ class ScenarioOptions:
     floor_z: options.FloorZ = None
     paths: options.Paths = None
     compat: options.Compat = None
+    max_cells: options.MaxCells = None
     keepout: options.Keepout = None
     speed_mask: options.SpeedMaskFile = None
     time_limit: float | None = None
@@ -110,6 +111,10 @@ class ScenarioOptions:
             changes |= {"goal": goals[0], "goals": None} if len(goals) == 1 else {"goal": None, "goals": goals}
         source = isaac.world_of(source, self.backend, self.isaac_options)
         world_options = sources.read_settings(source, self.world_options, self.exclude, self.paths)
+        if self.max_cells is not None:
+            if not (sources.looks_like_file(source) and sources.is_map(Path(source))):
+                raise InputError("--max-cells is for maps; in a scenario, write map_options: {max_cells: …}")
+            world_options["max_cells"] = self.max_cells
         base = self._with_nav2(_read(source, world_options, changes), changes, report)
         chosen = {
             "planner": settings.choose("planner", self.planner, self.planner_options, base.planner),

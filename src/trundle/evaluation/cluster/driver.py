@@ -14,12 +14,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from trundle.errors import OutputError
 from trundle.evaluation.cluster.connection import connect
 from trundle.evaluation.cluster.errors import ClusterError
 from trundle.evaluation.cluster.node import MakeSource, Node, ShardDone
 from trundle.evaluation.store.code import describe_differences
 from trundle.evaluation.store.remote import is_remote
+from trundle.files.writing import cannot_write
 
 SHARD = 500
 """Episodes that a node runs before it writes a part; those of a lost node's shard run again."""
@@ -254,7 +254,7 @@ def _token(out: str | Path) -> Iterator[str | None]:
     try:
         file.touch()
     except OSError as error:
-        raise OutputError(f"cannot write into {out}: {error.strerror or error}") from error
+        raise cannot_write(out, error) from error
     try:
         yield file.name
     finally:

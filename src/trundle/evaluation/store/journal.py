@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -12,7 +13,7 @@ from typing import Any, BinaryIO
 from trundle.errors import OutputError
 from trundle.evaluation.store.columns import LONGEST_LINE, decode_row
 from trundle.evaluation.store.layout import DAMAGED_LINES, JOURNAL
-from trundle.files.writing import atomic_path, write_bytes
+from trundle.files.writing import atomic_path, cannot_write, write_bytes
 
 
 class Journal:
@@ -72,10 +73,10 @@ class Journal:
             raise self._error(error) from error
         if written != len(line):
             self._take_back(written)
-            raise OutputError(f"cannot write {self.path}: the disk is full")
+            raise self._error(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
 
     def _error(self, error: OSError) -> OutputError:
-        return OutputError(f"cannot write {self.path}: {error.strerror or error}")
+        return cannot_write(self.path, error)
 
 
 @dataclass(frozen=True, slots=True)

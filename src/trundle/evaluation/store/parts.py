@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import re
@@ -18,7 +19,7 @@ from trundle.errors import MissingExtraError, OutputError
 from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import PARTS
-from trundle.files.writing import sync_file, sync_folder
+from trundle.files.writing import cannot_write, sync_file, sync_folder
 
 if TYPE_CHECKING:
     import duckdb
@@ -86,8 +87,10 @@ def write_part(database: duckdb.DuckDBPyConnection, rows: Path, folder: Path, ta
         temporary.replace(parts / f"{number + 1:06d}{tag}-{digest}.parquet")
         sync_folder(parts)
     except (OSError, duckdb.Error) as error:
-        text = error.strerror if isinstance(error, OSError) else str(error).splitlines()[0]
-        raise OutputError(f"cannot write into {parts}: {text or error}") from error
+        if isinstance(error, OSError):
+            raise cannot_write(parts, error) from error
+        number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(error) else errno.EIO
+        raise cannot_write(parts, OSError(number, str(error).splitlines()[0])) from error
     finally:
         temporary.unlink(missing_ok=True)
     return count

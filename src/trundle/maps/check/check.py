@@ -6,6 +6,7 @@ import dataclasses
 import math
 import os
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,7 @@ def check_map(
     z_range: tuple[float, float] | None = None,
     compat: Compat | None = None,
     allow_outside: bool = False,
+    max_cells: int | None = None,
 ) -> MapReport:
     """Find everything that is wrong with a map.
 
@@ -63,6 +65,7 @@ def check_map(
         z_range: The heights of the world that the map shows [m]; by default the robot's.
         compat: As for `OccupancyGrid.load`.
         allow_outside: As for `OccupancyGrid.load`.
+        max_cells: As for `OccupancyGrid.load`.
 
     Returns:
         The report. Mistakes that keep the map from loading are findings, not exceptions.
@@ -78,7 +81,7 @@ def check_map(
     negated: OccupancyGrid | None = None
     if source.suffix.lower() == ".map":
         try:
-            grid = OccupancyGrid.load(source)
+            grid = OccupancyGrid.load(source, max_cells=max_cells)
         except MapError as error:
             return _unreadable([Finding("yaml", "error", str(error), None, "correct the file")])
     else:
@@ -87,7 +90,8 @@ def check_map(
         findings += described.findings
         if described.description is None:
             return _unreadable(findings)
-        grid, found, put_right = read_map(source, described.description, compat=compat, allow_outside=allow_outside)
+        read = partial(read_map, compat=compat, allow_outside=allow_outside, max_cells=max_cells)
+        grid, found, put_right = read(source, described.description)
         findings += found
         if grid is None:
             return _unreadable(findings)
@@ -95,7 +99,7 @@ def check_map(
         if world is not None and described.description.rule.mode != "raw":
             rule = dataclasses.replace(described.description.rule, negate=not described.description.rule.negate)
             exchanged = dataclasses.replace(described.description, rule=rule)
-            negated = read_map(source, exchanged, compat=compat, allow_outside=allow_outside).grid
+            negated = read(source, exchanged).grid
     report = _check(grid, negated, world=world, robot=robot, start=start, goals=goals, z_range=z_range)
     kinds = tuple(sorted(corrected | set(report.corrected_kinds)))
     return MapReport(

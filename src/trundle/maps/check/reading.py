@@ -32,11 +32,16 @@ class Reading(NamedTuple):
 
 
 def read_map(
-    source: Path, description: RosMapDescription, *, compat: Compat | None = None, allow_outside: bool = False
+    source: Path,
+    description: RosMapDescription,
+    *,
+    compat: Compat | None = None,
+    allow_outside: bool = False,
+    max_cells: int | None = None,
 ) -> Reading:
     """Read a map's image; unknown cells that would load as free are read as unknown."""
     try:
-        pixels = read_image(find_image(source, description, allow_outside=allow_outside))
+        pixels = read_image(find_image(source, description, allow_outside=allow_outside), max_cells=max_cells)
     except MapError as error:
         message, place = str(error), description.image_place
         located = message if message.startswith(place) else f"{place}: {message}"

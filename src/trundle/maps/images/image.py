@@ -6,30 +6,32 @@ from pathlib import Path
 
 from trundle.errors import MapError
 from trundle.files.opening import open_file, read_up_to
-from trundle.maps.cells import MAX_CELLS
+from trundle.maps.cells import cell_limit
 from trundle.maps.images import bmp, png_chunks, pnm
 from trundle.maps.images.pixels import Pixels
 
 _HEAD_BYTES = 1 << 16
 _PNG_EXTRA_BYTES = 16_000_000
 _TRAILING_BYTES = 1 << 16  # padding and colour profiles after the pixels
-_MAX_DECODED_BYTES = 4 * MAX_CELLS
+_DECODED_BYTES = 4  # for each cell of the limit: 8-bit colour with alpha; 16-bit images may have fewer pixels
+_TEXT_BYTES = 6  # the same for images as text, of which there are several copies
 
 
-def read_image(path: Path, *, max_cells: int = MAX_CELLS) -> Pixels:
+def read_image(path: Path, *, max_cells: int | None = None) -> Pixels:
     """Read a PNG, PNM or BMP image.
 
     Args:
         path: The file; its suffix does not matter.
-        max_cells: The most pixels to accept.
+        max_cells: The most pixels to accept; fewer of 16-bit colour and of text. None means 20 million.
 
     Raises:
         MapError: If the file cannot be read, is not a PNG, PNM or BMP image, is too large, truncated or damaged.
     """
+    most = cell_limit(max_cells)
     try:
         with open_file(path) as stream:
             head = stream.read(_HEAD_BYTES)
-            limit = _check_size(head, str(path), max_cells)
+            limit = _check_size(head, str(path), most)
             content = head + read_up_to(stream, max(0, limit - len(head)))
             if head[:2] not in pnm.BINARY_MAGIC and stream.read(1):
                 raise MapError(f"{path}: the file is far longer than its image needs; write the image again")
@@ -51,6 +53,8 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
     if head[:2] in pnm.MAGIC:
         header = pnm.parse_header(head, name)
         limit = header.offset + header.raster_bytes
+        if header.plain:
+            limit = min(limit, _TEXT_BYTES * max_cells)
     elif head.startswith(bmp.SIGNATURE):
         header = bmp.parse_header(head, name)
         # Run-length encoding takes at most two bytes per pixel, and two at the end of each row.
@@ -64,9 +68,10 @@ def _check_size(head: bytes, name: str, max_cells: int) -> int:
         header = png_chunks.parse_header(head, name)
         limit = header.decoded_bytes + header.decoded_bytes // 100 + _PNG_EXTRA_BYTES
     cells = header.width * header.height
-    if cells > max_cells or header.decoded_bytes > _MAX_DECODED_BYTES:
+    if cells > max_cells or header.decoded_bytes > _DECODED_BYTES * max_cells:
+        needed = max(cells, -(-header.decoded_bytes // _DECODED_BYTES))
         raise MapError(
-            f"{name}: {header.width} x {header.height} pixels are more than a map may have ({max_cells} cells, "
-            f"{_MAX_DECODED_BYTES} bytes decoded); crop it or make its cells larger"
+            f"{name}: {header.width} x {header.height} pixels need max_cells={needed}, and the limit is {max_cells}, "
+            f"which keeps memory within 1.5 GB: raise it (--max-cells {needed}), crop the map or make its cells larger"
         )
     return limit

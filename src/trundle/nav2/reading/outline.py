@@ -80,7 +80,7 @@ def read_points(node: NodeParameters, name: str) -> FloatArray:
             raise node.wrong(name, 'must be a list of points, as "[[0.3, 0.2], [-0.3, 0.2], …]"') from None
     try:
         points = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         points = np.zeros(1)  # no points
     if points.ndim == 1 and points.size % 2 == 0:
         points = points.reshape(-1, 2)

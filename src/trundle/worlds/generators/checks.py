@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trundle.errors import WorldError
+from trundle.values import finite_number, show_value
 
 
 def check_number(world: str, name: str, value: float, low: float, high: float) -> float:
@@ -16,12 +17,9 @@ def check_number(world: str, name: str, value: float, low: float, high: float) -
     Raises:
         WorldError: If it is not one; the message names the world and the option.
     """
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if isinstance(value, bool) or not (math.isfinite(number) and low <= number <= high):
-        raise WorldError(f"{world}: {name} must be a number from {low:g} to {high:g}, got {value!r}")
+    number = finite_number(value)
+    if number is None or not low <= number <= high:
+        raise WorldError(f"{world}: {name} must be a number from {low:g} to {high:g}, got {show_value(value)}")
     return number
 
 
@@ -32,7 +30,7 @@ def check_flag(world: str, name: str, value: bool) -> bool:
         WorldError: If it is neither.
     """
     if not isinstance(value, bool):
-        raise WorldError(f"{world}: {name} must be true or false, got {value!r}")
+        raise WorldError(f"{world}: {name} must be true or false, got {show_value(value)}")
     return value
 
 
@@ -43,7 +41,7 @@ def check_whole(world: str, name: str, value: int, low: int, high: int) -> int:
         WorldError: If it is not one.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise WorldError(f"{world}: {name} must be an integer from {low} to {high}, got {value!r}")
+        raise WorldError(f"{world}: {name} must be an integer from {low} to {high}, got {show_value(value)}")
     return int(value)
 
 
@@ -67,7 +65,8 @@ def check_size(
     try:
         length, width = size.split(",") if isinstance(size, str) else size
     except (TypeError, ValueError):
-        raise WorldError(f"{world}: {name} must be two lengths in metres, along x and y, got {size!r}") from None
+        shown = show_value(size)
+        raise WorldError(f"{world}: {name} must be two lengths in metres, along x and y, got {shown}") from None
     return (
         check_number(world, f"{name} along x", float_of(length), low, high),
         check_number(world, f"{name} along y", float_of(width), low, high),
@@ -91,7 +90,7 @@ def check_numbers(
         except TypeError:
             items = []
     if not 1 <= len(items) <= most:
-        raise WorldError(f"{world}: {name} must be 1 to {most} numbers, got {values!r}")
+        raise WorldError(f"{world}: {name} must be 1 to {most} numbers, got {show_value(values)}")
     return tuple(check_number(world, name, float_of(item), low, high) for item in items)
 
 
@@ -99,5 +98,5 @@ def float_of(item: object) -> float:
     """Read a number that may be text; anything else becomes NaN, which every check refuses."""
     try:
         return float(item)  # pyright: ignore[reportArgumentType]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return math.nan

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from trundle.errors import WorldError
 from trundle.solids import Solid
-from trundle.values import is_finite_number
+from trundle.values import is_finite_number, show_value
 from trundle.worlds.movers.bodies import body_named
 from trundle.worlds.movers.mover import Mover, check_parts
 
@@ -61,15 +61,17 @@ class Crowd:
         what = f"the crowd {self.name!r}"
         check_parts(self.name, self.parts or body_named(self.kind))
         if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= MOST_MEMBERS:
-            raise WorldError(f"{what}: count must be a whole number from 1 to {MOST_MEMBERS}, got {self.count!r}")
+            raise WorldError(
+                f"{what}: count must be a whole number from 1 to {MOST_MEMBERS}, got {show_value(self.count)}"
+            )
         if not (is_finite_number(self.speed) and 0.0 < self.speed <= 10.0):
-            raise WorldError(f"{what}: speed must be above 0 and at most 10 m/s, got {self.speed!r}")
+            raise WorldError(f"{what}: speed must be above 0 and at most 10 m/s, got {show_value(self.speed)}")
         if not isinstance(self.sees_robot, bool):
-            raise WorldError(f"{what}: sees_robot must be true or false, got {self.sees_robot!r}")
+            raise WorldError(f"{what}: sees_robot must be true or false, got {show_value(self.sees_robot)}")
         if self.model not in MODELS:
             raise WorldError(f"{what}: there is no model {self.model!r}; use {', '.join(MODELS)}")
         if self.seed is not None and (isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0):
-            raise WorldError(f"{what}: seed must be a whole number of 0 or more, got {self.seed!r}")
+            raise WorldError(f"{what}: seed must be a whole number of 0 or more, got {show_value(self.seed)}")
         if self.area is not None:
             x0, y0, x1, y1 = self.area
             if not (all(map(math.isfinite, self.area)) and x0 < x1 and y0 < y1):

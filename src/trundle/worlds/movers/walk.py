@@ -25,6 +25,7 @@ PERIOD_S = 0.05
 _CLEAR_OF_ROBOT = 2.0  # at the start [m], beside both radii
 _TRIES = 400
 _PLACINGS = 20  # of a whole crowd, where the first to be placed leave no room for the last
+_NEARLY_ALL, _A_FEW = 0.8, 5  # a placing of fewer than this share, less a few, shows that others would fail, too
 _LEAST_WALK_M = 4.0  # to the next place, where there is one so far away
 _LEAST_RETREAT_M = 1.5  # the same for one who is stuck
 _RETREATS = 12  # places that one who is stuck looks at
@@ -125,18 +126,22 @@ class CrowdWalk:
         crowd, floor = self._crowds[index], self._floors[index]
         low, high = self._top[part] * 0.7, self._top[part]
         self._preferred[part] = self._rngs[index].uniform(low, high)
-        self._fields[index] = np.zeros((crowd.count, *floor.shape), dtype=np.float32)
         number = part.start
         for _ in range(_PLACINGS):
             number = part.start
             while number < part.stop and self._place_one(index, number, robot):
                 number += 1
             if number == part.stop:
+                self._fields[index] = np.zeros((crowd.count, *floor.shape), dtype=np.float32)
+                for cell, field in zip(floor.cells_of(self._goals[part]), self._fields[index], strict=True):
+                    field[:] = floor.field_to(cell)
                 return
+            if number - part.start < _NEARLY_ALL * crowd.count - _A_FEW:
+                break
         raise WorldError(
             f"the crowd {crowd.name!r}: found no place for {self.names[number]!r} with a radius of "
-            f"{self._radii[number]:.2f} m that is {_CLEAR_OF_ROBOT:g} m from the robot and clear of the others; make "
-            "the crowd smaller"
+            f"{self._radii[number]:.2f} m that is {_CLEAR_OF_ROBOT:g} m from the robot and clear of the "
+            f"{number - part.start} before it; make the crowd smaller"
         )
 
     def _place_one(self, index: int, number: int, robot: RobotMotion) -> bool:
@@ -148,7 +153,8 @@ class CrowdWalk:
             from_robot = math.hypot(point[0] - robot.x, point[1] - robot.y) - robot.radius - radius
             if from_robot > _CLEAR_OF_ROBOT and (gaps > 0.1).all() and self._is_off_movers(point, radius):
                 self._from[number, :3] = *point, rng.uniform(-math.pi, math.pi)
-                self._draw_goal(index, number)
+                cell = self._far_cell(floor, rng, self._from[number, :2], _LEAST_WALK_M)
+                self._goals[number] = floor.middles_of(cell)
                 return True
         return False
 
