@@ -63,8 +63,10 @@ def plant(copy: Path, python: Path, fault: dict[str, str]) -> str:
     file = copy / "src" / "trundle" / fault["file"]
     sound = file.read_text(encoding="utf-8")
     file.write_text(sound.replace(fault["old"], fault["new"], 1), encoding="utf-8")
-    package = f"tests/{fault['file'].partition('/')[0]}/"
-    beside = [chosen for chosen in CHOSEN if chosen.startswith(package)]
+    package, _, inside = fault["file"].partition("/")
+    beside = [
+        chosen for chosen in CHOSEN if chosen.startswith(f"tests/{package}/" if inside else f"tests/test_{package}")
+    ]
     try:
         return (run(copy, python, beside) if beside else "") or run(copy, python, CHOSEN)
     finally:
@@ -73,7 +75,8 @@ def plant(copy: Path, python: Path, fault: dict[str, str]) -> str:
 
 def run(copy: Path, python: Path, tests: list[str]) -> str:
     """Run tests on the sources of a copy, until one fails; its name, or nothing."""
-    options = ["-x", "-q", "-n", "2", "--dist", "loadfile", "--timeout", "600", "--deselect", "tests/quick"]
+    workers = ["-n", "2", "--dist", "loadfile"] if tests is CHOSEN else []
+    options = ["-x", "-q", *workers, "--timeout", "600", "--deselect", "tests/quick"]
     done = subprocess.run(
         [python, "-m", "pytest", *options, *tests], cwd=copy, capture_output=True, text=True, check=False
     )
