@@ -1,9 +1,9 @@
 """What `make quick` runs, and the faults that it is judged by."""
 
 import ast
+import functools
 import re
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,17 +16,20 @@ CHOSEN = (TESTS / "quick" / "files.txt").read_text(encoding="utf-8").split()
 FAULTS = tomllib.loads((TESTS / "quick" / "faults.toml").read_text(encoding="utf-8"))["fault"]
 
 
-def parts() -> Iterator[tuple[Path, ast.AST]]:
+@functools.cache
+def parts() -> list[tuple[Path, ast.AST]]:
     """Each chosen file, or the one test of it that is chosen."""
+    found: list[tuple[Path, ast.AST]] = []
     for chosen in CHOSEN:
         name, _, test = chosen.partition("::")
         tree = ast.parse((TESTS.parent / name).read_text(encoding="utf-8"))
-        functions = {node.name: node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-        yield Path(name), functions[test] if test else tree
+        functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        found.append((Path(name), functions[test] if test else tree))
+    return found
 
 
 def test_what_is_chosen_exists_and_stands_there_once() -> None:
-    assert len(list(parts())) == len(set(CHOSEN)) == len(CHOSEN)
+    assert len(parts()) == len(set(CHOSEN)) == len(CHOSEN)
 
 
 def test_every_package_is_touched() -> None:
