@@ -1,5 +1,6 @@
 # make demo   set up, then drive a robot across the built-in warehouse
 # make test   set up, then run the tests
+# make quick  set up, then run the tests of tests/quick/files.txt: about a minute
 # make test-wheels  build wheels, install each into an empty environment of every Python here, and run the demo
 # make test-ray  install Ray, then run the tests of evaluations on a cluster, where there is no network but loopback
 # make test-ros2  build real ROS 2 environments in ~/.cache/trundle, once, and run the tests against them, the long ones too
@@ -37,10 +38,14 @@ HANGS := --timeout 600
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo test test-wheels test-ray test-ros2 ros2-env fuzz check docs web build setup dev clean
+.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env fuzz check docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
+
+# scripts/seeded_faults.py measures what they find.
+quick: dev
+	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile @tests/quick/files.txt
 
 test: dev
 	$(BIN)/python -m pytest $(HANGS) -n 2 --dist loadfile -m "not wheel and not ray and not ros2"

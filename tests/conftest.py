@@ -9,7 +9,9 @@ A finding prints the arguments; pin it with `@example(…)` beside the test's `@
 from __future__ import annotations
 
 import functools
+import os
 import signal
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -34,6 +36,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # Started in the background of a shell: tests that interrupt a child need it to take Ctrl-C.
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    # Compiled files are kept, whatever the caller says: without them each worker takes 9 s of CPU to compile these
+    # tests with their asserts, and each child process compiles what it imports.
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     settings.load_profile("explore" if config.getoption("explore") else "repeatable")
 
 

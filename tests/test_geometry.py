@@ -93,6 +93,10 @@ def test_a_pose_times_its_inverse_is_the_origin(pose):
     assert math.cos(identity.yaw) == pytest.approx(1.0)
 
 
+def test_the_distance_between_poses_is_that_of_their_positions():
+    assert Pose2D(1.0, 2.0, 0.3).distance_to(Pose2D(4.0, 6.0, -2.0)) == pytest.approx(5.0)
+
+
 @given(poses, poses, coordinates, coordinates)
 def test_composition_is_transforming_twice(a, b, x, y):
     once = (a @ b).transform_points([[x, y]])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
 
 from support.cell_oracles import gaps_by_hand
 from trundle._core import label_components, mark_gaps
@@ -19,7 +19,7 @@ from trundle._core import label_components, mark_gaps
 def test_components_are_those_of_scipy(seed, rows, cols, share, diagonal):
     mask = (np.random.default_rng(seed).random((rows, cols)) < share).astype(np.uint8)
     labels, table = label_components(mask, diagonal)
-    expected, count = ndimage.label(mask, np.ones((3, 3)) if diagonal else None)
+    expected, count = scipy.ndimage.label(mask, np.ones((3, 3)) if diagonal else None)
     assert labels.dtype == np.int32
     assert len(table) == count
     assert len({*zip(labels.ravel(), expected.ravel(), strict=True)}) == count + (mask == 0).any()
@@ -37,7 +37,7 @@ def test_a_spiral_is_one_area():
         free[ring : -ring or None, ring] = free[ring : -ring or None, -1 - ring] = True
         free[ring + 1, ring] = ring == 0
         free[ring + 2 : ring + 3, ring + 1] = True
-    expected, count = ndimage.label(free)
+    expected, count = scipy.ndimage.label(free)
     labels, table = label_components(free.view(np.uint8), False)
     assert len(table) == count
     assert np.array_equal(labels, expected)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy import ndimage
+import scipy
 
 from trundle._core import flood_free, flood_largest
 
@@ -20,7 +20,7 @@ def noise(shape: tuple[int, int], share: float, seed: int) -> np.ndarray:
 def test_the_largest_area_becomes_free_and_of_equal_ones_the_first(shape, share):
     for seed in range(6):
         cells = noise(shape, share, seed)
-        labels, count = ndimage.label(cells == UNKNOWN)
+        labels, count = scipy.ndimage.label(cells == UNKNOWN)
         sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:]
         expected = cells.copy()
         if count:
@@ -35,7 +35,7 @@ def test_what_is_joined_to_a_seed_becomes_free(shape, share):
     for seed in range(6):
         cells = noise(shape, share, seed)
         seeds = np.random.default_rng(100 + seed).integers(0, shape, (2, 2))
-        labels, _ = ndimage.label(cells == UNKNOWN)
+        labels, _ = scipy.ndimage.label(cells == UNKNOWN)
         reached = {labels[row, col] for row, col in seeds if cells[row, col] == UNKNOWN}
         expected = cells.copy()
         expected[np.isin(labels, list(reached))] = FREE

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from trundle import _core
 
@@ -41,10 +40,10 @@ def oracle(costs, weights, start, goal, connectivity):
         targets.append(index[there][free])
         prices.append(((w[here] + w[there]) * (DIAGONAL if dr and dc else STRAIGHT))[free])
     size = rows * cols
-    graph = sparse.csr_matrix(
+    graph = scipy.sparse.csr_matrix(
         (np.concatenate(prices), (np.concatenate(sources), np.concatenate(targets))), shape=(size, size)
     )
-    distances = csgraph.dijkstra(graph, directed=False, indices=index[start])
+    distances = scipy.sparse.csgraph.dijkstra(graph, directed=False, indices=index[start])
     return distances[index[goal]] / (2 * STRAIGHT)
 
 

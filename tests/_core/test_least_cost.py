@@ -3,10 +3,9 @@ import random
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
 
 from fuzz.fuzz_least_cost import one_round
 from support.grid_graph import cheapest_costs
@@ -72,8 +71,10 @@ def cheapest_by_brute_force(costs, start, goal, parts=6):
     # Two points of one border are joined through both cells: the higher cost counts.
     order = np.lexsort((lengths, b, a))
     last = np.append((np.diff(a[order]) != 0) | (np.diff(b[order]) != 0), True)
-    graph = coo_matrix((lengths[order][last], (a[order][last], b[order][last])), shape=(len(points),) * 2).tocsr()
-    return float(dijkstra(graph, indices=0)[1])
+    graph = scipy.sparse.coo_matrix(
+        (lengths[order][last], (a[order][last], b[order][last])), shape=(len(points),) * 2
+    ).tocsr()
+    return float(scipy.sparse.csgraph.dijkstra(graph, indices=0)[1])
 
 
 def find(costs, start, goal, weights=WEIGHTS, ends=None, **limits):

@@ -3,9 +3,9 @@ import pickle
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
 
 from support.cost_grids import LONG, SQUARE, make_grid
 from trundle.costmap import FREE_SPACE, INSCRIBED, LETHAL, NO_INFORMATION, Costmap
@@ -19,7 +19,7 @@ from trundle.robots import Robot
 def expected_costs(data, resolution, inscribed, radius, factor):
     """Nav2's numbers from SciPy's exact distances."""
     blocked = (data < 0) | (data == 100)
-    distances = ndimage.distance_transform_edt(~blocked) * resolution
+    distances = scipy.ndimage.distance_transform_edt(~blocked) * resolution
     if not blocked.any():
         distances[:] = np.inf
     costs = (252.0 * np.exp(-factor * np.maximum(0.0, distances - inscribed))).astype(np.uint8)

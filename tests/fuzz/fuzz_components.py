@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
+import scipy
 
 from fuzz.loop import attempt, rng_of, spoil
 from support.cell_oracles import gaps_by_hand
@@ -23,18 +23,18 @@ def make_mask(generator: random.Random) -> npt.NDArray[np.uint8]:
 
 def check_labels(mask: npt.NDArray[np.uint8], diagonal: bool) -> None:
     labels, table = label_components(mask, diagonal)
-    expected, count = ndimage.label(mask, np.ones((3, 3)) if diagonal else None)
+    expected, count = scipy.ndimage.label(mask, np.ones((3, 3)) if diagonal else None)
     assert len(table) == count
     pairs = {*zip(labels.ravel().tolist(), expected.ravel().tolist(), strict=True)}
     assert len(pairs) == count + bool((mask == 0).any())
     assert table[:, 0].tolist() == np.bincount(labels.ravel(), minlength=count + 1)[1:].tolist()
-    for row, place in zip(table.tolist(), ndimage.find_objects(labels), strict=True):
+    for row, place in zip(table.tolist(), scipy.ndimage.find_objects(labels), strict=True):
         assert row[1:] == [place[0].start, place[0].stop, place[1].start, place[1].stop]
 
 
 def check_floods(generator: random.Random, mask: npt.NDArray[np.uint8]) -> None:
     cells = np.where(mask, generator.choice((100, 0, 7)), -1).astype(np.int8)
-    labels, count = ndimage.label(cells == -1)
+    labels, count = scipy.ndimage.label(cells == -1)
     sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:]
     expected, flooded = cells.copy(), cells.copy()
     if count:

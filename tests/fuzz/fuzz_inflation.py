@@ -7,7 +7,7 @@ import random
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from fuzz.loop import NUMBERS, attempt, rng_of, spoil
 from trundle._core import inflate
@@ -38,7 +38,7 @@ def check_inflation(generator: random.Random, cells: np.ndarray) -> None:
     blocked = (cells < 0) | (cells >= 100)
     squares = np.full(cells.shape, entries)
     if blocked.any():
-        squares = np.rint(ndimage.distance_transform_edt(~blocked) ** 2).astype(np.int64)
+        squares = np.rint(scipy.ndimage.distance_transform_edt(~blocked) ** 2).astype(np.int64)
     expected = np.append(table, np.uint8(0))[np.minimum(squares, entries)]
     expected[cells >= 100] = 254
     expected[cells < 0] = 255

@@ -8,7 +8,7 @@ import pytest
 
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
-from trundle.navigation.speed_limiter import SpeedLimiter, fastest_s, limits_along
+from trundle.navigation.speed_limiter import SpeedLimiter, fastest_s, limits_along, slow_down
 from trundle.path import Path
 from trundle.planning import PathCheck
 from trundle.robots import Robot
@@ -73,3 +73,10 @@ def test_within_a_zone_its_limit_holds():
     limiter = SpeedLimiter(ZONE, QUICK)
     assert limiter.limit(Pose2D(0.5, 0.0), Twist2D(SLOW, 0.0), 0, DT) == pytest.approx(SLOW)
     assert limiter.limit(Pose2D(-9.0, 0.0), Twist2D(1.0, 0.0), 0, DT) == math.inf
+
+
+@pytest.mark.parametrize("v", [0.8, -0.8])
+def test_a_slower_command_keeps_its_arc(v):
+    slower = slow_down(Twist2D(v, 0.6), 0.2)
+    assert (abs(slower.v), slower.w / slower.v) == pytest.approx((0.2, 0.6 / v))
+    assert slow_down(slower, 0.2) == slower

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
 
 from trundle.errors import BlockedPoseError, InputError, OutsideMapError
 from trundle.planning import Cancellation, GridSearch, PointPaths
@@ -37,7 +37,7 @@ def test_a_partial_path_ends_at_the_reachable_cell_nearest_to_the_goal(seed, met
         return
     rng = np.random.default_rng(seed)
     search = GridSearch(blocked, method=method)
-    labels, _ = ndimage.label(~blocked)
+    labels, _ = scipy.ndimage.label(~blocked)
     for _ in range(5):
         start = free[rng.integers(len(free))]
         goal = tuple(int(rng.integers(size)) for size in blocked.shape)
@@ -61,7 +61,7 @@ def test_blocked_ends_are_moved_within_their_tolerance(seed, start_tolerance, go
     blocked = make_map(seed)
     free = cells_of(~blocked)
     search = GridSearch(blocked)
-    labels, _ = ndimage.label(~blocked)
+    labels, _ = scipy.ndimage.label(~blocked)
     rng = np.random.default_rng(seed)
     options = {"start_tolerance": start_tolerance, "goal_tolerance": goal_tolerance}
     for _ in range(5):

@@ -3,9 +3,9 @@ import threading
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
 
 from support.binary_maps import SIZES, make_map
 from support.grid_steps import DIAGONAL, STRAIGHT, count_steps, path_costs_from
@@ -146,7 +146,7 @@ def test_many_queries_are_the_single_ones():
 def test_a_search_is_stopped_by_its_deadline_and_by_hand():
     rng = np.random.default_rng(0)
     blocked = rng.random((1500, 1500)) < 0.3
-    labels, _ = ndimage.label(~blocked)
+    labels, _ = scipy.ndimage.label(~blocked)
     component = np.argwhere(labels == np.bincount(labels[labels > 0]).argmax())
     start, goal = component[0], component[-1]
     for method in METHODS[8]:

@@ -5,9 +5,9 @@ import threading
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
 
 from support.binary_maps import SIZES, make_map
 from trundle.planning import GridSearch
@@ -44,7 +44,7 @@ def test_clutter_is_by_the_number_of_free_standing_obstacles_and_of_corners(rows
 
 def clutter_of(blocked):
     padded = np.pad(blocked, 1, constant_values=True)
-    obstacles = ndimage.label(padded, np.ones((3, 3)))[1] - 1
+    obstacles = scipy.ndimage.label(padded, np.ones((3, 3)))[1] - 1
     return np.sqrt(obstacles * corners_of(padded)) / max(1, (~blocked).sum())
 
 
@@ -99,7 +99,7 @@ def test_an_updated_search_is_a_new_one(rows, cols, kind, method, seed):
         starts, goals = free[rng.integers(len(free), size=(2, 20))]
         found, expected = search.plan_many(starts, goals), rebuilt.plan_many(starts, goals)
         assert found.length.tolist() == expected.length.tolist()
-        labels, _ = ndimage.label(~blocked)
+        labels, _ = scipy.ndimage.label(~blocked)
         joined = labels[tuple(starts.T)] == labels[tuple(goals.T)]
         assert (found.status == "found").tolist() == joined.tolist()
 
@@ -119,7 +119,7 @@ def test_labels_stay_right_over_many_small_changes(shape, kind, seed):
         place = blocked[row : row + int(rng.integers(1, 4)), col : col + int(rng.integers(1, 4))]
         place[:] = rng.random(place.shape) < rng.choice([0.0, 0.5, 1.0])
         search.update((row, row + place.shape[0]), (col, col + place.shape[1]), place)
-        labels, count = ndimage.label(~blocked)
+        labels, count = scipy.ndimage.label(~blocked)
         if count == 0:
             continue
         free = np.argwhere(~blocked)

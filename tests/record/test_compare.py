@@ -42,6 +42,11 @@ def test_yaws_are_compared_across_the_half_turn() -> None:
     assert compare_motions(near, circle(start_yaw=np.pi + 0.001)).max_yaw_error_rad == pytest.approx(0.002)
 
 
+def test_a_yaw_is_interpolated_across_the_half_turn() -> None:
+    rarer = circle(np.arange(0.0, 5.001, 0.08), start_yaw=2.5)
+    assert compare_motions(circle(start_yaw=2.5), rarer).max_yaw_error_rad < 1e-9
+
+
 def test_other_control_periods_are_compared_at_the_same_times() -> None:
     fine = circle(np.arange(0.0, 5.0005, 0.001))
     comparison = compare_motions(circle(), fine)

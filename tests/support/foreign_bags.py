@@ -14,6 +14,9 @@ from trundle.messages import Codec, MessageMaker
 BEGAN = 1_750_000_000.0
 """Stamps of real robots are times of the day."""
 
+LAGS_S = {"/tf": 0.03, "/scan": 0.12}
+"""How long after its stamp a message is received."""
+
 
 def room() -> OccupancyGrid:
     cells = np.zeros((120, 200), dtype=np.int8)
@@ -44,7 +47,8 @@ def write_bag(
             name = topic if topic.startswith("/tf") else f"{prefix}{topic}"
             if name not in channels:
                 channels[name] = bag.add_connection(name, message.__msgtype__, typestore=store)
-            bag.write(channels[name], round(time * 1e9), codec.encode(message))
+            received = time + LAGS_S.get(topic, 0.0)
+            bag.write(channels[name], round(received * 1e9), codec.encode(message))
 
         message = make.grid(BEGAN, room())
         message.info.resolution = resolution

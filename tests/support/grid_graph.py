@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
+import scipy
 
 NO_COST = 1e-12
 """Weight of a step of cost 0: SciPy reads 0 as no edge."""
@@ -19,7 +18,7 @@ def grid_graph(
     wall: npt.NDArray[np.bool_],
     connectivity: int = 8,
     steps: tuple[float, float] = (1.0, math.sqrt(2.0)),
-) -> csr_matrix:
+) -> scipy.sparse.csr_matrix:
     """A step costs its length (straight, diagonal) times the mean of two cells; a diagonal needs both beside it."""
     rows, cols = costs.shape
     index = np.arange(rows * cols).reshape(rows, cols)
@@ -35,7 +34,9 @@ def grid_graph(
         ends.append(index[there][free])
         prices.append(((costs[here] + costs[there]) * 0.5 * steps[bool(down and right)])[free])
     weights = np.maximum(np.concatenate(prices), NO_COST)
-    return csr_matrix((weights, (np.concatenate(starts), np.concatenate(ends))), shape=(index.size, index.size))
+    return scipy.sparse.csr_matrix(
+        (weights, (np.concatenate(starts), np.concatenate(ends))), shape=(index.size, index.size)
+    )
 
 
 def cheapest_costs(
@@ -48,4 +49,4 @@ def cheapest_costs(
     """Cost from each cell to the nearest source, infinity where there is no path; sources lie in free cells."""
     graph = grid_graph(np.where(wall, 0.0, costs), wall, connectivity, steps)
     indices = [row * costs.shape[1] + col for row, col in sources]
-    return dijkstra(graph, directed=False, indices=indices, min_only=True).reshape(costs.shape)
+    return scipy.sparse.csgraph.dijkstra(graph, directed=False, indices=indices, min_only=True).reshape(costs.shape)

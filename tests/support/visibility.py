@@ -9,8 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
+import scipy
 
 
 def is_free_line(blocked: np.ndarray, a: Sequence[Any], b: Sequence[Any]) -> bool:
@@ -62,9 +61,9 @@ def visibility_lengths(blocked: np.ndarray, start: tuple[int, int], goals: Seque
     around = padded[:-1, :-1] + padded[1:, :-1] + padded[:-1, 1:] + padded[1:, 1:]
     points: list[tuple[Any, Any]] = [(row + half, col + half) for row, col in (start, *goals)]
     points += [(row, col) for row, col in np.argwhere(around == 1).tolist()]
-    graph = sparse.lil_matrix((len(points), len(points)))
+    graph = scipy.sparse.lil_matrix((len(points), len(points)))
     for (i, a), (j, b) in itertools.combinations(enumerate(points), 2):
         if a != b and is_free_line(blocked, a, b):
             graph[i, j] = math.dist(a, b)
-    lengths = csgraph.dijkstra(graph.tocsr(), directed=False, indices=0)[1 : 1 + len(goals)].tolist()
+    lengths = scipy.sparse.csgraph.dijkstra(graph.tocsr(), directed=False, indices=0)[1 : 1 + len(goals)].tolist()
     return [0.0 if goal == start else length for goal, length in zip(goals, lengths, strict=True)]

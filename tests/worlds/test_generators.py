@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.ndimage import distance_transform_edt
+import scipy
 
 from trundle._core import label_components
 from trundle.errors import InputError, WorldError
@@ -20,7 +20,7 @@ SMALL = {"lot": {"size": (20.0, 16.0)}, "office": {"size": (14.0, 10.0)}, "maze"
 def free_areas(world: World, radius: float, *, resolution: float = 0.05) -> tuple[OccupancyGrid, np.ndarray]:
     """The world's map, and the numbers of its areas that a disc can go about in."""
     grid = OccupancyGrid.from_world(world, resolution=resolution, z_range=BAND)
-    distance = distance_transform_edt(grid.data == 0) * resolution
+    distance = scipy.ndimage.distance_transform_edt(grid.data == 0) * resolution
     return grid, label_components((distance > radius).view(np.uint8), diagonal=False)[0]
 
 

@@ -1,7 +1,7 @@
 """Worlds without low objects: what a planar lidar sees is all that a robot could touch."""
 
 import pytest
-from scipy.ndimage import distance_transform_edt
+import scipy
 
 from trundle.errors import InputError
 from trundle.maps import OccupancyGrid
@@ -25,7 +25,7 @@ def missed(world, plane):
     bounds = ((low[0], low[1]), (high[0], high[1]))
     solid = OccupancyGrid.from_world(world, resolution=RESOLUTION, z_range=BAND, bounds=bounds)
     seen = OccupancyGrid.from_world(world, resolution=RESOLUTION, z_range=(plane - 1e-4, plane + 1e-4), bounds=bounds)
-    hidden = (solid.data == 100) & (distance_transform_edt(seen.data != 100) * RESOLUTION > NEAR)
+    hidden = (solid.data == 100) & (scipy.ndimage.distance_transform_edt(seen.data != 100) * RESOLUTION > NEAR)
     return float((hidden & (seen.data == 0)).sum()) * RESOLUTION**2  # free is what can be reached
 
 

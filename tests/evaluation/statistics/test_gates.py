@@ -5,6 +5,7 @@ import pytest
 
 from support.evaluation_rows import make_rows
 from trundle.errors import InputError, UnknownNameError
+from trundle.evaluation.statistics.figures import write_share
 from trundle.evaluation.statistics.gates import Gate
 from trundle.evaluation.statistics.intervals import wilson
 from trundle.evaluation.statistics.table import Table
@@ -16,7 +17,10 @@ def table(missions: int, failing: float = 0.0, **options) -> Table:
 
 def test_the_low_end_of_the_interval_is_compared_and_not_the_share():
     assert not Gate.parse("success>=0.99").judge(table(380)).passed
-    assert Gate.parse("success>=0.99").judge(table(381)).passed
+    judged = Gate.parse("success>=0.99").judge(table(381))
+    assert judged.passed
+    low, _ = wilson(381, 381)
+    assert judged.text.startswith(f"100 % of 381 arrived; the low end of the 95 % interval is {write_share(low, 381)}")
 
 
 def test_an_undecided_gate_has_not_passed_and_says_how_many_more_episodes_decide():

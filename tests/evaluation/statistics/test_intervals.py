@@ -2,8 +2,7 @@ import math
 import pickle
 
 import pytest
-from scipy import stats
-from statsmodels.stats.proportion import proportion_confint
+import scipy
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.intervals import Interval, episodes_to_decide, no_failure_bound, wilson
@@ -14,9 +13,11 @@ from trundle.evaluation.statistics.intervals import Interval, episodes_to_decide
 )
 @pytest.mark.parametrize("confidence", [0.9, 0.95, 0.99])
 def test_wilsons_interval_equals_that_of_statsmodels_and_scipy(successes, n, confidence):
+    from statsmodels.stats.proportion import proportion_confint
+
     found = wilson(successes, n, confidence)
     assert found == pytest.approx(proportion_confint(successes, n, 1.0 - confidence, method="wilson"), abs=1e-12)
-    scipys = stats.binomtest(successes, n).proportion_ci(confidence, method="wilson")
+    scipys = scipy.stats.binomtest(successes, n).proportion_ci(confidence, method="wilson")
     assert found == pytest.approx((scipys.low, scipys.high), abs=1e-12)
 
 
@@ -52,7 +53,7 @@ def test_the_episodes_that_decide_are_the_fewest_that_do(successes, n, wanted):
     more = episodes_to_decide(successes, n, wanted)
     share = successes / n if n else 1.0
     for total, decided in ((n + more, True), (n + more - 1, False)):
-        z = stats.norm.ppf(0.975)
+        z = scipy.stats.norm.ppf(0.975)
         middle, half = share + z * z / (2 * total), z * math.sqrt(share * (1 - share) / total + z * z / 4 / total**2)
         low, high = (middle - half) / (1 + z * z / total), (middle + half) / (1 + z * z / total)
         assert (low >= wanted or high < wanted) == decided

@@ -2,10 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy import stats
-from statsmodels.regression.linear_model import OLS
-from statsmodels.stats.contingency_tables import mcnemar
-from statsmodels.stats.multitest import multipletests
+import scipy
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics.paired import bootstrap_means, holm, mcnemar_exact, paired_bootstrap
@@ -13,6 +10,8 @@ from trundle.evaluation.statistics.paired import bootstrap_means, holm, mcnemar_
 
 @pytest.mark.parametrize(("first", "second"), [(0, 0), (0, 7), (3, 3), (5, 19), (400, 460), (1, 0), (900, 2)])
 def test_mcnemars_test_equals_that_of_statsmodels(first, second):
+    from statsmodels.stats.contingency_tables import mcnemar
+
     expected = mcnemar([[10, first], [second, 5]], exact=True).pvalue if first + second else 1.0
     assert mcnemar_exact(first, second) == pytest.approx(expected, rel=1e-8)
 
@@ -22,6 +21,8 @@ def test_seven_missions_lost_and_none_won_give_the_p_that_is_known():
 
 
 def test_holms_correction_equals_that_of_statsmodels():
+    from statsmodels.stats.multitest import multipletests
+
     ps = [0.01, 0.04, 0.03, 0.005, 0.2, 0.01]
     assert holm(ps) == pytest.approx(multipletests(ps, method="holm")[1])
     assert holm([]) == []
@@ -36,12 +37,16 @@ def test_the_bootstrap_agrees_with_scipys_where_clusters_do_not_matter(clusters)
     values = rng.gamma(2.0, 1.0, 120) - 1.0
     worlds = np.zeros(120) if clusters == "one world" else np.arange(120)
     mean, interval = paired_bootstrap(values, worlds, seed=1)
-    scipys = stats.bootstrap((values,), np.mean, n_resamples=10_000, method="percentile", rng=2).confidence_interval
+    scipys = scipy.stats.bootstrap(
+        (values,), np.mean, n_resamples=10_000, method="percentile", rng=2
+    ).confidence_interval
     assert mean == pytest.approx(values.mean())
     assert interval == pytest.approx((scipys.low, scipys.high), abs=0.03)
 
 
 def test_where_worlds_differ_the_interval_is_as_wide_as_that_of_clustered_errors():
+    from statsmodels.regression.linear_model import OLS
+
     rng = np.random.default_rng(4)
     worlds = np.repeat(np.arange(60), 30)
     values = rng.normal(size=60)[worlds] + 0.5 * rng.normal(size=1800)
