@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Generic, TypeVar, cast
 
 from trundle.errors import InputError, UnknownNameError
+from trundle.fault import find_fault
 from trundle.values import check_kind
 
 _Made = TypeVar("_Made")
@@ -107,6 +108,8 @@ class Registry(Generic[_Made]):
             return maker(*arguments, **options)
         except TypeError as error:
             foreign = re.search(r"unexpected keyword argument '(\w+)'", str(error))
+            if foreign is None and find_fault(error).is_plugin:  # its constructor was called, and raised
+                raise
             what = f" has no option {foreign[1]!r}" if foreign else f": {error}"
             raise InputError(f"{self._kind} {name!r}{what}") from error
 

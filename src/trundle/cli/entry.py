@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 DONE = 0
 NOT_THERE = 1
 BAD_INPUT = 2
+PLUGIN_RAISED = 3
 FAULT = 70  # EX_SOFTWARE of sysexits.h: a bug in trundle, distinct from "the robot did not reach the goal".
 INTERRUPTED = 130  # 128 + SIGINT, as shells count.
 PIPE_CLOSED = 141  # 128 + SIGPIPE.
@@ -90,21 +91,32 @@ def run_command(arguments: Sequence[str]) -> int:
         code = _dispatch(arguments)
         sys.stdout.flush()
         return code
-    except TrundleError as error:
-        return _fail(error, json="--json" in arguments)
-    except KeyboardInterrupt:
+    except BaseException as error:  # noqa: BLE001 - each has its exit code
+        return _show(error, json="--json" in arguments)
+
+
+def _show(error: BaseException, *, json: bool) -> int:
+    """Show what ended a command, and return its exit code."""
+    if isinstance(error, KeyboardInterrupt):
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
+    from trundle.fault import is_of_plugin
+
+    if is_of_plugin(error):
+        return _fail_of_plugin(error, json=json)
+    if isinstance(error, BrokenPipeError):
         _drop_output()
         return PIPE_CLOSED
-    except OSError as error:
-        return _fail_of_system(error, json="--json" in arguments)
-    except Exception:  # noqa: BLE001 - any other exception is a bug: shown in full, with its own exit code
-        import traceback
+    if isinstance(error, TrundleError):
+        return _fail(error, json=json)
+    if isinstance(error, OSError):
+        return _fail_of_system(error, json=json)
+    if not isinstance(error, Exception):
+        raise error
+    import traceback  # any other exception is a bug: shown in full, with its own exit code
 
-        traceback.print_exc()
-        return FAULT
+    traceback.print_exception(error)
+    return FAULT
 
 
 def _dispatch(arguments: Sequence[str]) -> int:
@@ -192,7 +204,8 @@ def _overview() -> str:
         "  trundle evaluate smoke\n\n"
         "trundle VERB --help explains a verb; every verb prints JSON with --json, errors too.\n"
         "trundle --install-completion [bash|zsh|fish|powershell] lets the shell complete verbs and options.\n"
-        "Exit codes: 0 done, 1 the robot did not reach the goal or a requirement was not met, 2 bad input."
+        "Exit codes: 0 done, 1 the robot did not reach the goal or a requirement was not met, 2 bad input,\n"
+        "3 a plug-in raised an exception, 70 a fault of trundle itself."
     )
 
 
@@ -213,6 +226,31 @@ def _fail(error: Exception, *, hint: str = "", json: bool = False) -> int:
 
         print_error(error, hint=hint)
     return BAD_INPUT
+
+
+def _fail_of_plugin(error: BaseException, *, json: bool) -> int:
+    """Name the plug-in that raised, in five lines; with --json also as the single JSON value on stdout."""
+    from trundle.fault import find_fault, folder_of, one_line
+
+    fault, folder = find_fault(error), folder_of(error)
+    said = one_line(fault.message)
+    where = f"{fault.function}, {fault.place}" if fault.file else fault.function
+    kept = "nothing was recorded" if folder is None else f"the run ended with the outcome error: {folder}"
+    whole = "--json prints" if folder is None else "episode.json has"
+    lines = (
+        f"trundle: the {fault.kind} {fault.plugin} raised {fault.type}" + (f": {said}" if said else ""),
+        f"  where   {where}",
+        f"  line    {one_line(fault.source) or 'its code cannot be read'}",
+        f"  record  {kept}",
+        f"  do      correct the plug-in, and give the command again; {whole} the whole traceback",
+    )
+    print("\n".join(lines), file=sys.stderr)
+    if json:
+        from trundle.cli.shared.output import print_json
+
+        fields = ("type", "message", "kind", "plugin", "function", "file", "line", "traceback")
+        print_json({"error": {**{name: getattr(fault, name) for name in fields}, "run_dir": folder}})
+    return PLUGIN_RAISED
 
 
 def _fail_of_system(error: OSError, *, json: bool) -> int:

@@ -55,7 +55,7 @@ def run(
 
     Writes a folder with episode.json, trajectory.npz, paths.npz, scenario.yaml (which repeats the run), report.html,
     overlay.png and video.mp4; with --record also run.mcap.
-    Exit code 1: the robot did not reach the goal.
+    Exit code 1: the robot did not reach the goal; 3: a plug-in raised an exception, and the folder says which.
 
     Args:
         source: The YAML of a scenario or of a ROS map (it has an image: key), a world by name (warehouse, office,

@@ -52,6 +52,7 @@ def serve(
         port: Port to listen on; default: 8765, or a free one where that is taken.
         open_: Open the page in the browser, where there is one.
     """
+    from trundle.record.failed_run import record_failure
     from trundle.serve.desk import Desk
 
     factor = options.parse_speed(speed)
@@ -61,7 +62,7 @@ def serve(
     with ExitStack() as opened:
         opened.enter_context(isaac.start_for(base))
         page = opened.enter_context(browser.serving(base, source=source, host=host, port=port))
-        desk = opened.enter_context(Desk(page.hub, base, _record, speed=factor))
+        desk = opened.enter_context(Desk(page.hub, base, _record, record_failure, speed=factor))
         desk.preview(base)
         if json:
             output.print_json_line({"address": page.server.address, **told.facts})

@@ -1,5 +1,6 @@
 """Missions: a scenario is run once, from start to goal, and gives an episode."""
 
+from trundle.fault import Fault
 from trundle.geometry import Goal
 from trundle.mission.episode import Episode, Metrics, Outcome
 from trundle.mission.fields import RunSettings
@@ -44,6 +45,7 @@ __all__ = [
     "DropBox",
     "End",
     "Episode",
+    "Fault",
     "FollowPath",
     "GivenDirective",
     "Goal",

@@ -12,6 +12,7 @@ from typing import cast
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError
+from trundle.fault import Fault
 from trundle.files.opening import is_file
 from trundle.geometry import Goal, Pose2D
 from trundle.mission.path_file import load_paths
@@ -48,6 +49,8 @@ class Outcome(StrEnum):
     """Planning was not done by its deadline, three times in a row; whether there is a path is not known."""
     ABORTED = "aborted"
     """Stopped from outside (Ctrl-C), or the physics broke down."""
+    ERROR = "error"
+    """An exception ended it, of a plug-in or of trundle itself: see `Episode.fault`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +145,7 @@ class Episode:
         directives: What was asked of it by `Steering`, in order, each with its time; empty where nothing was. They are
             recorded in `directives.json`.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
+        fault: The exception that ended it, with the plug-in that raised it; None unless the outcome is `error`.
     """
 
     outcome: Outcome
@@ -163,6 +167,7 @@ class Episode:
     behaviors: tuple[BehaviorRun, ...] = ()
     directives: tuple[GivenDirective, ...] = ()
     folder: pathlib.Path | None = None
+    fault: Fault | None = None
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Episode:
@@ -215,6 +220,7 @@ class Episode:
             seed=facts.seed,
             time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
             behaviors=facts.behaviors,
+            fault=facts.fault,
         )
 
     def __repr__(self) -> str:
@@ -257,6 +263,7 @@ class Episode:
             "seed": self.seed,
             "time_limit_s": self.time_limit_s if math.isfinite(self.time_limit_s) else None,
             "behaviors": [asdict(ran) for ran in self.behaviors],
+            "fault": None if self.fault is None else asdict(self.fault),
         }
 
 
@@ -276,6 +283,7 @@ class _Facts:
     seed: int
     time_limit_s: float | None
     behaviors: tuple[BehaviorRun, ...] = ()
+    fault: Fault | None = None
 
 
 def _plain(value: object) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import pathlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, cast, runtime_checkable
@@ -13,6 +14,7 @@ from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import SpeedMask
 from trundle.mission.episode import Episode
+from trundle.mission.record_file import RECORD
 from trundle.mission.steering.report import SteeringReport
 from trundle.navigation import NavigationStatus
 from trundle.navigation.behaviors import BehaviorRun
@@ -160,11 +162,18 @@ class Observer(Protocol):
 
 
 class Audience:
-    """The observers of one run; one that raises is dropped, and the others continue."""
+    """The observers of one run; one that raises is dropped, and the others continue.
+
+    Attributes:
+        has_begun: Whether they were notified of the start.
+        errors: What they raised.
+    """
 
     def __init__(self, observers: Sequence[Observer]) -> None:
         check_kind(observers, Sequence, "observers", "give a list of them, [observer]")
         self._observers = list(observers)
+        self._all = tuple(observers)
+        self.has_begun = False
         self.errors: list[BaseException] = []
 
     def __bool__(self) -> bool:
@@ -172,11 +181,18 @@ class Audience:
 
     def on_start(self, info: RunInfo) -> None:
         """Notify them before the first step."""
+        self.has_begun = True
         self._notify(lambda observer: observer.on_start(info))
 
     def on_step(self, step: Step) -> None:
         """Notify them after the start and every control period."""
         self._notify(lambda observer: observer.on_step(step))
+
+    @property
+    def folder(self) -> pathlib.Path | None:
+        """The folder that one of them has written the run to, its `path`; None where none has."""
+        paths = (vars(observer).get("path") for observer in self._all if hasattr(observer, "__dict__"))
+        return next((path for path in paths if isinstance(path, pathlib.Path) and (path / RECORD).is_file()), None)
 
     @property
     def wants_substeps(self) -> bool:

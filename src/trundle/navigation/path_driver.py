@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import cast
 
 from trundle.errors import NoValidControlError
+from trundle.fault import check_result
 from trundle.geometry import Twist2D
 from trundle.navigation.behavior_runner import BehaviorRunner
 from trundle.navigation.command_check import CommandCheck
@@ -81,6 +82,7 @@ class PathDriver:
         blocked = ""
         try:
             command = controller.compute_velocity(now.pose, now.twist, now.costmap, self._dt)
+            check_result(command, Twist2D, controller, "compute_velocity")
         except NoValidControlError:
             command, blocked = _STAND, self._why_waiting("no valid control")
         if command != _STAND and (command := slow_down(command, self._replanner.fastest)) == _STAND:

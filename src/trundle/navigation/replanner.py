@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, InputError, PlanningError, PlanningStoppedError
+from trundle.fault import check_result
 from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.failed_plan import FailedPlan
@@ -175,8 +176,10 @@ class Replanner:
             if deadline_s is not None:
                 left_s = max(_LEAST_S, deadline_s - (clock.perf_counter() - began))
             planned.append(leg)
-            smooth.append(leg if drive.smoother is None else drive.smoother.smooth(leg, now.costmap))
-            start = leg.goal
+            if (smoother := drive.smoother) is not None:
+                leg = check_result(smoother.smooth(leg, now.costmap), Path, smoother, "smooth")
+            smooth.append(leg)
+            start = planned[-1].goal
             if self._ends_short:
                 break
         path, joints = join_legs(smooth, now.costmap, _ROUND_WITHIN * drive.settings.through_tolerance)
@@ -196,9 +199,10 @@ class Replanner:
         count = Cancellation()
         path: Path | None = None
         try:
-            path = planner.plan(
+            made = planner.plan(
                 costmap, start, pose, goal_yaw_free=target.yaw_free, deadline_s=deadline_s, cancel=count
             )
+            path = check_result(made, Path, planner, "plan")
             return path
         finally:
             if count.expansions is None:

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Protocol, Self
 
 from trundle.errors import InputError, TrundleError
+from trundle.fault import find_fault, folder_of, is_of_plugin, text_of
 from trundle.mission import Episode, LiveStatus, Mission, Observer, Scenario, Session
 from trundle.mission.place import make_place
+from trundle.mission.record_file import RECORD
 from trundle.serve import messages
 from trundle.serve.choosing import choose
 from trundle.serve.hub import Hub
@@ -38,21 +40,31 @@ class Desk:
         hub: Where the pages are; it gets this as its controls.
         base: What the choices of a page change.
         record: Opens what records each run.
+        record_failure: Records a run in which a plug-in raised before there was a session.
         speed: Of the first run relative to real time; infinity for as fast as it can.
 
     Attributes:
-        episode: Of the last run; None before its end.
+        failure: What a plug-in raised in the last run, or None.
     """
 
-    def __init__(self, hub: Hub, base: Scenario, record: Record, *, speed: float = 1.0) -> None:
-        self._hub, self._base, self._record = hub, base, record
+    def __init__(
+        self,
+        hub: Hub,
+        base: Scenario,
+        record: Record,
+        record_failure: Callable[[BaseException, Scenario], object],
+        *,
+        speed: float = 1.0,
+    ) -> None:
+        self._hub, self._base, self._record, self._record_failure = hub, base, record, record_failure
         self._steerer = Steerer(speed=speed)
         self._last: Scenario | None = None
         self._requests: queue.SimpleQueue[Message] = queue.SimpleQueue()
         self._is_busy = False
         self._number = 0
         self._opened = ExitStack()
-        self.episode: Episode | None = None
+        self._episode: Episode | None = None
+        self.failure: BaseException | None = None
         hub.controls = self
 
     def __enter__(self) -> Self:
@@ -73,13 +85,37 @@ class Desk:
 
         Raises:
             TrundleError: If it cannot be driven.
+            BaseException: What a plug-in raised; `failure` has it, too.
         """
-        self._is_busy, self._last = True, scenario
+        self._is_busy, self._last, self.failure = True, scenario, None
         try:
-            self.episode = self._steerer.drive(lambda seed: self._open(scenario, seed))
-            return self.episode
+            self._episode = self._steerer.drive(lambda seed: self._open(scenario, seed))
+            return self._episode
+        except BaseException as error:
+            self.failure = error if is_of_plugin(error) else None
+            raise
         finally:
             self._is_busy = False
+
+    def last_episode(self) -> Episode:
+        """The episode of the last run.
+
+        Raises:
+            BaseException: What a plug-in raised in it.
+        """
+        if self.failure is not None:
+            raise self.failure
+        if self._episode is None:
+            raise InputError("nothing has run yet")
+        return self._episode
+
+    def tell(self, error: BaseException) -> None:
+        """Show on the pages why something cannot be carried out; what a plug-in raised, with the folder of the run."""
+        if not is_of_plugin(error):
+            self._hub.announce(text_of(error))
+            return
+        folder = folder_of(error)
+        self._hub.announce(f"{find_fault(error)}" + ("" if folder is None else f"; recorded in {folder}"))
 
     def serve(self, *, until: Callable[[], bool] | None = None) -> None:
         """Carry out what pages ask for, until Ctrl-C; or, where nothing runs, until this is true."""
@@ -90,8 +126,10 @@ class Desk:
                 continue
             try:
                 self._carry_out(request)
-            except TrundleError as error:
-                self._hub.announce(str(error))
+            except BaseException as error:
+                if not (isinstance(error, TrundleError) or is_of_plugin(error)):
+                    raise
+                self.tell(error)
             finally:
                 self._is_busy = False
 
@@ -127,11 +165,18 @@ class Desk:
         self._opened.close()
         if seed is not None:
             scenario = self._last = scenario.model_copy(update={"seed": seed})
-        mission = self._opened.enter_context(scenario.build())
-        observers, folder = self._record(mission, self._opened)
-        self._number += 1
-        watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim))
-        return mission.session(observers=[watch, *observers, watch.recorded], steering=self._steerer.steering)
+        folder: Path | None = None
+        try:
+            mission = self._opened.enter_context(scenario.build())
+            observers, folder = self._record(mission, self._opened)
+            self._number += 1
+            watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim))
+            return mission.session(observers=[watch, *observers, watch.recorded], steering=self._steerer.steering)
+        except BaseException as error:
+            if is_of_plugin(error) and (folder is None or not (folder / RECORD).is_file()):
+                self._opened.close()
+                self._record_failure(error, scenario)
+            raise
 
     # The server's thread --------------------------------------------------------------------------------------------
 

@@ -81,9 +81,6 @@ class Steerer:
         self._live = live = LiveRun(make, self.steering, speed=self._speed)
         try:
             return live.run()
-        except BaseException:
-            self._live = None
-            raise
         finally:
             self._speed = live.status.speed
 

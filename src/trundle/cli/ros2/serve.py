@@ -108,8 +108,8 @@ def serve(
     Needs no ROS installation for topics. Services and actions go through the rclpy of a sourced ROS. Prints what is
     published, read and served. Only programs on this machine see it, unless --range subnet is given.
 
-    Exit code 0: it was ended, by Ctrl-C, SIGTERM, the page or a time limit; 1: the simulator failed. With --json it
-    prints two lines: what is offered, as soon as it is, and how it ended.
+    Exit code 0: it was ended, by Ctrl-C, SIGTERM, the page or a time limit; 1: the simulator failed; 3: a plug-in
+    raised. With --json it prints two lines: what is offered, as soon as it is, and how it ended.
 
     Args:
         source: A world by name, the YAML of a map or of a scenario, or a world's file.
@@ -152,6 +152,11 @@ def serve(
             episode = bridge.run()
         except KeyboardInterrupt:  # before the run began, or after it ended
             episode = None
+        except BaseException:
+            session = bridge.context.session
+            if session is not None:
+                _report(session.finish(), bridge.wire, bag, json=json)
+            raise
     return _report(episode, bridge.wire, bag, json=json)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from trundle.cli.shared import browser, isaac, output
 from trundle.cli.shared.recordings import FolderRecording
+from trundle.fault import is_of_plugin
 from trundle.values import first_names
 
 if TYPE_CHECKING:
@@ -59,6 +60,9 @@ def drive(scenario: Scenario, shown: Presentation) -> int:
 
     Returns:
         The exit code: 0 if the robot arrived, else 1.
+
+    Raises:
+        BaseException: What a plug-in raised; the run has a folder then, too.
     """
     from trundle.record.folder_claim import check_free
     from trundle.record.run_folder import with_images
@@ -69,18 +73,23 @@ def drive(scenario: Scenario, shown: Presentation) -> int:
     if scenario.backend.name == "mujoco":
         import_engine()
     recorder = _Recorder(scenario, shown)
-    # The report comes before the simulator is closed: closing Isaac Sim may end the process.
-    with ExitStack() as opened:
-        opened.enter_context(isaac.start_for(scenario))
-        if shown.browser:
-            episode = _drive_in_browser(scenario, shown, recorder, opened)
-        else:
-            recorder.narrate("Building the world, its map and the simulation")
-            mission = opened.enter_context(scenario.build())
-            with ExitStack() as stack:
-                observers, _ = recorder(mission, stack)
-                episode = _run(mission, observers, shown)
-        recorder.report(episode)
+    try:
+        # The report comes before the simulator is closed: closing Isaac Sim may end the process.
+        with ExitStack() as opened:
+            opened.enter_context(isaac.start_for(scenario))
+            if shown.browser:
+                episode = _drive_in_browser(scenario, shown, recorder, opened)
+            else:
+                recorder.narrate("Building the world, its map and the simulation")
+                mission = opened.enter_context(scenario.build())
+                with ExitStack() as stack:
+                    observers, _ = recorder(mission, stack)
+                    episode = _run(mission, observers, shown)
+            recorder.report(episode)
+    except BaseException as error:
+        if not shown.browser and is_of_plugin(error) and not recorder.has_record:
+            recorder.record_failure(error, scenario)
+        raise
     for error in episode.observer_errors:
         raise error
     return 0 if episode.arrived else 1
@@ -105,10 +114,15 @@ def _drive_in_browser(scenario: Scenario, shown: Presentation, recorder: _Record
     browser.announce(page, quiet=shown.quiet)
     recorder.narrate("Building the world, its map and the simulation")
     speed = 1.0 if shown.speed is None else shown.speed
-    desk = opened.enter_context(Desk(page.hub, scenario, recorder, speed=speed))
-    episode = desk.drive(scenario)
+    desk = opened.enter_context(Desk(page.hub, scenario, recorder, recorder.record_failure, speed=speed))
+    try:
+        desk.drive(scenario)
+    except BaseException as error:
+        if not is_of_plugin(error):
+            raise
+        desk.tell(error)
     browser.linger(page, lambda is_over: desk.serve(until=is_over), quiet=shown.quiet)
-    return desk.episode or episode
+    return desk.last_episode()
 
 
 class _Recorder:
@@ -160,6 +174,20 @@ class _Recorder:
 
     def _new_recording(self) -> FolderRecording:
         return FolderRecording(self._scenario.record, self._out, overwrite=self._shown.overwrite)
+
+    @property
+    def has_record(self) -> bool:
+        """Whether the last run has written its folder."""
+        return self._folder is not None and self._folder.record is not None
+
+    def record_failure(self, error: BaseException, scenario: Scenario) -> None:
+        """Write the folder of a run in which a plug-in raised before it began, where its own was to be."""
+        from trundle.record.failed_run import record_failure
+
+        folder = self._folder
+        out = self._out if folder is None or folder.record is not None else folder.path
+        self._out = self._folder = None
+        record_failure(error, scenario, out, overwrite=self._shown.overwrite, page=self._shown.page)
 
     def narrate(self, stage: str) -> None:
         """Print a stage, if that is wanted."""

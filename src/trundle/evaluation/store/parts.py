@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from trundle.errors import MissingExtraError, OutputError
+from trundle.errors import MissingExtraError
 from trundle.evaluation.store.columns import LONGEST_LINE, SQL_TYPES
 from trundle.evaluation.store.ids import Keys
 from trundle.evaluation.store.layout import PARTS

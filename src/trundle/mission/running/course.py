@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trundle.errors import InputError, PlanningError, PlanningStoppedError
+from trundle.fault import check_result
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.episode import Outcome
 from trundle.mission.observers import RunInfo
@@ -170,7 +171,7 @@ class Course:
             gives_up = status is not NavigationStatus.DRIVING and not (self._waits or self._is_idle)
             if gives_up and (ending := endings.given_up(agent, state)) is not None:
                 return ending
-            return self._timed_out(state) or command
+            return self._timed_out(state) or check_result(command, Twist2D, agent, "update")
 
     def _ask(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """The agent's command; and the wall times that it took."""
@@ -357,7 +358,8 @@ class Course:
         if not isinstance(agent, Navigator):
             return None
         try:
-            return agent.planner.plan(agent.costmap, here, goal.pose, goal_yaw_free=goal.yaw_free)
+            path = agent.planner.plan(agent.costmap, here, goal.pose, goal_yaw_free=goal.yaw_free)
+            return check_result(path, Path, agent.planner, "plan")
         except PlanningStoppedError:
             return None
         except PlanningError:

@@ -6,6 +6,7 @@ import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 
+from trundle.fault import Fault
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.metrics import compute_metrics
 from trundle.mission.observers import RunInfo
@@ -52,6 +53,7 @@ def make_episode(
     boxes: Sequence[DroppedBox],
     wall_s: float,
     measure: Measure | None,
+    fault: Fault | None = None,
 ) -> Episode:
     """The episode of a run.
 
@@ -68,6 +70,7 @@ def make_episode(
         boxes: What was put into it since.
         wall_s: Wall time of the loop [s].
         measure: Measures the surroundings for the metrics; None means that they are not measured.
+        fault: The exception that ended it, or None.
     """
     trajectory = log.trajectory()
     arrived = outcome is Outcome.ARRIVED
@@ -120,4 +123,5 @@ def make_episode(
         costmap=info.costmap,
         behaviors=behaviors,
         directives=directives,
+        fault=fault,
     )

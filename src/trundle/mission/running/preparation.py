@@ -5,17 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
-from trundle.errors import PlanningError, ScenarioError
-from trundle.geometry import Goal, Pose2D
+from trundle.errors import BlockedPoseError, OutsideMapError, PlanningError, ScenarioError
+from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.mission.legs import plan_legs
 from trundle.mission.observers import RunInfo
 from trundle.navigation import Agent, Navigator
 from trundle.navigation.agent import CONTROL_PERIOD_S
 from trundle.navigation.speed_limiter import fastest_s
 from trundle.navigation.waypoint import tasks_of
+from trundle.observation import Estimate
 from trundle.path import Path
-from trundle.robots import Robot
+from trundle.robots import Robot, WheelSpeeds
+from trundle.sim import RobotState
 from trundle.worlds import World
 
 TIME_PER_GOAL_S = 60.0
@@ -43,7 +46,12 @@ def prepare(
             )
         set_goals(goals, through=through)
         return [], None
-    agent.set_goal(goals[0])
+    try:
+        agent.set_goal(goals[0])
+    except (BlockedPoseError, OutsideMapError):
+        raise
+    except PlanningError as error:
+        return [], error
     return [], None
 
 
@@ -61,8 +69,33 @@ def allowed_time(agent: Agent, robot: Robot, start: Pose2D, goals: Sequence[Goal
     return TIME_PER_GOAL_S * len(goals) + SLOWNESS * least + tasks_s
 
 
-def describe_run(
+def standing_at(start: Pose2D) -> tuple[RobotState, Estimate]:
+    """State and estimate of a robot that stands at its start, for a run whose simulator has not said it."""
+    still = WheelSpeeds(0.0, 0.0)
+    origin = Pose2D(0.0, 0.0)
+    return RobotState(0.0, start, Twist2D(), still, still, origin), Estimate(0.0, start, None, origin)
+
+
+def describe_early(
     agent: Agent,
+    robot: Robot,
+    name: str,
+    start: Pose2D,
+    goals: tuple[Goal, ...],
+    *,
+    time_limit_s: float | None,
+    seed: int,
+    world: World | None,
+) -> RunInfo:
+    """What observers get of a run that ends before its first step: no plug-in is asked for it."""
+    own = agent if isinstance(agent, Navigator) else None
+    limit = math.inf if time_limit_s is None else time_limit_s
+    info = describe_run(own, robot, name, start, goals, (), time_limit_s=limit, seed=seed, world=world)
+    return info if own is not None else replace(info, controller=type(agent).__name__)
+
+
+def describe_run(
+    agent: Agent | None,
     robot: Robot,
     name: str,
     start: Pose2D,
@@ -73,7 +106,7 @@ def describe_run(
     seed: int,
     world: World | None,
 ) -> RunInfo:
-    """What observers get before the first step."""
+    """What observers get before the first step; nothing is read of an agent that is None."""
     return RunInfo(
         name=name,
         robot=robot,
@@ -84,7 +117,7 @@ def describe_run(
         time_limit_s=time_limit_s,
         dt=getattr(agent, "dt", CONTROL_PERIOD_S),
         planner=getattr(agent, "planner_name", "none"),
-        controller=getattr(agent, "controller_name", type(agent).__name__),
+        controller="none" if agent is None else getattr(agent, "controller_name", type(agent).__name__),
         seed=seed,
         speed_mask=getattr(agent, "speed_mask", None),
         world=world,

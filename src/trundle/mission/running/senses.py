@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from trundle.errors import InputError
+from trundle.fault import check_result
 from trundle.geometry import Pose2D
 from trundle.latency import Latency
 from trundle.localization import Localizer, create_localizer
@@ -47,7 +48,7 @@ class Senses:
         if self._localizer is None:
             raise InputError("the robot knows its true pose: there is no localizer whose pose could be set")
         self._localizer.reset(pose, seed=seed)
-        return self._localizer.update(observation)
+        return check_result(self._localizer.update(observation), Estimate, self._localizer, "update")
 
     def place(self, state: RobotState, observation: Observation, estimate: Estimate) -> tuple[Observation, Estimate]:
         """What the robot observes and believes where it was put, at rest: a localizer does not notice."""
@@ -63,7 +64,7 @@ class Senses:
             observation = replace(observation, scans=self._mail.deliver(state.time, observation.scans))
         if self._localizer is None:
             return observation, Estimate(state.time, state.pose, None, _AT_ODOM_ORIGIN)
-        return observation, self._localizer.update(observation)
+        return observation, check_result(self._localizer.update(observation), Estimate, self._localizer, "update")
 
     def believed(self, estimate: Estimate) -> Pose2D | None:
         """Where the localizer believes the robot to be; none without one."""

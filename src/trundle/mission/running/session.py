@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Self
 
-from trundle.errors import ScenarioError, SimulationError
+from trundle.errors import PlanningError, ScenarioError, SimulationError, TrundleError
+from trundle.fault import Fault, find_fault, is_of_plugin, keep_fault, note_folder, text_of
 from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.localization import Localizer
@@ -18,10 +19,10 @@ from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo
 from trundle.mission.rules import Rules
 from trundle.mission.running.course import Course, Moment
 from trundle.mission.running.endings import Ending
-from trundle.mission.running.episode_maker import make_episode
+from trundle.mission.running.episode_maker import AgentTotals, make_episode
 from trundle.mission.running.gate import Gate
 from trundle.mission.running.monitoring import Monitor
-from trundle.mission.running.preparation import allowed_time, describe_run, prepare
+from trundle.mission.running.preparation import allowed_time, describe_early, describe_run, prepare, standing_at
 from trundle.mission.running.run_log import RunLog
 from trundle.mission.running.scan_mail import report_latency
 from trundle.mission.running.senses import Senses
@@ -32,6 +33,7 @@ from trundle.mission.steering.report import SteeringReport
 from trundle.mission.truth import Measure, measure_truth
 from trundle.navigation import Agent, Navigator
 from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
 from trundle.path import Path
@@ -112,7 +114,6 @@ class Session:
         keeps_s: float | None = None,
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
-        check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
         is_steered = steering is not None or bool(directives)
         waits = goal is None and isinstance(agent, Navigator) and is_steered
         aimless = goal is None and (waits or not isinstance(agent, Navigator))
@@ -121,56 +122,69 @@ class Session:
             math.isfinite(as_number(time_limit_s, "the time limit")) and time_limit_s > 0.0
         ):
             raise ScenarioError(f"the time limit must be a positive number of seconds, got {time_limit_s}")
+        latency = Latency() if latency is None else latency
+        check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
+        rules = Rules() if rules is None else rules
         self._audience = Audience(observers)
         self._agent = agent
         self._measure = measure
-        latency = Latency() if latency is None else latency
-        check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
-        self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
+        self._sim = sim
         self._backend = sim
-        robot: Robot = getattr(agent, "robot", sim.robot)
-        self._gate = Gate(monitor, robot, latency)
-        self._senses = Senses(localizer, getattr(agent, "grid", None), robot, latency)
-        agent.reset(seed=seed)
-        report_latency(agent, latency)
-        hands_over = through or any(tasks_of(goal) for goal in goals)
-        paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
-        extends = time_limit_s is None and not waits
-        if time_limit_s is None:
-            time_limit_s = allowed_time(agent, robot, begin, goals, paths)
-        self._info = describe_run(
-            agent, sim.robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
-        )
-        rules = Rules() if rules is None else rules
-        self._course = Course(
-            agent,
-            self._info,
-            paths,
-            unreachable,
-            through=through,
-            hands_over=hands_over,
-            rules=rules,
-            stop_on_contact=stop_on_contact,
-            extends=extends,
-            waits=waits,
-        )
-        self._helm = (
-            Helm(self._course, sim, robot, steering, directives, self._relocate, self._place) if is_steered else None
-        )
-        most_rows = (
-            None if keeps_s is None else 1 + math.ceil(check_number("keeps_s", keeps_s, 0.0, 1e9, "s") / self.dt)
-        )
+        most_rows = None
+        if keeps_s is not None:
+            most_rows = 1 + math.ceil(check_number("keeps_s", keeps_s, 0.0, 1e9, "s") / self.dt)
         self._log = RunLog(every_contact=rules.every_contact, most_rows=most_rows)
-        if self._helm is not None and keeps_s is not None:
-            self._helm.keep_last()
-        self._wall_s = 0.0
+        self._state, self._estimate = standing_at(begin)
+        self._began, self._wall_s = clock.perf_counter(), 0.0
+        self._watches = False
+        self._helm: Helm | None = None
         self._outcome: Outcome | None = None
         self._message = ""
         self._error: BaseException | None = None
+        self._fault: Fault | None = None
         self._episode: Episode | None = None
         self._last: Step | None = None
         self._returns_steps = True
-        self._start()
+        self._parts: tuple[object, ...] = (agent, localizer, monitor, sim)
+        self._info = describe_early(
+            agent, sim.robot, name, begin, goals, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+        )
+        try:
+            check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
+            self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
+            robot: Robot = getattr(agent, "robot", sim.robot)
+            self._gate = Gate(monitor, robot, latency)
+            self._senses = Senses(localizer, getattr(agent, "grid", None), robot, latency)
+            agent.reset(seed=seed)
+            report_latency(agent, latency)
+            hands_over = through or any(tasks_of(goal) for goal in goals)
+            paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
+            extends = time_limit_s is None and not waits
+            if time_limit_s is None:
+                time_limit_s = allowed_time(agent, robot, begin, goals, paths)
+            self._info = describe_run(
+                agent, sim.robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+            )
+            self._course = Course(
+                agent,
+                self._info,
+                paths,
+                unreachable,
+                through=through,
+                hands_over=hands_over,
+                rules=rules,
+                stop_on_contact=stop_on_contact,
+                extends=extends,
+                waits=waits,
+            )
+            if is_steered:
+                self._helm = Helm(self._course, sim, robot, steering, directives, self._relocate, self._place)
+                if keeps_s is not None:
+                    self._helm.keep_last()
+            self._start()
+        except BaseException as error:
+            self._end_early(error)
+            raise
 
     def __repr__(self) -> str:
         doing = "running" if self._outcome is None else self._outcome.value
@@ -219,7 +233,7 @@ class Session:
 
     @property
     def error(self) -> BaseException | None:
-        """What aborted the run: a KeyboardInterrupt or a SimulationError; None otherwise."""
+        """What ended the run: a KeyboardInterrupt, a SimulationError, or what a plug-in raised; None otherwise."""
         return self._error
 
     @property
@@ -261,32 +275,36 @@ class Session:
 
         Returns:
             What observers get, too; None when the run has ended, and nothing moved.
+
+        Raises:
+            BaseException: What a plug-in raised; the run has ended as `error`, and observers were notified.
         """
-        return self._last if self._advance() else None
+        return self._last if self._attempt(self._drive_when_steered) else None
 
     def steer(self) -> bool:
         """Apply the directives that are due; `step` does so first, and waits while the run is paused.
 
         Returns:
             Whether the next control period may be driven now: neither is the run paused, nor has it ended.
+
+        Raises:
+            BaseException: As `step`.
         """
-        helm = self._helm
-        if helm is None or self._outcome is not None:
-            return self._outcome is None
-        helm.steer(len(self._log) - 1, self._state, self._estimate)
-        if helm.ending is not None:
-            self._end(*helm.ending)
-        return self._outcome is None and not helm.is_held
+        return self._attempt(self._steer)
 
     def run(self) -> Episode:
-        """Drive until the run has ended, and return the episode."""
+        """Drive until the run has ended, and return the episode.
+
+        Raises:
+            BaseException: As `step`.
+        """
         self._returns_steps = False
         try:
-            while self._advance():
+            while self._attempt(self._drive_when_steered):
                 pass
         except KeyboardInterrupt as error:  # between two periods
             self.abort(error)
-        return self.finish()
+        return self.conclude()
 
     def abort(self, error: KeyboardInterrupt) -> None:
         """End the run as aborted by Ctrl-C, unless it has ended; `error` has this interrupt then."""
@@ -297,23 +315,30 @@ class Session:
         """Drive one control period as things stand: `step` without directives; for a loop that calls `steer`."""
         return self._last if self._attempt(self._drive) else None
 
-    def _advance(self) -> bool:
-        """Drive one control period, after the directives; whether it did."""
-        return self._attempt(self._drive_when_steered)
-
-    def _attempt(self, drive: Callable[[], bool]) -> bool:
+    def _attempt(self, act: Callable[[], bool]) -> bool:
+        """Do something of the run; what it raises ends the run."""
         if self._outcome is not None:
             return False
+        goes_on = False
         try:
-            return drive()
-        except KeyboardInterrupt as error:
-            self.abort(error)
-        except SimulationError as error:
-            self._end(Outcome.ABORTED, f"the simulator failed: {error}", error)
-        return False
+            goes_on = act()
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the run ends properly
+            self._end_by(error)
+        if self._fault is not None:
+            self.conclude()
+        return goes_on
+
+    def _steer(self) -> bool:
+        helm = self._helm
+        if helm is None:
+            return True
+        helm.steer(len(self._log) - 1, self._state, self._estimate)
+        if helm.ending is not None:
+            self._end(*helm.ending)
+        return self._outcome is None and not helm.is_held
 
     def _drive_when_steered(self) -> bool:
-        while not self.steer():
+        while not self._steer():
             if self._helm is None or self._outcome is not None:
                 return False
             self._helm.wait()
@@ -328,11 +353,22 @@ class Session:
         if self._episode is None:
             if self._outcome is None:
                 self._end(Outcome.ABORTED, why)
-            episode = self._make_episode()
-            self._episode = episode
+            episode = self._episode = self._make_episode()
             self._audience.on_end(episode)
             self._episode = replace(episode, observer_errors=tuple(self._audience.errors))
         return self._episode
+
+    def conclude(self) -> Episode:
+        """Finish the run, and return its episode; for a loop that drives it to its end.
+
+        Raises:
+            BaseException: What ended it as `error`.
+        """
+        episode = self.finish()
+        if self._fault is not None and self._error is not None:
+            self._note_folder(self._error)
+            raise self._error
+        return episode
 
     def _drive(self) -> bool:
         """Drive one control period; whether it did."""
@@ -408,33 +444,91 @@ class Session:
 
     def _end(self, outcome: Outcome, message: str, error: BaseException | None = None) -> None:
         self._wall_s = clock.perf_counter() - self._began
-        if self._watches:
-            watch_substeps(self._backend, None)
         contacts = self._log.contacts
-        if contacts and outcome is not Outcome.COLLIDED:
+        if contacts and outcome not in (Outcome.COLLIDED, Outcome.ERROR):
             outcome, message = Outcome.COLLIDED, f"touched {', '.join(contacts)} while driving; {message}"
         self._outcome, self._message, self._error = outcome, message, error
-        if self._helm is not None:
-            self._helm.stop(f"the run has ended: {message}", self.time)
+        try:
+            if self._watches:
+                watch_substeps(self._backend, None)
+            if self._helm is not None:
+                self._helm.stop(f"the run has ended: {message}", self.time, self._fault)
+        except Exception as problem:  # noqa: BLE001 - a run ends properly, whatever its plug-ins do
+            self._fail(problem)
+
+    def _end_by(self, error: BaseException) -> None:
+        """End the run by what was raised."""
+        if isinstance(error, KeyboardInterrupt):
+            self.abort(error)
+        elif isinstance(error, SimulationError):
+            self._end(Outcome.ABORTED, f"the simulator failed: {text_of(error)}", error)
+        elif isinstance(error, PlanningError):
+            self._end(Outcome.NO_PATH, text_of(error))
+        else:
+            self._fail(error)
+
+    def _fail(self, error: BaseException) -> None:
+        """End the run by an exception, unless another one has ended it."""
+        if self._fault is not None:
+            return
+        agent, parts = self._agent, self._parts
+        if isinstance(agent, Navigator):
+            parts = (*parts, agent.controller, agent.planner, agent.smoother, agent.goal_checker)
+        self._fault = find_fault(error, parts)
+        keep_fault(error, self._fault)
+        self._end(Outcome.ERROR, str(self._fault), error)
+
+    def _end_early(self, error: BaseException) -> None:
+        """End a run before its first step; one that was refused, or stopped by Ctrl-C, has not even begun."""
+        refused = isinstance(error, TrundleError) and not isinstance(error, SimulationError) and not is_of_plugin(error)
+        if isinstance(error, KeyboardInterrupt) or (refused and not self._audience.has_begun):
+            return
+        self._end_by(error)
+        if not self._audience.has_begun:
+            self._audience.on_start(self._info)
+        self.finish()
+        self._note_folder(error)
+
+    def _note_folder(self, error: BaseException) -> None:
+        folder = self._audience.folder
+        if folder is not None:
+            note_folder(error, folder)
 
     def _make_episode(self) -> Episode:
-        if not len(self._log):  # Ctrl-C came before the first row
+        if not len(self._log):  # it ended before the first row
             self._log.add(self._state, Twist2D(), self._estimate, 0, None)
-        self._course.totals.add(self._agent)
-        outcome = Outcome.ABORTED if self._outcome is None else self._outcome
+        behaviors: tuple[BehaviorRun, ...] = ()
+        course = getattr(self, "_course", None)
+        totals = AgentTotals() if course is None else course.totals
+        try:
+            if course is not None:
+                totals.add(self._agent)
+                behaviors = tuple(getattr(self._agent, "behavior_runs", ()))
+        except Exception as error:  # noqa: BLE001 - as in _end
+            self._fail(error)
+        try:
+            return self._compute_episode(course, totals, behaviors, self._measure)
+        except Exception as error:  # noqa: BLE001 - as in _end
+            self._fail(error)
+            return self._compute_episode(course, totals, behaviors, None)
+
+    def _compute_episode(
+        self, course: Course | None, totals: AgentTotals, behaviors: tuple[BehaviorRun, ...], measure: Measure | None
+    ) -> Episode:
         return make_episode(
-            self._course.info,
+            self._info if course is None else course.info,
             self._log,
-            self._course.totals,
-            outcome,
+            totals,
+            Outcome.ABORTED if self._outcome is None else self._outcome,
             self._message,
-            goals_reached=self._course.reached,
-            behaviors=tuple(getattr(self._agent, "behavior_runs", ())),
+            goals_reached=0 if course is None else course.reached,
+            behaviors=behaviors,
             directives=self.directives,
             world=self._info.world,
             boxes=() if self._helm is None else self._helm.boxes,
             wall_s=self._wall_s,
-            measure=self._measure,
+            measure=measure,
+            fault=self._fault,
         )
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from trundle.errors import InputError, TrundleError
+from trundle.fault import Fault, find_fault, is_of_plugin
 from trundle.geometry import Pose2D, Twist2D
 from trundle.mission.episode import Outcome
 from trundle.mission.running.course import Course
@@ -140,11 +141,13 @@ class Helm:
         self.held_back = passed.reason
         return passed.command
 
-    def stop(self, why: str, time: float) -> None:
-        """The run has ended at this time [s]; orders that still wait for it are refused."""
-        self._tasks.stop(why, time)
-        if self._steering is not None:
-            self._steering.end(self.run, "the run has ended")
+    def stop(self, why: str, time: float, fault: Fault | None = None) -> None:
+        """The run has ended at this time [s], by an exception where there is a fault; orders that wait are refused."""
+        try:
+            self._tasks.stop(why, time, fault)
+        finally:
+            if self._steering is not None:
+                self._steering.end(self.run, "the run has ended")
 
     def finish_period(self, command: Twist2D, report: MonitorReport | None, time: float) -> SteeringReport:
         """Count a control period that ends at a time [s], with what a monitor did to its command; report it."""
@@ -162,15 +165,23 @@ class Helm:
         if self._is_renewal(order):
             return
         refused: TrundleError | None = None
+        broken: BaseException | None = None
         try:
             self._apply(order, index, self._state)
-        except TrundleError as error:
-            refused = error
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - it is raised once who waits for the directive has been told
+            if isinstance(error, TrundleError) and not is_of_plugin(error):
+                refused = error
+            else:
+                broken, refused = error, TrundleError(str(find_fault(error)))
         self.log.append(GivenDirective(index, self._state.time, order.directive, order.by, str(refused or "")))
         if refused is not None:
             order.refuse(refused)
         elif order.applied is not None:
             order.applied()
+        if broken is not None:
+            raise broken
 
     def _is_renewal(self, order: Order) -> bool:
         """Whether this repeats the command by hand that holds, which is then held for longer."""

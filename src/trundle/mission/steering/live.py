@@ -75,12 +75,20 @@ class LiveRun:
 
         Returns:
             The episode of the last run.
+
+        Raises:
+            BaseException: What a plug-in raised; see `Session.step`.
         """
         seed: int | None = None
         while True:
             session = self._make_session(seed)
             self.status = LiveStatus("running", self.status.run + 1, speed=self._speed.factor)
-            episode = self._drive(session)
+            try:
+                episode = self._drive(session)
+            except BaseException:
+                self._steering.refuse_all("the run has ended")
+                self._show(session, "ended")
+                raise
             if session.restart is None:
                 self._steering.refuse_all("the run has ended")
                 self._show(session, "ended")
@@ -113,7 +121,7 @@ class LiveRun:
                 self._show(session, "running")
         except KeyboardInterrupt as error:  # between two periods
             session.abort(error)
-        return session.finish()
+        return session.conclude()
 
     def _take_speed(self) -> None:
         self._is_at_speed = True

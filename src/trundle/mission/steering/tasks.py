@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from trundle.errors import TrundleError
+from trundle.fault import Fault
 from trundle.navigation.behaviors.behavior import ASKED_FOR
 from trundle.navigation.status import FINAL, NavigationStatus
 
@@ -27,6 +28,7 @@ class TaskEnd:
         time: When [s], simulated time.
         status: What the agent was doing then.
         error: The planning error behind it, or None.
+        fault: The exception that ended the run, and with it this, as "failed"; None where there was none.
     """
 
     result: TaskResult
@@ -34,6 +36,7 @@ class TaskEnd:
     time: float
     status: NavigationStatus
     error: TrundleError | None = None
+    fault: Fault | None = None
 
 
 class TaskWatcher(Protocol):
@@ -84,9 +87,9 @@ class RunningTasks:
         if not behavior_alone:
             self._end_goal("cancelled", "cancelled", time)
 
-    def stop(self, why: str, time: float) -> None:
-        """The run has ended."""
-        self._end_both("stopped", why, time)
+    def stop(self, why: str, time: float, fault: Fault | None) -> None:
+        """The run has ended, by an exception where there is a fault."""
+        self._end_both("stopped" if fault is None else "failed", why, time, fault)
 
     def check(self, time: float) -> None:
         """End what has ended in the last control period."""
@@ -110,16 +113,23 @@ class RunningTasks:
         if ran is not None and ran.result != "running":
             self._end_behavior("succeeded" if ran.result == "succeeded" else "failed", ran.message, time)
 
-    def _end_both(self, result: TaskResult, message: str, time: float) -> None:
-        self._end_behavior(result, message, time)
-        self._end_goal(result, message, time)
+    def _end_both(self, result: TaskResult, message: str, time: float, fault: Fault | None = None) -> None:
+        self._end_behavior(result, message, time, fault)
+        self._end_goal(result, message, time, fault=fault)
 
-    def _end_goal(self, result: TaskResult, message: str, time: float, error: TrundleError | None = None) -> None:
+    def _end_goal(
+        self,
+        result: TaskResult,
+        message: str,
+        time: float,
+        error: TrundleError | None = None,
+        fault: Fault | None = None,
+    ) -> None:
         watcher, self._goal = self._goal, None
         if watcher is not None:
-            watcher.end(TaskEnd(result, message, time, self._course.status, error))
+            watcher.end(TaskEnd(result, message, time, self._course.status, error, fault))
 
-    def _end_behavior(self, result: TaskResult, message: str, time: float) -> None:
+    def _end_behavior(self, result: TaskResult, message: str, time: float, fault: Fault | None = None) -> None:
         watcher, self._behavior = self._behavior, None
         if watcher is not None:
-            watcher.end(TaskEnd(result, message, time, self._course.status))
+            watcher.end(TaskEnd(result, message, time, self._course.status, fault=fault))

@@ -60,6 +60,8 @@ def _is_at(pose: tuple[float, float, float] | None, start: Pose2D) -> bool:
 
 def driving_code(end: TaskEnd, start: Pose2D) -> tuple[str, str]:
     """Action and name of the code of a drive that failed: its planner's, or its controller's."""
+    if end.fault is not None:
+        return "ComputePathToPose" if end.fault.kind in ("planner", "smoother") else "FollowPath", "UNKNOWN"
     if end.status is NavigationStatus.PLANNING_TIMED_OUT:
         return "ComputePathToPose", "TIMEOUT"
     if end.status is NavigationStatus.NO_PATH:

@@ -184,12 +184,17 @@ class Tasks:
         self.behavior.follow(step)
 
     def flush(self) -> None:
-        """Send the results that are due; in the listening thread, or after it has ended."""
-        while self._due:
-            self._due.popleft()()
+        """Send the results that are due; in the listening thread, or where all goals end."""
+        while True:
+            try:
+                call = self._due.popleft()
+            except IndexError:
+                return
+            call()
 
     def end(self, why: str) -> None:
-        """End all goals as aborted: the other side is lost, or navigation is shut down."""
+        """End all goals as aborted: the other side is lost, or navigation is shut down. What is due goes first."""
+        self.flush()
         self.drive.preempt(why)
         self.behavior.preempt(why)
 

@@ -1,0 +1,442 @@
+"""Plug-ins that raise: the run ends properly, with a folder, and the exception is raised afterwards."""
+
+import ast
+import json
+import math
+import operator
+import pickle
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import trundle
+from support.observers import Recorder
+from support.sessions import steps_of
+from trundle.errors import InputError, NoPathError, SimulationError
+from trundle.fault import LIBRARIES, find_fault, folder_of
+from trundle.geometry import Twist2D
+from trundle.mission import End, Episode, LiveRun, Outcome, Pause, Session, SetGoal, Steering, run
+from trundle.navigation import NavigationStatus
+from trundle.navigation.behaviors import Behavior
+from trundle.observation import Estimate
+from trundle.planning import create_planner
+from trundle.record.run_folder import RunFolder
+from trundle.sim.kinematic import KinematicSimulator
+
+GOAL = (3.0, 4.5)
+
+
+class Boom(Exception):  # noqa: N818
+    pass
+
+
+class Planner:
+    """Plans as `auto` does; raises at its call number `at`."""
+
+    def __init__(self, at=1, error=None):
+        self.at, self.error, self.calls, self.inner = at, error or Boom("no idea"), 0, create_planner("auto")
+
+    def plan(self, costmap, start, goal, **options):
+        self.calls += 1
+        if self.calls >= self.at:
+            raise self.error
+        return self.inner.plan(costmap, start, goal, **options)
+
+
+class Controller:
+    """Drives straight on; raises in a method, in its call number `at`."""
+
+    def __init__(self, where="compute_velocity", at=1, error=None, returns=Twist2D(0.2, 0.0)):
+        self.where, self.at, self.error, self.returns, self.calls = where, at, error or Boom("no idea"), returns, 0
+
+    def _call(self, method):
+        if method == self.where:
+            self.calls += 1
+            if self.calls >= self.at:
+                raise self.error
+
+    def reset(self, *, seed=0):
+        self._call("reset")
+
+    def set_path(self, path):
+        self._call("set_path")
+
+    def set_speed_limit(self, limit):
+        self._call("set_speed_limit")
+
+    def compute_velocity(self, pose, twist, costmap, dt):
+        self._call("compute_velocity")
+        return self.returns
+
+
+class Agent:
+    """Drives straight on; raises where it is told."""
+
+    def __init__(self, where="update", at=1, error=None, returns=Twist2D(0.2, 0.0)):
+        self.where, self.at, self.error, self.returns, self.calls = where, at, error or Boom("no idea"), returns, 0
+
+    def _call(self, method):
+        if method == self.where:
+            self.calls += 1
+            if self.calls >= self.at:
+                raise self.error
+
+    @property
+    def status(self):
+        self._call("status")
+        return NavigationStatus.DRIVING
+
+    @property
+    def behavior_runs(self):
+        self._call("behavior_runs")
+        return ()
+
+    def reset(self, *, seed=0):
+        self._call("reset")
+
+    def set_goal(self, goal):
+        self._call("set_goal")
+
+    def set_latency(self, latency):
+        self._call("set_latency")
+
+    def update(self, observation, estimate):
+        self._call("update")
+        return self.returns
+
+
+class Localizer:
+    def __init__(self, where="update", at=1):
+        self.where, self.at, self.calls = where, at, 0
+
+    def _call(self, method):
+        if method == self.where:
+            self.calls += 1
+            if self.calls >= self.at:
+                raise Boom("no idea")
+
+    def reset(self, pose, *, seed=0):
+        self._call("reset")
+        self.begin = pose
+
+    def update(self, observation):
+        self._call("update")
+        return Estimate(observation.time, self.begin @ observation.odometry)
+
+
+class Monitor:
+    def __init__(self, where):
+        self.where = where
+
+    def reset(self):
+        if self.where == "reset":
+            raise Boom("no idea")
+
+    def check(self, *_):
+        raise Boom("no idea")
+
+
+class Simulator(KinematicSimulator):
+    """A simulator of others, derived from one of trundle."""
+
+    def __init__(self, world, robot, where, error=None):
+        self.where, self.error, self.calls = "", error or Boom("no idea"), 0
+        super().__init__(world, robot)
+        self.where = where
+
+    def reset(self, pose, *, seed=0):
+        if self.where == "reset":
+            raise self.error
+        return super().reset(pose, seed=seed)
+
+    def step(self, command, dt):
+        self.calls += 1
+        if self.where == "step" and self.calls > 3:
+            raise self.error
+        return super().step(command, dt)
+
+
+class Fails(Behavior):
+    def update(self, context):
+        raise Boom("no idea")
+
+
+class Smoother:
+    def smooth(self, path, costmap):
+        raise Boom("no idea")
+
+
+@pytest.fixture
+def drive(make_sim, navigator, start, tmp_path):
+    """Run it with a folder and an observer; return the exception, the episode and the observer."""
+
+    def drive(agent=navigator, *, sim=None, goal=GOAL, error=Boom, **options):
+        watcher = Recorder()
+        with RunFolder(tmp_path / "run", video=False, overwrite=True) as folder, pytest.raises(error) as caught:
+            run(sim or make_sim(), agent, start, goal, observers=[watcher, folder], **options)
+        return caught.value, Episode.load(tmp_path / "run"), watcher
+
+    return drive
+
+
+def check_ended(found, kind, plugin):
+    """The run ended as it should: the folder and the observer have the fault, the exception has the folder."""
+    error, episode, watcher = found
+    assert episode.outcome is watcher.episode.outcome is Outcome.ERROR
+    assert episode.fault == watcher.episode.fault == find_fault(error)
+    assert (episode.fault.kind, episode.fault.plugin, episode.fault.file) == (kind, plugin, __file__)
+    assert f"{__file__}:{episode.fault.line}" in episode.message
+    assert "Traceback" in episode.fault.traceback
+    assert folder_of(error) == str(episode.folder)
+    assert not episode.observer_errors
+
+
+# Where a plug-in raises -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_a_planner_that_raises(navigator, drive, at):
+    navigator.planner = Planner(at)
+    found = drive(goal=[GOAL, (1.0, 1.0)])
+    check_ended(found, "planner", "Planner")
+    assert found[1].fault.function == "Planner.plan"
+    assert found[1].fault.source == "raise self.error"
+
+
+@pytest.mark.parametrize(
+    ("where", "at"), [("reset", 1), ("set_path", 1), ("compute_velocity", 1), ("compute_velocity", 100)]
+)
+def test_a_controller_that_raises(navigator, drive, where, at):
+    navigator.controller = Controller(where, at)
+    navigator.progress_checker.time_allowance = 60.0
+    found = drive(time_limit_s=30.0)
+    check_ended(found, "controller", "Controller")
+    assert len(found[1].trajectory) == (at if where == "compute_velocity" else 1)
+
+
+@pytest.mark.parametrize(
+    ("where", "at"),
+    [(where, 1) for where in ("reset", "set_goal", "set_latency", "update", "behavior_runs")]
+    + [("status", 1), ("update", 100), ("status", 100), ("behavior_runs", 100)],
+)
+def test_an_agent_that_raises(drive, where, at):
+    found = drive(Agent(where, at), time_limit_s=60.0)
+    check_ended(found, "agent", "Agent")
+
+
+@pytest.mark.parametrize(("where", "at"), [("reset", 1), ("update", 1), ("update", 20)])
+def test_a_localizer_that_raises(drive, where, at):
+    check_ended(drive(localizer=Localizer(where, at)), "localizer", "Localizer")
+
+
+@pytest.mark.parametrize("where", ["reset", "check"])
+def test_a_collision_monitor_that_raises(drive, where):
+    check_ended(drive(monitor=Monitor(where)), "collision monitor", "Monitor")
+
+
+def test_a_smoother_that_raises(navigator, drive):
+    navigator.smoother = Smoother()
+    check_ended(drive(), "smoother", "Smoother")
+
+
+def test_a_behavior_that_raises(room, carter, drive):
+    tour = [trundle.navigation.Waypoint(1.5, 1.0, tasks=[Fails()])]
+    check_ended(drive(goal=tour), "behavior", "Fails")
+
+
+@pytest.mark.parametrize("where", ["reset", "step"])
+def test_a_simulator_that_raises(carter, drive, where):
+    found = drive(sim=Simulator(trundle.World("hall", ()), carter, where))
+    check_ended(found, "simulator", "Simulator")
+
+
+def test_what_measures_a_run_and_raises(make_sim, navigator, start):
+    def measure(*arguments, **named):
+        raise Boom("no idea")
+
+    session = Session(make_sim(), navigator, start, GOAL, measure=measure)
+    with pytest.raises(Boom):
+        session.run()
+    assert (session.outcome, session.finish().fault.plugin) == (Outcome.ERROR, "measure")
+
+
+# What is raised -------------------------------------------------------------------------------------------------------
+
+
+class Odd(Exception):  # noqa: N818
+    """Has no text, and cannot be pickled."""
+
+    def __str__(self):
+        raise RuntimeError("no text")
+
+    def __reduce__(self):
+        raise RuntimeError("not pickled")
+
+
+class Base(BaseException):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (InputError("of a plug-in"), "of a plug-in"),
+        (OSError(2, "No such file", "x.bin"), "[Errno 2] No such file: 'x.bin'"),
+        (Odd(), "(its text cannot be made: RuntimeError)"),
+        (Base("base"), "base"),
+        (SystemExit(3), "3"),
+        (ValueError("a" * 10_000), "a" * 2_000),
+        (ValueError("\udcff"), "\\udcff"),
+        (MemoryError(), ""),
+    ],
+)
+def test_any_exception_is_kept_in_words(drive, error, message):
+    raised, episode, _ = drive(Agent("update", 3, error), error=type(error))
+    assert raised is error
+    assert (episode.fault.type, episode.fault.message) == (type(error).__name__, message)
+    assert pickle.loads(pickle.dumps(episode.fault)) == episode.fault
+
+
+def test_no_path_and_a_broken_simulator_are_outcomes(carter, make_sim, start):
+    sim = Simulator(trundle.World("hall", ()), carter, "step", SimulationError("gone"))
+    assert run(sim, Agent(""), start, GOAL).outcome is Outcome.ABORTED
+    for where, at in (("update", 3), ("set_goal", 1)):
+        episode = run(make_sim(), Agent(where, at, NoPathError("no way")), start, GOAL)
+        assert (episode.outcome, episode.message, episode.fault) == (Outcome.NO_PATH, "no way", None)
+
+
+def test_ctrl_c_in_a_plugin_aborts(make_sim, start):
+    episode = run(make_sim(), Agent("update", 3, KeyboardInterrupt()), start, GOAL)
+    assert (episode.outcome, episode.message) == (Outcome.ABORTED, "stopped by Ctrl-C")
+
+
+def test_what_is_refused_leaves_no_folder(make_sim, navigator, start, tmp_path):
+    with RunFolder(tmp_path / "run", video=False) as folder, pytest.raises(trundle.errors.BlockedPoseError):
+        run(make_sim(), navigator, start, (0.01, 0.01), observers=[folder])
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_agent_that_returns_something_else_is_named(drive):
+    error, episode, _ = drive(Agent("", returns=None), error=InputError)
+    assert str(error) == "Agent.update must return a Twist2D, got None"
+    assert (episode.fault.plugin, episode.fault.function, episode.fault.file) == ("Agent", "Agent.update", __file__)
+
+
+def test_a_compiled_plugin_is_named_by_its_class(drive, monkeypatch):
+    module = types.ModuleType("fast_agents")
+    module.__file__ = "/opt/fast_agents.so"
+    monkeypatch.setitem(sys.modules, "fast_agents", module)
+    compiled = type("Fast", (Agent,), {"update": staticmethod(operator.truediv), "__module__": "fast_agents"})
+    _, episode, _ = drive(compiled(""), error=TypeError)
+    assert (episode.fault.kind, episode.fault.plugin) == ("agent", "Fast")
+    assert episode.fault.place == "/opt/fast_agents.so:0"
+
+
+def test_what_a_plugin_calls_is_its_fault_at_its_own_line(drive):
+    class Divides(Agent):
+        def update(self, observation, estimate):
+            return np.linalg.inv(np.zeros((2, 2)))
+
+    _, episode, _ = drive(Divides(""), error=np.linalg.LinAlgError)
+    assert (episode.fault.plugin, episode.fault.file) == ("Divides", __file__)
+    assert episode.fault.source == "return np.linalg.inv(np.zeros((2, 2)))"
+
+
+def test_every_library_that_trundle_imports_is_no_plugin():
+    named = set()
+    for file in Path(trundle.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.Import):
+                named.update(alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                named.add(node.module)
+    tops = {name.partition(".")[0] for name in named}
+    assert tops - set(sys.stdlib_module_names) - {"trundle", "__future__"} <= LIBRARIES
+
+
+# Who is told ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_session_in_steps_raises_once_and_has_the_episode(make_sim, start):
+    watcher = Recorder()
+    with pytest.raises(Boom) as caught, Session(make_sim(), Agent(at=3), start, GOAL, observers=[watcher]) as session:
+        steps_of(session)
+    assert (session.outcome, session.error) == (Outcome.ERROR, caught.value)
+    assert session.step() is None
+    assert session.finish() is session.finish()
+    assert session.finish().fault == watcher.episode.fault
+    assert len(watcher.steps) == 3
+
+
+def test_a_robot_that_has_touched_something_still_ends_as_an_error(carter, room, start):
+    sim = KinematicSimulator(trundle.World.from_map(room), carter)
+    agent = Agent("update", 400, returns=Twist2D(0.8, 0.0))
+    session = Session(sim, agent, start, GOAL, stop_on_contact=False, time_limit_s=60.0)
+    with pytest.raises(Boom):
+        session.run()
+    assert session.outcome is Outcome.ERROR
+    assert session.finish().metrics.contacts
+
+
+def test_a_plugin_that_raises_at_a_directive_ends_the_run_and_the_directive_is_refused(make_sim, start):
+    steering, refused = Steering(), []
+    session = Session(make_sim(), Agent("set_goal", 2, InputError("no")), start, GOAL, steering=steering)
+    session.step()
+    steering.put(SetGoal((1.0, 1.0)), refused=refused.append)
+    with pytest.raises(InputError):
+        session.step()
+    assert session.outcome is Outcome.ERROR
+    assert "the agent Agent raised InputError: no" in refused[0]
+    assert session.directives[-1].refused == refused[0]
+
+
+def test_a_live_run_has_ended_after_an_error_and_refuses_what_waits(make_sim, start):
+    steering, refused = Steering(), []
+    agent = Agent("update", 3)
+    live = LiveRun(lambda _: Session(make_sim(), agent, start, GOAL, steering=steering), steering, speed=math.inf)
+
+    def put(_):
+        steering.put(Pause(False), refused=refused.append)
+        raise Boom("no idea")
+
+    agent._call = lambda method: put(method) if method == "update" else None
+    with pytest.raises(Boom):
+        live.run()
+    assert live.status.state == "ended"
+    assert refused == ["the run has ended"]
+
+
+def test_a_watcher_that_raises_does_not_cost_the_folder(make_sim, navigator, start, tmp_path):
+    class Watcher:
+        def begin(self, time):
+            pass
+
+        def refuse(self, error):
+            pass
+
+        def end(self, end):
+            raise Boom("no idea")
+
+    steering = Steering()
+    with RunFolder(tmp_path / "run", video=False, overlay=False) as folder:
+        session = Session(make_sim(), navigator, start, GOAL, steering=steering, observers=[folder])
+        session.step()
+        steering.put(SetGoal((1.0, 1.0)), watcher=Watcher())
+        session.step()
+        steering.put(End())
+        with pytest.raises(Boom):
+            session.run()
+    assert Episode.load(tmp_path / "run").outcome is Outcome.ERROR
+
+
+def test_records_of_older_versions_have_no_fault(make_sim, navigator, start, tmp_path):
+    with RunFolder(tmp_path / "run", video=False, overlay=False, page=False) as folder:
+        run(make_sim(), navigator, start, GOAL, observers=[folder])
+    file = tmp_path / "run" / "episode.json"
+    record = json.loads(file.read_text())
+    assert record.pop("fault") is None
+    file.write_text(json.dumps(record))
+    assert Episode.load(tmp_path / "run").fault is None
