@@ -40,6 +40,8 @@ def run(
     robots: Annotated[str | None, _names("Robots, separated by commas: names or files.")] = None,
     planners: Annotated[str | None, _names("Planners, separated by commas: auto,astar.")] = None,
     controllers: Annotated[str | None, _names("Controllers, separated by commas.")] = None,
+    agents: Annotated[str | None, _names("Agents that drive instead, separated by commas.")] = None,
+    localizers: Annotated[str | None, _names("Localizers, separated by commas; default: the true pose.")] = None,
     backends: Annotated[str | None, _names("Simulators, separated by commas: mujoco,kinematic.")] = None,
     seeds: Annotated[str | None, Parameter(help="Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
@@ -74,7 +76,14 @@ def run(
             f"give a suite ({', '.join(suite_names())}, or a file), or maps and worlds; trundle evaluate --help has "
             "examples"
         )
-    lists = {"robots": robots, "planners": planners, "controllers": controllers, "backends": backends}
+    lists = {
+        "robots": robots,
+        "planners": planners,
+        "controllers": controllers,
+        "agents": agents,
+        "localizer": localizers,
+        "backends": backends,
+    }
     changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
     if seeds is not None:
         changes["missions"] = {"seeds": _read_seeds(seeds)}
