@@ -1,12 +1,13 @@
 """Controllers of other packages behind the seam, as they are and through the adapter."""
 
+import copy
 import math
 
 import numpy as np
 import pytest
 
 from trundle.control import Controller, controller_names, create_controller
-from trundle.control.controller import OlderController
+from trundle.control.controller import ControllerAdapter
 from trundle.errors import NoValidControlError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid, SpeedMask
@@ -64,15 +65,21 @@ def limited(controller):
 @pytest.mark.parametrize("name", controller_names())
 def test_our_controllers_need_no_adapter(name):
     controller = create_controller(name, CARTER)
-    assert not isinstance(controller, OlderController)
+    assert not isinstance(controller, ControllerAdapter)
     assert isinstance(controller, Controller)
     controller.set_speed_limit(math.inf)
+
+
+@pytest.mark.parametrize("name", controller_names())
+def test_our_controllers_can_be_copied(name):
+    controller = create_controller(name, CARTER)
+    assert type(copy.deepcopy(controller)) is type(controller)
 
 
 def test_an_older_controller_works_behind_the_whole_seam():
     older = Older()
     controller = create_controller(older, CARTER)
-    assert isinstance(controller, OlderController)
+    assert isinstance(controller, ControllerAdapter)
     assert isinstance(controller, Controller)
     assert controller.controller is older
     command = limited(older)
@@ -83,7 +90,7 @@ def test_an_older_controller_works_behind_the_whole_seam():
 def test_a_wrapper_hands_the_limit_on():
     inner = create_controller("regulated_pure_pursuit", CARTER)
     wrapper = Wrapper(inner)
-    assert create_controller(wrapper, CARTER) is wrapper
+    assert create_controller(wrapper, CARTER).controller is wrapper
     assert limited(wrapper).v == pytest.approx(0.2)
 
 
@@ -92,7 +99,7 @@ def test_a_class_that_derives_from_the_seam_has_the_default():
         pass
 
     derived = Derived()
-    assert create_controller(derived, CARTER) is derived
+    assert create_controller(derived, CARTER).controller is derived
     assert limited(derived).v == pytest.approx(0.2)
 
 

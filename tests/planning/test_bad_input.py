@@ -279,6 +279,6 @@ def test_blocked_is_read_where_it_lies_whatever_its_strides(view, dtype):
 @pytest.mark.parametrize("other", [None, 3, object()])
 def test_what_is_no_planner_and_no_smoother(other):
     for make in (create_planner, create_smoother, lambda planner: plan_many(planner, costmap_of(FREE), [], [])):
-        assert "by its name" in str(refused(lambda make=make: make(other)))
-    with pytest.raises(InputError, match="goal_tolerance: options need a planner given by name"):
+        assert " is a name, an object with " in str(refused(lambda make=make: make(other)))
+    with pytest.raises(InputError, match="takes no option 'goal_tolerance': give its class or its name"):
         create_planner(create_planner("astar"), goal_tolerance=1.0)

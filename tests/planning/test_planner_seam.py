@@ -1,6 +1,8 @@
 """Planners of other packages behind the seam, as they are and through adapters."""
 
+import copy
 import functools
+import pickle
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from trundle.navigation import Navigator
 from trundle.path import Path
 from trundle.planning import Cancellation, create_planner, plan_many, planner_names
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
-from trundle.planning.older_planner import OlderPlanner
+from trundle.planning.planner_adapter import PlannerAdapter
 from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
@@ -70,9 +72,26 @@ def costmap():
 @pytest.mark.parametrize("name", planner_names())
 def test_our_planners_take_every_keyword_and_need_no_adapter(name):
     planner = create_planner(name)
-    assert not isinstance(planner, OlderPlanner)
+    assert not isinstance(planner, PlannerAdapter)
     path = planner.plan(costmap(), START, GOAL, **EVERY)
     assert path.goal.distance_to(GOAL) < 1e-6
+
+
+@pytest.mark.parametrize("name", planner_names())
+def test_our_planners_can_be_copied_and_pickled_after_they_have_planned(name):
+    planner = create_planner(name, **({"max_expansions": 20_000} if name == "hybrid_astar" else {}))
+    path = planner.plan(costmap(), START, GOAL)
+    for other in (copy.deepcopy(planner), pickle.loads(pickle.dumps(planner))):
+        assert other is not planner
+        assert np.array_equal(other.plan(costmap(), START, GOAL).poses, path.poses)
+
+
+def test_a_planner_derived_from_ours_is_never_copied_without_what_it_keeps():
+    class Mine(LeastCostPlanner):
+        pass
+
+    with pytest.raises(TypeError, match="cannot pickle"):
+        copy.deepcopy(Mine())
 
 
 @pytest.mark.parametrize(
@@ -81,7 +100,7 @@ def test_our_planners_take_every_keyword_and_need_no_adapter(name):
 def test_an_older_planner_is_handed_the_keywords_that_it_takes(make, handed_on):
     older = make()
     planner = create_planner(older)
-    assert isinstance(planner, OlderPlanner)
+    assert isinstance(planner, PlannerAdapter)
     assert planner.planner is older
     assert planner.plan(costmap(), START, GOAL, **EVERY).goal == GOAL
     assert getattr(older, "given", {}) == {name: EVERY[name] for name in handed_on}
@@ -89,7 +108,7 @@ def test_an_older_planner_is_handed_the_keywords_that_it_takes(make, handed_on):
 
 def test_a_wrapper_with_kwargs_is_handed_all_of_them():
     wrapper = Wrapper()
-    assert create_planner(wrapper) is wrapper
+    assert create_planner(wrapper).planner is wrapper
     navigator = Navigator(room(), CARTER, planner=wrapper)
     navigator.set_goal(4.0, 3.5)
     path = navigator.plan((2.0, 2.0, 0.0))
@@ -129,6 +148,13 @@ def test_an_older_planner_is_not_begun_when_it_is_cancelled_already():
 
 def test_a_planner_without_a_readable_signature_is_called_by_the_protocol():
     class Compiled:
-        plan = type("Opaque", (), {"__call__": lambda self, *_, **given: given, "__signature__": "none"})()
+        given = None
 
-    assert create_planner(Compiled()).plan(None, None, None, **EVERY) == EVERY
+        def call(self, costmap, start, goal, **given):
+            Compiled.given = given
+            return straight(start, goal)
+
+        plan = type("Opaque", (), {"__call__": call, "__signature__": "none"})()
+
+    assert create_planner(Compiled()).plan(None, START, GOAL, **EVERY).goal == GOAL
+    assert Compiled.given == EVERY

@@ -77,7 +77,7 @@ class Frozen(Standing):
 @pytest.mark.parametrize(
     ("agent", "message"),
     [
-        (object, "reset, set_goal, update and status"),
+        (object, r"reset\(\*, seed\), set_goal\(goal\), update\(observation, estimate\) and status"),
         (Restless, "must command zero"),
         (Liar, "must be at the goal"),
         (Bare, "must command a Twist2D"),

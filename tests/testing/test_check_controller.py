@@ -109,6 +109,11 @@ class Crashing(WithoutReset):
             raise RuntimeError("nothing to do") from None
 
 
+@pytest.mark.parametrize("controller", [WithoutLimit, WithoutReset])
+def test_a_controller_needs_no_more_than_it_must_have(controller):
+    check_controller(controller)
+
+
 @pytest.mark.parametrize(
     ("broken", "promise"),
     [
@@ -116,11 +121,9 @@ class Crashing(WithoutReset):
         (Restless, "without a path must command zero"),
         (Speeding, "within the speed limits"),
         (Vandal, "must not modify the costmap"),
-        (WithoutLimit, "needs set_speed_limit"),
         (HalfLimited, "must obey or ignore a speed limit"),
         (NeverFree, "speed limit is removed"),
         (Stopped, "it stopped"),
-        (WithoutReset, "needs reset"),
         (KeepsLimit, "same after a reset"),
         (Crashing, "must raise NoValidControlError"),
     ],

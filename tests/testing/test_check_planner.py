@@ -67,13 +67,6 @@ class WritingPlanner(LeastCostPlanner):
         return path
 
 
-class OlderPlanner(LeastCostPlanner):
-    """Takes none of the keywords."""
-
-    def plan(self, costmap, start, goal):
-        return super().plan(costmap, start, goal)
-
-
 class UnstoppablePlanner(LeastCostPlanner):
     """Does not look whether it is cancelled."""
 
@@ -114,7 +107,6 @@ class WrongStatusPlanner(LeastCostPlanner):
         (LooseErrorPlanner, "must raise OutsideMapError"),
         (MoodyPlanner, "two different paths"),
         (WritingPlanner, "must not change the costmap"),
-        (OlderPlanner, "must take the keywords goal_yaw_free, deadline_s, cancel"),
         (UnstoppablePlanner, "already cancelled query must raise"),
         (StrayingPlanner, "it must end at"),
         (HastyPlanner, "a deadline that is far off changes the path"),

@@ -2,12 +2,13 @@
 
 from trundle.control.checkers import GoalChecker, ProgressChecker
 from trundle.control.collision_monitor import CollisionMonitor, MonitorAction, MonitorReport, MonitorSettings
-from trundle.control.controller import Controller, Rollouts, controller_names, create_controller
+from trundle.control.controller import Controller, ControllerLike, Rollouts, controller_names, create_controller
 from trundle.control.intent import Intent
 
 __all__ = [
     "CollisionMonitor",
     "Controller",
+    "ControllerLike",
     "GoalChecker",
     "Intent",
     "MonitorAction",

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from trundle.costmap import Costmap
+from trundle.errors import InputError
+from trundle.files.choice import Choice, split_choice
 from trundle.geometry import FloatArray, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.path import Path
-from trundle.registry import Registry
+from trundle.registry import Contract, PluginFunction, Registry, is_foreign, keywords_taken, name_of, offered_arguments
 from trundle.robots import Robot
 from trundle.values import check_kind
 
@@ -21,11 +25,11 @@ CONTROLLERS: Registry[Controller] = Registry(
         "mppi": "trundle.control.mppi.controller:MppiController",
     },
     removed={"blog": "was renamed; use lookahead"},
+    contract=Contract(
+        {"set_path": "path", "compute_velocity": "pose, twist, costmap, dt"},
+        function=("pose", "twist", "costmap", "dt", "path"),
+    ),
 )
-
-
-_ADDED = ("reset", "set_speed_limit")
-_OPTIONAL = ("set_tracks", "rollouts")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +47,14 @@ class Rollouts:
 
 @runtime_checkable
 class Controller(Protocol):
-    """Follows a path. A class behind a name is made with the robot first: `RegulatedPurePursuit(robot, **options)`.
+    """Follows a path.
 
-    One of another package without `reset` or `set_speed_limit` works as well: `create_controller` wraps it. One that
-    has `set_tracks(tracks)` gets what the navigator's scans show to move before each command: every
-    `trundle.observation.Track`, predicted to now, map frame. One that has an `intent`, an `Intent` or None, is judged
-    by the collision monitor by all that it means to command, and not as if its command were kept up. One that has a
-    text `reason` says there why it makes no progress, empty while it does: the navigator counts and shows it. One that
-    has `rollouts()` returns `Rollouts`, or none, for pictures.
+    One of another package without `reset` or `set_speed_limit` works as well, and so does a function: see
+    `ControllerLike`. One that has `set_tracks(tracks)` gets what the navigator's scans show to move before each
+    command: every `trundle.observation.Track`, predicted to now, map frame. One that has an `intent`, an `Intent` or
+    None, is judged by the collision monitor by all that it means to command, and not as if its command were kept up.
+    One that has a text `reason` says there why it makes no progress, empty while it does: the navigator counts and
+    shows it. One that has `rollouts()` returns `Rollouts`, or none, for pictures.
     """
 
     def reset(self, *, seed: int = 0) -> None:
@@ -90,28 +94,89 @@ class Controller(Protocol):
         ...
 
 
+class SomeController(Protocol):
+    """The least that an object needs to be used as a controller; `create_controller` makes a `Controller` of it."""
+
+    def set_path(self, path: Path, /) -> None:
+        """Follow this path from now on."""
+        ...
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float, /) -> Twist2D:
+        """Return the command for the next control period."""
+        ...
+
+
+ControllerLike: TypeAlias = str | Choice | SomeController | Callable[..., object]
+"""Whatever follows a path: a name, `"module:name"`, an object with `set_path` and `compute_velocity`, a class of such
+objects, or a function (pose, twist, costmap, dt, path) → `Twist2D`, which is called while there is a path. A class is
+made with those of `robot`, `map` and the options that its parameters name."""
+
+
 def controller_names() -> list[str]:
     """Names that `create_controller` takes, sorted."""
     return CONTROLLERS.names()
 
 
-def create_controller(controller: str | Controller, robot: Robot, **options: Any) -> Controller:
-    """Make a controller for a robot from its name and options, or take one as it is.
+def create_controller(
+    controller: ControllerLike, robot: Robot, grid: OccupancyGrid | None = None, **options: Any
+) -> Controller:
+    """Make a controller for a robot of whatever follows a path.
 
-    One that has no `reset` or no `set_speed_limit` is wrapped, so that it can be used like any other.
+    One of another package is wrapped, so that it can be used like any other.
+
+    Args:
+        controller: A name, a class, a function or an object; see `ControllerLike`.
+        robot: The robot.
+        grid: What a class gets as `map`, where there is one.
+        options: Of the controller; more than those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no controller of that name.
-        InputError: If it does not take these options, or is no controller; or the robot is none.
+        InputError: If it does not take these options, needs an argument that nothing gives, or is no controller; or the
+            robot is none.
     """
     check_kind(robot, Robot, "a controller's robot", "Robot.load(name) makes one")
-    made = CONTROLLERS.take(controller, "compute_velocity", robot, **options)
-    whole = all(callable(getattr(made, name, None)) for name in _ADDED)
-    return made if whole else OlderController(made)
+    _, given, chosen = split_choice(controller)
+    made = CONTROLLERS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
+    if isinstance(made, PluginFunction):
+        return ControllerAdapter(FunctionController(made))
+    return ControllerAdapter(made) if is_foreign(made) else made
 
 
-class OlderController(Controller):
-    """Gives a controller without `reset` or `set_speed_limit` the whole protocol, with the defaults for those methods.
+class FunctionController:
+    """A function (pose, twist, costmap, dt, path) → `Twist2D` as a controller, which stands without a path.
+
+    Args:
+        function: The function.
+
+    Attributes:
+        function: The function itself.
+    """
+
+    def __init__(self, function: PluginFunction) -> None:
+        self.function = function.function
+        self.__name__ = function.name
+        self._call = function
+        self._path: Path | None = None
+
+    def reset(self) -> None:
+        """Forget the path."""
+        self._path = None
+
+    def set_path(self, path: Path) -> None:
+        """Hand this path to the function from now on."""
+        self._path = path
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
+        """Ask the function for the command."""
+        return Twist2D() if self._path is None else self._call(pose, twist, costmap, dt, self._path)
+
+
+class ControllerAdapter(Controller):
+    """Gives a controller of another package the whole protocol, and checks what it returns.
+
+    Without `reset` or `set_speed_limit` it has the defaults. What else it has can be used as before: `set_tracks`,
+    `intent`, `reason`, `rollouts`.
 
     Args:
         controller: The controller to wrap.
@@ -120,17 +185,40 @@ class OlderController(Controller):
         controller: The same.
     """
 
-    def __init__(self, controller: Controller) -> None:
-        self.controller = controller
-        # Either may be there without the other.
-        for name in (*_ADDED, *_OPTIONAL):
-            if callable(own := getattr(controller, name, None)):
-                setattr(self, name, own)
+    def __init__(self, controller: Any) -> None:
+        self.controller: Any = controller
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "controller" or name.startswith("__"):  # a copy that is being made has none yet
+            raise AttributeError(name)
+        return getattr(self.controller, name)
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget everything, where the controller can; see `Controller`."""
+        reset = getattr(self.controller, "reset", None)
+        if callable(reset):
+            reset(**({"seed": seed} if keywords_taken(reset, ("seed",)) else {}))
 
     def set_path(self, path: Path) -> None:
         """Follow this path from now on; see `Controller`."""
         self.controller.set_path(path)
 
+    def set_speed_limit(self, limit: float) -> None:
+        """Hand the limit on, where the controller takes one; see `Controller`."""
+        set_limit = getattr(self.controller, "set_speed_limit", None)
+        if callable(set_limit):
+            set_limit(limit)
+
     def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
-        """Return the command for the next control period; see `Controller`."""
-        return self.controller.compute_velocity(pose, twist, costmap, dt)
+        """Return the command for the next control period; see `Controller`.
+
+        Raises:
+            InputError: If the controller returns something else.
+        """
+        command = self.controller.compute_velocity(pose, twist, costmap, dt)
+        if not isinstance(command, Twist2D):
+            raise InputError(
+                f"controller {name_of(self.controller)!r} returned {command!r}: compute_velocity returns a "
+                "Twist2D(v, w) [m/s, rad/s], and Twist2D() to stand"
+            )
+        return command

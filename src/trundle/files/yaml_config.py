@@ -16,6 +16,7 @@ from trundle.files.config_fields import ACCEPT_DEGREES, DEGREES, REFUSE_DEGREES
 from trundle.files.kinds import describe_mismatch, kind_of_keys
 from trundle.files.yaml_nodes import compose, keys_of, place
 from trundle.files.yaml_problems import describe_problems
+from trundle.registry import without_files
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -74,7 +75,7 @@ def validate(node: yaml.Node, model: type[ModelT], name: str, *, kind: str | Non
         AngleWarning: For an angle larger than a full turn, which is probably in degrees.
     """
     try:
-        return build(plain_value(node, name), model, name=name, node=node)
+        return build(without_files(plain_value(node, name)), model, name=name, node=node)
     except InputError as error:
         found = kind_of_keys(keys_of(node))
         if kind is None or found in (None, kind):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
+from trundle.errors import InputError
+from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation
-from trundle.registry import Registry
+from trundle.registry import Contract, PluginFunction, Registry, is_foreign, keywords_taken, name_of
 from trundle.robots import Robot
 from trundle.values import check_kind
 
@@ -15,12 +18,13 @@ LOCALIZERS: Registry[Localizer] = Registry(
     "localizer",
     "trundle.localizers",
     {"odometry": "trundle.localization.odometry:OdometryLocalizer"},
+    contract=Contract({"reset": "pose", "update": "observation"}, function=("observation",)),
 )
 
 
 @runtime_checkable
 class Localizer(Protocol):
-    """Estimates a robot's pose. A class behind a name is made with map and robot: `AMCL(grid, robot, **options)`.
+    """Estimates a robot's pose. It may also be a function, or return poses alone: see `LocalizerLike`.
 
     It gets observations only, never the truth of a simulation.
     """
@@ -38,23 +42,90 @@ class Localizer(Protocol):
         ...
 
 
+class SomeLocalizer(Protocol):
+    """The least that an object needs to be used as a localizer; `create_localizer` makes a `Localizer` of it."""
+
+    def reset(self, pose: Pose2D, /) -> None:
+        """Start over with the robot at `pose`, map frame."""
+        ...
+
+    def update(self, observation: Observation, /) -> Estimate | Pose2D:
+        """Return where the robot is after one more observation."""
+        ...
+
+
+LocalizerLike: TypeAlias = str | Choice | SomeLocalizer | Callable[..., object]
+"""Whatever estimates the pose: a name, `"module:name"`, an object with `reset` and `update`, a class of such objects,
+or a function (observation). What is returned is an `Estimate`, or a `Pose2D`, which is one at the time of the
+observation. A class is made with those of `map`, `robot` and the options that its parameters name."""
+
+
 def localizer_names() -> list[str]:
     """Names that `create_localizer` takes, sorted."""
     return LOCALIZERS.names()
 
 
-def create_localizer(localizer: str | Localizer, grid: OccupancyGrid | None, robot: Robot, **options: Any) -> Localizer:
-    """Make a localizer from its name and options, or take one as it is.
+def create_localizer(localizer: LocalizerLike, grid: OccupancyGrid | None, robot: Robot, **options: Any) -> Localizer:
+    """Make a localizer of whatever estimates a pose.
+
+    One of another package is wrapped, so that it can be used like any other and always returns an `Estimate`.
 
     Args:
-        localizer: A name, or a localizer.
-        grid: The map; none where the robot has none.
+        localizer: A name, a class, a function or an object; see `LocalizerLike`.
+        grid: The map, which a class gets as `map`; None where the robot has none.
         robot: The robot.
-        options: Of the localizer.
+        options: Of the localizer; more than those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no localizer of that name.
         InputError: If it does not take these options, is no localizer, or needs a map and there is none.
     """
     check_kind(robot, Robot, "a localizer's robot", "Robot.load(name) makes one")
-    return LOCALIZERS.take(localizer, "update", grid, robot, **options)
+    _, given, chosen = split_choice(localizer)
+    made = LOCALIZERS.resolve(given, {"map": grid, "robot": robot, "grid": grid}, {**chosen, **options})
+    return LocalizerAdapter(made) if isinstance(made, PluginFunction) or is_foreign(made) else made
+
+
+class LocalizerAdapter:
+    """Gives a localizer of another package, or a function, the whole protocol, and checks what it returns.
+
+    Args:
+        localizer: An object with `reset` and `update`, or a function.
+
+    Attributes:
+        localizer: The same; of a function, the function itself.
+    """
+
+    def __init__(self, localizer: Any) -> None:
+        is_function = isinstance(localizer, PluginFunction)
+        self.localizer: Any = localizer.function if is_function else localizer
+        self._estimate: Callable[[Observation], Any] = localizer if is_function else localizer.update
+        self._time: float | None = None
+
+    def reset(self, pose: Pose2D, *, seed: int = 0) -> None:
+        """Start over with the robot at `pose`; see `Localizer`. A function keeps nothing."""
+        self._time = None
+        reset = getattr(self.localizer, "reset", None)
+        if callable(reset):
+            reset(pose, **({"seed": seed} if keywords_taken(reset, ("seed",)) else {}))
+
+    def update(self, observation: Observation) -> Estimate:
+        """Return where the robot is; see `Localizer`.
+
+        Raises:
+            InputError: If the time of the observation is not after the last one, or the localizer returns neither an
+                estimate nor a pose.
+        """
+        time = observation.time
+        if self._time is not None and not time > self._time:
+            raise InputError(f"times must increase: an observation of {time:g} s came after one of {self._time:g} s")
+        found = self._estimate(observation)
+        self._time = time
+        if isinstance(found, Pose2D):
+            return Estimate(time, found, None, found @ observation.odometry.inverse())
+        if not isinstance(found, Estimate):
+            raise InputError(
+                f"localizer {name_of(self.localizer)!r} returned {found!r}: a localizer returns an Estimate, or a "
+                "Pose2D in the map frame"
+            )
+        return found

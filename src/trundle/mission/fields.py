@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from trundle.control import MonitorSettings
 from trundle.control.controller import CONTROLLERS
 from trundle.costmap import CostmapSettings, LayersSettings
-from trundle.files.choice import Choice, takes_name
+from trundle.files.choice import Choice, takes_name, takes_plugin
 from trundle.files.config_fields import PoseNumbers, Positive
 from trundle.latency import Latency
 from trundle.mission.assumed import Assumed
@@ -65,9 +65,11 @@ class ScenarioFields(CostmapSettings, RunSettings):
         goal: (x, y), to be reached with any yaw, or (x, y, yaw); none, and no `goals`, means picked by seed.
         goals: Several of these, to be reached in order; or waypoints with tasks, `{pose: [5, 3], wait: 2.0}`.
         through: Whether the robot drives through the goals without stopping, but for waypoints with tasks and the last.
-        planner: Planner by name, or `{name: …, options: {…}}`.
+        planner: Planner by name, by `module:name`, or `{name: …, options: {…}}`; in Python also a class, a function or
+            an object.
         controller: Controller, likewise.
         smoother: Smoother of the planned paths, likewise; none drives them as they are planned.
+        agent: What drives instead of planner, controller and smoother, likewise; none means that these drive.
         unmapped: Boxes in the world that are not on the robot's map, drawn by seed; none means no such boxes.
         movers: What moves in the world besides the robot and the world's movers: on a path, or crowds of people and
             forklifts.
@@ -79,7 +81,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
             senses obstacles that are not on its map.
         known_map: Whether the robot starts with the map of its surroundings. Without it, it drives by its lidars alone;
             unknown space can then be driven, at a cost, also where `unknown` is blocked.
-        localizer: What estimates the robot's pose, by name or `{name: …, options: {…}}`; none gives it the true pose.
+        localizer: What estimates the robot's pose, likewise; none gives it the true pose.
         layers: How scans are put into the costmap; none means the defaults.
         collision_monitor: Whether every command passes a collision monitor (true or its settings), or none (false). Not
             given means one where there are scans.
@@ -107,11 +109,12 @@ class ScenarioFields(CostmapSettings, RunSettings):
     goal: PoseNumbers | None = None
     goals: Annotated[tuple[GoalFields, ...], Field(min_length=1)] | None = None
     through: bool = False
-    planner: Annotated[Choice, takes_name(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
-    controller: Annotated[Choice, takes_name(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
+    planner: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(PLANNERS)] = Choice(name="auto")
+    controller: Annotated[Choice, takes_plugin(Choice), refuse_removed_names(CONTROLLERS)] = Choice(
         name="regulated_pure_pursuit"
     )
-    smoother: Annotated[Choice | None, takes_name(Choice)] = None
+    smoother: Annotated[Choice | None, takes_plugin(Choice)] = None
+    agent: Annotated[Choice | None, takes_plugin(Choice)] = None
     unmapped: Unmapped | None = None
     movers: tuple[MoverChoice, ...] = ()
     backend: Annotated[Choice, takes_name(Choice)] = Choice(name="mujoco")
@@ -120,7 +123,7 @@ class ScenarioFields(CostmapSettings, RunSettings):
     odometry: OdometryErrors | None = None
     lidar: LidarNames = False
     known_map: bool = True
-    localizer: Annotated[Choice | None, takes_name(Choice)] = None
+    localizer: Annotated[Choice | None, takes_plugin(Choice)] = None
     layers: LayersSettings | None = None
     collision_monitor: bool | MonitorSettings | None = None
     rules: Rules | None = None

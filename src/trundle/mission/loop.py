@@ -6,20 +6,20 @@ from collections.abc import Sequence
 
 from trundle.geometry import Pose2D
 from trundle.latency import Latency
-from trundle.localization import Localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode
 from trundle.mission.observers import Observer
 from trundle.mission.rules import Rules
 from trundle.mission.running.monitoring import Monitor
 from trundle.mission.running.session import Session
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation import Agent
+from trundle.navigation.agent import AgentLike
 from trundle.sim import Simulator
 
 
 def run(
     sim: Simulator,
-    navigator: Agent,
+    navigator: AgentLike,
     start: Pose2D | Sequence[float],
     goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None,
     *,
@@ -29,7 +29,7 @@ def run(
     stop_on_contact: bool = True,
     rules: Rules | None = None,
     name: str = "run",
-    localizer: str | Localizer | None = None,
+    localizer: LocalizerLike | None = None,
     latency: Latency | None = None,
     monitor: Monitor | bool | None = None,
     through: bool = False,
@@ -40,7 +40,8 @@ def run(
 
     Args:
         sim: What moves the robot.
-        navigator: What drives it, a navigator or another agent; a goal that it has is replaced.
+        navigator: What drives it: a navigator or another agent, whose goal is replaced; or the class or the name of
+            one, or a function (observation, estimate); see `AgentLike`.
         start: The start: a pose, (x, y) or (x, y, yaw); map frame.
         goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these. None for an agent without a
             goal, which drives until it is FINISHED.
@@ -51,8 +52,8 @@ def run(
         stop_on_contact: Whether the first contact ends the run. A run with a contact is `collided` either way.
         rules: What else ends the run; None means nothing.
         name: Name of the run.
-        localizer: Estimates the robot's pose: a localizer, or the name of one. None means that the navigator gets the
-            true pose.
+        localizer: Estimates the robot's pose: a localizer, a class, a function or a name; see `LocalizerLike`. None
+            means that the navigator gets the true pose.
         latency: How late scans and commands arrive.
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
@@ -86,7 +87,7 @@ def run(
 
 def run_measured(
     sim: Simulator,
-    navigator: Agent,
+    navigator: AgentLike,
     start: Pose2D | Sequence[float],
     goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None,
     *,
@@ -96,7 +97,7 @@ def run_measured(
     stop_on_contact: bool = True,
     rules: Rules | None = None,
     name: str = "run",
-    localizer: str | Localizer | None = None,
+    localizer: LocalizerLike | None = None,
     latency: Latency | None = None,
     monitor: Monitor | bool | None = None,
     through: bool = False,

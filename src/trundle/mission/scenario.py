@@ -30,13 +30,16 @@ from trundle.mission.sampling import sample_mission
 from trundle.mission.simulation import session_options, start_backend, wrap_backend
 from trundle.mission.steering.file import load_directives
 from trundle.mission.steering.queue import Steering
-from trundle.navigation import Navigator, NavigatorSettings
+from trundle.navigation import Agent, Navigator, NavigatorSettings
+from trundle.navigation.agent import create_agent
 from trundle.navigation.behaviors.choice import shorten_behavior
-from trundle.planning.planner import Planner
 from trundle.robots import Robot, is_robot_file
 from trundle.sim import Simulator
 from trundle.values import as_path
 from trundle.worlds import World
+
+PLUGINS = ("planner", "controller", "smoother", "agent", "localizer")
+"""Fields of a scenario that choose a plug-in."""
 
 
 class Scenario(ScenarioFields):
@@ -112,7 +115,7 @@ class Scenario(ScenarioFields):
         """Its settings as plain values, in the short forms of its YAML."""
         dumped = self.model_dump(mode="json", exclude_none=True)
         settings = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
-        for key in ("world", "planner", "controller", "smoother", "backend", "localizer", "record"):
+        for key in ("world", *PLUGINS, "backend", "record"):
             if key in settings:
                 settings[key] = shorten(settings[key])
         if "goals" in settings:
@@ -130,15 +133,12 @@ class Scenario(ScenarioFields):
     def __str__(self) -> str:
         return repr(self)
 
-    def prepare(
-        self, place: Place | None = None, *, costmap: Costmap | None = None, planner: Planner | None = None
-    ) -> Setting:
+    def prepare(self, place: Place | None = None, *, costmap: Costmap | None = None) -> Setting:
         """Make world, robot, map and navigator, and pick the start and the goal that are not given.
 
         Args:
             place: World, robot and map, where they were made before, by `make_place` of a scenario that has the same.
             costmap: What `make_costmap` made of that place before.
-            planner: An object to plan with instead of the scenario's planner.
 
         Raises:
             UnknownNameError: If a name is not known; the nearest is offered.
@@ -153,17 +153,17 @@ class Scenario(ScenarioFields):
         if not self.known_map and seen.unknown == "blocked":
             seen = seen.model_copy(update={"unknown": "costly"})
         navigator = Navigator(
-            costmap if self.known_map else None,
+            (place.grid, costmap) if self.known_map else None,
             robot,
             costmap=None if self.known_map else seen,
             layers=self.layers,
-            planner=self.planner if planner is None else planner,
+            planner=self.planner,
             controller=self.controller,
             smoother=self.smoother,
             settings=self.part(NavigatorSettings),
             speed_mask=place.speed_mask,
         )
-        navigator.grid = place.grid if self.known_map else None
+        agent = navigator if self.agent is None else create_agent(self.agent, robot, navigator.grid)
         start, goals = self._pick_ends(costmap)
         world = place.world
         if self.unmapped is not None:
@@ -176,7 +176,7 @@ class Scenario(ScenarioFields):
                 **exact_goals(goals, self.goals),
             }
         )
-        return Setting(exact, world, place.robot, place.grid, navigator, start, goals)
+        return Setting(exact, world, place.robot, place.grid, navigator, agent, start, goals)
 
     def build(self) -> Mission:
         """Prepare it, and start its simulator; see `prepare` for the errors."""
@@ -238,6 +238,7 @@ class Setting:
         robot: The robot.
         grid: The map.
         navigator: Planner, controller and recovery.
+        agent: What drives: the navigator, unless the scenario has another agent.
         start: The start pose.
         goals: The goals, in order.
     """
@@ -247,6 +248,7 @@ class Setting:
     robot: Robot
     grid: OccupancyGrid
     navigator: Navigator
+    agent: Agent
     start: Pose2D
     goals: tuple[Goal, ...]
 
@@ -275,7 +277,7 @@ class Mission(Setting):
         """Begin to run it, steered by directives where `steering` is given; see `Session` for the errors."""
         return Session(
             self.sim,
-            self.navigator,
+            self.agent,
             self.start,
             self.goals,
             time_limit_s=self.scenario.time_limit_s,

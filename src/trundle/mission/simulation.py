@@ -34,10 +34,7 @@ def session_options(scenario: ScenarioFields, grid: OccupancyGrid, robot: Robot)
         InputError: If the localizer does not take an option, or needs a map that the robot does not know.
     """
     choice, monitor = scenario.localizer, scenario.collision_monitor
-    localizer = None
-    if choice is not None:
-        options = dict[str, Any](choice.options)
-        localizer = create_localizer(choice.name, grid if scenario.known_map else None, robot, **options)
+    localizer = None if choice is None else create_localizer(choice, grid if scenario.known_map else None, robot)
     return {
         "localizer": localizer,
         "latency": scenario.latency,

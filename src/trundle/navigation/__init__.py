@@ -2,7 +2,7 @@
 
 from trundle.files.choice import Choice
 from trundle.latency import Latency
-from trundle.navigation.agent import Agent, CommandScript
+from trundle.navigation.agent import Agent, AgentLike, CommandScript, agent_names, create_agent
 from trundle.navigation.assisted_teleop import AssistedCommand
 from trundle.navigation.navigator import Navigator
 from trundle.navigation.settings import NavigatorSettings
@@ -11,6 +11,7 @@ from trundle.navigation.waypoint import Waypoint
 
 __all__ = [
     "Agent",
+    "AgentLike",
     "AssistedCommand",
     "Choice",
     "CommandScript",
@@ -19,4 +20,6 @@ __all__ = [
     "Navigator",
     "NavigatorSettings",
     "Waypoint",
+    "agent_names",
+    "create_agent",
 ]

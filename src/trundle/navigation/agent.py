@@ -3,17 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Protocol, runtime_checkable
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 
+from trundle.control import GoalChecker
 from trundle.errors import InputError
+from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.navigation.status import NavigationStatus
 from trundle.observation import Estimate, Observation
-from trundle.values import as_number, as_sequence
+from trundle.registry import Contract, PluginFunction, Registry, offered_arguments
+from trundle.robots import Robot
+from trundle.values import as_number, as_sequence, check_kind
 
 CONTROL_PERIOD_S = 0.05
 """Length of the control periods of an agent that does not say it [s]."""
+
+AGENTS: Registry[Agent] = Registry(
+    "agent",
+    "trundle.agents",
+    {},
+    contract=Contract(
+        {"reset": "*, seed", "set_goal": "goal", "update": "observation, estimate"},
+        ("status",),
+        function=("observation", "estimate"),
+        keywords=("goal",),
+    ),
+)
 
 
 @runtime_checkable
@@ -54,6 +71,107 @@ class Agent(Protocol):
             estimate: Where it believes to be.
         """
         ...
+
+
+AgentLike: TypeAlias = str | Choice | Agent | Callable[..., object]
+"""Whatever drives: a name, `"module:name"`, an agent, a class of agents, or a function (observation, estimate), whose
+further parameter `goal` gets the `Goal`. A class is made with those of `robot`, `map` and the options that its
+parameters name. See `FunctionAgent`."""
+
+
+def agent_names() -> list[str]:
+    """Names that `create_agent` takes, sorted: those of installed packages."""
+    return AGENTS.names()
+
+
+def create_agent(agent: AgentLike, robot: Robot, grid: OccupancyGrid | None = None, **options: Any) -> Agent:
+    """Make an agent of whatever drives.
+
+    Args:
+        agent: A name, a class, a function or an object; see `AgentLike`.
+        robot: The robot.
+        grid: What a class gets as `map`, where there is one.
+        options: Of the agent; more than those of a `Choice`.
+
+    Raises:
+        UnknownNameError: If there is no agent of that name.
+        InputError: If it does not take these options, needs an argument that nothing gives, or is no agent.
+    """
+    check_kind(robot, Robot, "an agent's robot", "Robot.load(name) makes one")
+    _, given, chosen = split_choice(agent)
+    made = AGENTS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
+    return FunctionAgent(made) if isinstance(made, PluginFunction) else made
+
+
+def check_command(agent: Agent, command: object) -> Twist2D:
+    """The command of an agent.
+
+    Raises:
+        InputError: If it is none.
+    """
+    if isinstance(command, Twist2D):
+        return command
+    name = getattr(agent, "controller_name", type(agent).__name__)
+    raise InputError(
+        f"agent {name!r} returned {command!r}: an agent returns a Twist2D(v, w) [m/s, rad/s], and a function None "
+        "where it has finished"
+    )
+
+
+class FunctionAgent:
+    """A function (observation, estimate) → `Twist2D` as an agent.
+
+    It is DRIVING until its estimate is within the tolerance of the goal; there it stops, and has ARRIVED. A function
+    that returns None is FINISHED.
+
+    Args:
+        function: The function.
+
+    Attributes:
+        controller_name: The function's name, for reports.
+        goal_checker: Says whether the goal is reached; may be replaced.
+        status: What it is doing.
+    """
+
+    def __init__(self, function: PluginFunction) -> None:
+        self.controller_name = function.name
+        self.goal_checker = GoalChecker()
+        self._function = function
+        self.reset()
+
+    def __repr__(self) -> str:
+        return f"FunctionAgent({self.controller_name}, {self.status.value})"
+
+    def reset(self, *, seed: int = 0) -> None:
+        """Forget the goal; the function keeps what it keeps."""
+        self._goal: Goal | None = None
+        self.status = NavigationStatus.IDLE
+
+    def set_goal(self, goal: Goal | Pose2D | Sequence[float], /) -> None:
+        """Hand this goal to the function from now on, and stop there."""
+        self._goal = Goal.of(goal)
+        self.status = NavigationStatus.DRIVING
+
+    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+        """Ask the function for the command for the next control period.
+
+        Raises:
+            InputError: If it returns neither a `Twist2D` nor None.
+        """
+        goal = self._goal
+        if self.status in (NavigationStatus.ARRIVED, NavigationStatus.FINISHED):
+            return Twist2D()
+        checker = self.goal_checker
+        if goal is not None and checker.is_within(estimate.pose, goal.pose, any_yaw=goal.yaw_free):
+            if checker.is_reached(estimate.pose, observation.twist, goal.pose, any_yaw=goal.yaw_free):
+                self.status = NavigationStatus.ARRIVED
+            return Twist2D()
+        command = cast("object", self._function(observation, estimate, goal=goal))
+        if command is None:
+            self.status = NavigationStatus.FINISHED
+            return Twist2D()
+        self.status = NavigationStatus.DRIVING
+        return check_command(self, command)
 
 
 class CommandScript:

@@ -6,29 +6,26 @@ import numbers
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Any, TypeVar, cast
+from typing import cast
 
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.errors import InputError, RobotWarning
-from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
 from trundle.robots import Robot
 from trundle.values import as_sequence, check_kind, is_finite_number
 
-_Made = TypeVar("_Made")
-
 _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
 
 
 def load_costmap(
-    grid: OccupancyGrid | Costmap | str | os.PathLike[str] | None,
+    grid: OccupancyGrid | Costmap | tuple[OccupancyGrid, Costmap] | str | os.PathLike[str] | None,
     robot: Robot,
     settings: CostmapSettings | None,
     keepout: KeepoutMask | str | os.PathLike[str] | None,
 ) -> tuple[OccupancyGrid | None, Costmap | None]:
-    """Make the map (none where a costmap is given) and the costmap; both are none without a map.
+    """Make the map (none where a costmap is given alone) and the costmap; both are none without a map.
 
     Raises:
         MapError: If a map or a mask cannot be read.
@@ -38,12 +35,17 @@ def load_costmap(
         if keepout is not None:
             raise InputError("a keep-out mask needs a map: give Navigator a grid too, or leave the mask out")
         return None, None
+    cells: OccupancyGrid | None = None
+    if isinstance(grid, tuple):
+        cells, grid = grid
+        check_kind(cells, OccupancyGrid, "the first of a navigator's map and costmap", "give (grid, costmap)")
+        check_kind(grid, Costmap, "the second of a navigator's map and costmap", "give (grid, costmap)")
     if isinstance(grid, Costmap):
         if keepout is not None:
             raise InputError("a keep-out mask belongs into the costmap: Costmap.from_grid(…, keepout=mask)")
         if settings is not None:
             raise InputError("this costmap is made already: give a map and costmap=…, or Costmap.from_grid(…) alone")
-        return None, grid
+        return cells, grid
     advice = "OccupancyGrid.from_world(world) makes one of a world"
     check_kind(grid, (OccupancyGrid, Costmap, str, os.PathLike), "a navigator's map", advice)
     cells = grid if isinstance(grid, OccupancyGrid) else OccupancyGrid.load(grid)
@@ -101,10 +103,3 @@ def credible_twist(twist: object, robot: Robot) -> Twist2D:
         stacklevel=3,
     )
     return Twist2D(min(v_most, max(-v_most, twist.v)), min(w_most, max(-w_most, twist.w)))
-
-
-def split_choice(given: str | Choice | _Made) -> tuple[str, str | _Made, dict[str, Any]]:
-    """The name for reports, the name or object that it is made from, and the options."""
-    if isinstance(given, Choice):
-        return given.name, given.name, dict(given.options)
-    return given if isinstance(given, str) else type(given).__name__, given, {}

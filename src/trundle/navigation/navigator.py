@@ -9,13 +9,14 @@ from dataclasses import replace
 from types import NoneType
 from typing import Literal, cast, overload
 
-from trundle.control import Controller, Rollouts, create_controller
+from trundle.control import Rollouts, create_controller
+from trundle.control.controller import ControllerLike
 from trundle.control.delayed_commands import DelayedCommands
 from trundle.control.intent import Intent
 from trundle.costmap import Costmap, CostmapSettings
 from trundle.costmap.layers import LayersSettings
 from trundle.errors import InputError
-from trundle.files.choice import Choice
+from trundle.files.choice import split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.latency import Latency
 from trundle.maps import OccupancyGrid
@@ -28,7 +29,7 @@ from trundle.navigation.behaviors.behavior import check_behavior_kind
 from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose, split_choice
+from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose
 from trundle.navigation.path_driver import PathDriver
 from trundle.navigation.path_progress import PathProgress
 from trundle.navigation.recovery import Recovery
@@ -42,7 +43,9 @@ from trundle.navigation.status import FINAL, NavigationStatus
 from trundle.navigation.waypoint import Route
 from trundle.observation import Estimate, Observation, Scan, Track, check_scans
 from trundle.path import Path
-from trundle.planning import Planner, Smoother, create_planner, create_smoother
+from trundle.planning import Planner, create_planner, create_smoother
+from trundle.planning.planner import PlannerLike
+from trundle.planning.smoother import SmootherLike
 from trundle.robots import Robot
 from trundle.tracking import TrackerSettings
 from trundle.values import as_number, check_kind
@@ -68,11 +71,11 @@ class Navigator(Drive):
     than allows a stop within the space that was seen to be free.
 
     Args:
-        grid: The map: a grid, a costmap made for this robot, or the path of a ROS map YAML; None without a map. Then
-            unknown space can be driven, at a cost, unless `costmap` says otherwise.
+        grid: The map: a grid, a costmap made for this robot, both (grid, costmap), or the path of a ROS map YAML; None
+            without a map. Then unknown space can be driven, at a cost, unless `costmap` says otherwise.
         robot: A robot, a catalogue name or the path of a YAML file.
-        planner: A planner, the name of one, or a `Choice` of name and options.
-        controller: A controller, likewise.
+        planner: A planner, its class, a function, a name, or a `Choice` of name and options; see `PlannerLike`.
+        controller: A controller, likewise; see `ControllerLike`.
         smoother: A smoother of every planned path, likewise; none drives paths as they are planned.
         costmap: How the costmap is made of the map.
         keepout: Where the robot must not go: a mask, or the path of its YAML.
@@ -113,12 +116,12 @@ class Navigator(Drive):
 
     def __init__(
         self,
-        grid: OccupancyGrid | Costmap | str | os.PathLike[str] | None,
+        grid: OccupancyGrid | Costmap | tuple[OccupancyGrid, Costmap] | str | os.PathLike[str] | None,
         robot: Robot | str | os.PathLike[str],
         *,
-        planner: str | Choice | Planner = "auto",
-        controller: str | Choice | Controller = "regulated_pure_pursuit",
-        smoother: str | Choice | Smoother | None = None,
+        planner: PlannerLike = "auto",
+        controller: ControllerLike = "regulated_pure_pursuit",
+        smoother: SmootherLike | None = None,
         costmap: CostmapSettings | None = None,
         keepout: KeepoutMask | str | os.PathLike[str] | None = None,
         speed_mask: SpeedMask | str | os.PathLike[str] | None = None,
@@ -149,15 +152,14 @@ class Navigator(Drive):
                 check_overlap(self.speed_mask.grid, static, self.speed_mask.name)
             limiter = SpeedLimiter(self.speed_mask, self.robot)
         self.planner_name, planner, options = split_choice(planner)
-        self.planner = create_planner(planner, **options)
+        self.planner = create_planner(planner, self.robot, self.grid, **options)
         quick: Planner | None = None
         if self.planner_name == _AUTO and "max_expansions" not in options:
             quick = create_planner(_AUTO, **options, max_expansions=_QUICK_EXPANSIONS)
         self.controller_name, controller, options = split_choice(controller)
-        self.controller = create_controller(controller, self.robot, **options)
+        self.controller = create_controller(controller, self.robot, self.grid, **options)
         if smoother is not None:
-            _, smoother, options = split_choice(smoother)
-            self.smoother = create_smoother(smoother, **options)
+            self.smoother = create_smoother(smoother)
         self.dt = 1.0 / self.settings.control_frequency
         self._delayed = DelayedCommands(self.robot.limits)
         self._check = CommandCheck(self, self.robot, self._sensed, limiter, self.dt)

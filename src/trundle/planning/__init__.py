@@ -7,7 +7,7 @@ from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.grid.point_path import any_angle_path
 from trundle.planning.many import plan_many
 from trundle.planning.path_check import PathCheck, PathHit
-from trundle.planning.planner import Planner, create_planner, planner_names
+from trundle.planning.planner import Planner, PlannerLike, create_planner, planner_names
 from trundle.planning.smoother import Smoother, create_smoother, smoother_names
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "PathCheck",
     "PathHit",
     "Planner",
+    "PlannerLike",
     "PointPath",
     "PointPaths",
     "Smoother",

@@ -18,6 +18,7 @@ from trundle.geometry import FloatArray, arc_lengths, wrap_angles
 from trundle.path import Path
 from trundle.planning.motions import CHECK_STEP_M
 from trundle.planning.path_check import PathCheck
+from trundle.registry import CopiedAsNew
 
 PADDING_SHARE = 0.9
 """Share of the padding that may pass between two checked poses; the rest is for a path's chords instead of arcs."""
@@ -94,7 +95,7 @@ class Smoothing:
     price_after: float
 
 
-class ConstrainedSmoother:
+class ConstrainedSmoother(CopiedAsNew):
     """Replaces a path by arcs and lines of a least radius that are free and keep clear of costs.
 
     Where the path has room the new course consists of curves of at least `minimum_turning_radius`, each joining the

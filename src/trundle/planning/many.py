@@ -11,14 +11,14 @@ from trundle.geometry import Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid.cells import check_threads
-from trundle.planning.planner import Planner, create_planner
+from trundle.planning.planner import PlannerLike, create_planner
 from trundle.planning.queries.question import check_question
 
 PoseLike = Pose2D | Sequence[float]
 
 
 def plan_many(
-    planner: str | Planner,
+    planner: PlannerLike,
     costmap: Costmap,
     starts: Iterable[PoseLike],
     goals: Iterable[PoseLike],
@@ -33,7 +33,7 @@ def plan_many(
     be used by several threads; for one that may not be, give `threads=1`. The results equal those of single plans.
 
     Args:
-        planner: A planner or the name of one.
+        planner: A planner, a name, a class or a function; see `PlannerLike`.
         costmap: What to stay clear of.
         starts: Poses, (x, y) or (x, y, yaw) [m, m, rad], map frame.
         goals: As many.

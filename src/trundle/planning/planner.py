@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+import numpy.typing as npt
 
 from trundle.costmap import Costmap
+from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Pose2D
+from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation
-from trundle.planning.older_planner import adapt_planner
-from trundle.registry import Registry
+from trundle.planning.planner_adapter import KEYWORDS, PlannerAdapter
+from trundle.registry import Contract, PluginFunction, Registry, is_foreign, offered_arguments
+from trundle.robots import Robot
 
 PLANNERS: Registry[Planner] = Registry(
     "planner",
@@ -28,6 +34,7 @@ PLANNERS: Registry[Planner] = Registry(
         "jps_plus": "was removed; use astar with method='jps'",
         "theta_star": "was removed; use any_angle, whose paths are shorter and found faster",
     },
+    contract=Contract({"plan": "costmap, start, goal"}, function=("costmap", "start", "goal"), keywords=KEYWORDS),
 )
 
 
@@ -35,8 +42,8 @@ PLANNERS: Registry[Planner] = Registry(
 class Planner(Protocol):
     """Finds a path. It keeps no state that changes a result: the same query gives the same path.
 
-    A planner of another package whose `plan` takes fewer of the keywords works as well: `create_planner` wraps it, and
-    leaves those out; one that takes `**kwargs` gets all of them.
+    A planner of another package whose `plan` takes fewer of the keywords, or returns poses or points, works as well:
+    see `PlannerLike`.
     """
 
     def plan(
@@ -69,18 +76,43 @@ class Planner(Protocol):
         ...
 
 
+class SomePlanner(Protocol):
+    """The least that an object needs to be used as a planner; `create_planner` makes a `Planner` of it."""
+
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, /) -> Path | npt.ArrayLike:
+        """Return a path, or poses (x, y, yaw) of shape (N, 3), or points (x, y) of shape (N, 2)."""
+        ...
+
+
+PlannerLike: TypeAlias = str | Choice | SomePlanner | Callable[..., object]
+"""Whatever plans: a name, `"module:name"`, an object with `plan`, a class of such objects, or a function
+(costmap, start, goal). Of the keywords of `Planner.plan` each is handed on where it is taken. What is returned is a
+path, or poses of shape (N, 3), or points of shape (N, 2), which get yaws along the line and turns in place at the ends.
+A class is made with those of `robot`, `map` and the options that its parameters name."""
+
+
 def planner_names() -> list[str]:
     """Names that `create_planner` takes, sorted."""
     return PLANNERS.names()
 
 
-def create_planner(planner: str | Planner, **options: Any) -> Planner:
-    """Make a planner from its name and options, or take one as it is.
+def create_planner(
+    planner: PlannerLike, robot: Robot | None = None, grid: OccupancyGrid | None = None, **options: Any
+) -> Planner:
+    """Make a planner of whatever plans.
 
-    One whose `plan` does not take all keywords of `Planner` is wrapped, so that it can be called like any other.
+    One of another package is wrapped, so that it can be called like any other and always returns a `Path`.
+
+    Args:
+        planner: A name, a class, a function or an object; see `PlannerLike`.
+        robot: What a class gets as `robot`, where it is known.
+        grid: What a class gets as `map`, where there is one.
+        options: Of the planner; more than those of a `Choice`.
 
     Raises:
         UnknownNameError: If there is no planner of that name.
-        InputError: If it does not take these options, or is no planner.
+        InputError: If it does not take these options, needs an argument that nothing gives, or is no planner.
     """
-    return adapt_planner(PLANNERS.take(planner, "plan", **options))
+    _, given, chosen = split_choice(planner)
+    made = PLANNERS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})
+    return PlannerAdapter(made) if isinstance(made, PluginFunction) or is_foreign(made) else made

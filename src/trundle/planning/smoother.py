@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 
 from trundle.costmap import Costmap
+from trundle.files.choice import Choice, split_choice
 from trundle.path import Path
-from trundle.registry import Registry
+from trundle.registry import Contract, Registry
 
 SMOOTHERS: Registry[Smoother] = Registry(
     "smoother",
     "trundle.smoothers",
     {"constrained": "trundle.planning.constrained_smoother:ConstrainedSmoother"},
+    contract=Contract({"smooth": "path, costmap"}),
 )
 
 
@@ -28,16 +31,21 @@ class Smoother(Protocol):
         ...
 
 
+SmootherLike: TypeAlias = str | Choice | Smoother | Callable[..., object]
+"""Whatever smooths a path: a name, `"module:name"`, an object with `smooth`, or a class of such objects."""
+
+
 def smoother_names() -> list[str]:
     """Names that `create_smoother` takes, sorted."""
     return SMOOTHERS.names()
 
 
-def create_smoother(smoother: str | Smoother, **options: Any) -> Smoother:
-    """Make a smoother from its name and options, or take one as it is.
+def create_smoother(smoother: SmootherLike, **options: Any) -> Smoother:
+    """Make a smoother from its name or class and options, or take one as it is.
 
     Raises:
         UnknownNameError: If there is no smoother of that name.
         InputError: If it does not take these options, or is no smoother.
     """
-    return SMOOTHERS.take(smoother, "smooth", **options)
+    _, given, chosen = split_choice(smoother)
+    return cast("Smoother", SMOOTHERS.resolve(given, {}, {**chosen, **options}))

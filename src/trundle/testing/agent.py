@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
+from trundle.errors import InputError
 from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.maps import OccupancyGrid
 from trundle.navigation import Agent, NavigationStatus
-from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation.agent import CONTROL_PERIOD_S, AgentLike, create_agent
 from trundle.navigation.status import FINAL
 from trundle.observation import Estimate, Observation, Scan
 from trundle.robots import Robot
-from trundle.testing.conformance import expect
+from trundle.testing.conformance import ConformanceError, accept, expect
 
 _SECONDS = 60.0
 _START = Pose2D(0.0, 0.0)
 _GOAL = Goal(2.0, 1.0)
 
 
-def check_agent(make: Callable[[Robot], Agent], *, robot: Robot | None = None) -> None:
+def check_agent(agent: AgentLike, *, robot: Robot | None = None) -> None:
     """Check that an agent meets the contract of `trundle.navigation.Agent`.
 
     It drives in an open space around (0, 0) towards (2, 1). It returns twists, ends with a status that says so,
@@ -30,19 +32,24 @@ def check_agent(make: Callable[[Robot], Agent], *, robot: Robot | None = None) -
     has arrived, its estimate is at the goal.
 
     Args:
-        make: Creates the agent for a robot, with what it needs to drive around (0, 0): a map, for some.
+        agent: An agent in any of the ways of `AgentLike`, or a function that makes one for a robot. A class gets an
+            empty map of 10 m around (0, 0) as `map`.
         robot: The robot to drive; Nova Carter by default.
 
     Raises:
         ConformanceError: If a requirement is not met.
     """
     driven = Robot.load("nova_carter") if robot is None else robot
-    agent = make(driven)
-    expect(isinstance(agent, Agent), f"an agent has reset, set_goal, update and status; found: {type(agent).__name__}")
-    first = _drive(agent, driven, scans=False)
+    grid = OccupancyGrid(np.zeros((200, 200), np.int8), 0.05, Pose2D(-5.0, -5.0))
+
+    def make(robot: Robot) -> Agent:
+        return accept(lambda given: create_agent(cast("AgentLike", given), robot, grid), agent)
+
+    one = make(driven)
+    first = _drive(one, driven, scans=False)
     again = _drive(make(driven), driven, scans=False)
     expect(first == again, f"two agents must command the same from the same observations; found: {(first, again)}")
-    after_reset = _drive(agent, driven, scans=False)
+    after_reset = _drive(one, driven, scans=False)
     expect(first == after_reset, f"an agent must drive as new after a reset; found: {(first, after_reset)}")
     one, other = make(driven), make(driven)
     one.reset(seed=0)
@@ -87,7 +94,10 @@ def _check_second_goal(agent: Agent) -> None:
 
 
 def _command(agent: Agent, observation: Observation, estimate: Estimate) -> Twist2D:
-    command = agent.update(observation, estimate)
+    try:
+        command = agent.update(observation, estimate)
+    except InputError as error:
+        raise ConformanceError(str(error)) from error
     expect(isinstance(command, Twist2D), f"an agent must command a Twist2D; found: {command!r}")
     expect(
         isinstance(agent.status, NavigationStatus), f"an agent's status is a NavigationStatus; found: {agent.status!r}"

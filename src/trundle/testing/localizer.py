@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Pose3D, Twist2D, wrap_angle
-from trundle.localization import Localizer
+from trundle.localization import Localizer, create_localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.sim.kinematic import KinematicSimulator
 from trundle.solids import Box, Solid
-from trundle.testing.conformance import ConformanceError, expect
+from trundle.testing.conformance import ConformanceError, accept, expect
 from trundle.worlds import World
 
 _DT = 0.05
@@ -40,7 +42,7 @@ class LocalizerTolerances:
 
 
 def check_localizer(
-    make: Callable[[OccupancyGrid, Robot], Localizer],
+    localizer: LocalizerLike,
     *,
     robot: Robot | None = None,
     tolerances: LocalizerTolerances = LocalizerTolerances(),
@@ -54,7 +56,7 @@ def check_localizer(
     does not increase raises an `InputError`, after which the localizer continues.
 
     Args:
-        make: Creates the localizer for a map and a robot.
+        localizer: A localizer in any of the ways of `LocalizerLike`, or a function that makes one of map and robot.
         robot: The robot to drive; Nova Carter by default.
         tolerances: Allowed errors of the estimates.
 
@@ -65,20 +67,26 @@ def check_localizer(
     world = _room()
     grid = OccupancyGrid.from_world(world, resolution=0.05, z_range=driven.z_range)
     truths, observations = _drive(world, driven)
-    localizer = make(grid, driven)
-    expect(isinstance(localizer, Localizer), f"{type(localizer).__name__} lacks a method of Localizer")
-    estimates = _follow(localizer, _START, observations)
+
+    def make(grid: OccupancyGrid, robot: Robot) -> Localizer:
+        return accept(lambda given: create_localizer(cast("LocalizerLike", given), grid, robot), localizer)
+
+    used = make(grid, driven)
+    estimates = _follow(used, _START, observations)
     for truth, observation, estimate in zip(truths, observations, estimates, strict=True):
         _check_estimate(estimate, observation)
         _check_near(estimate, truth, tolerances)
-    _check_repeats(make, grid, driven, localizer, observations, estimates)
+    _check_repeats(make, grid, driven, used, observations, estimates)
     _check_observations_alone(make(grid, driven), tolerances)
     _check_times(make(grid, driven), observations)
 
 
 def _follow(localizer: Localizer, start: Pose2D, observations: Sequence[Observation], seed: int = 3) -> list[Estimate]:
     localizer.reset(start, seed=seed)
-    return [localizer.update(observation) for observation in observations]
+    try:
+        return [localizer.update(observation) for observation in observations]
+    except InputError as error:
+        raise ConformanceError(str(error)) from error
 
 
 def _check_estimate(estimate: Estimate, observation: Observation) -> None:

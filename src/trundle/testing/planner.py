@@ -3,45 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from trundle.costmap import LETHAL, Costmap
-from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError, PlanningError, PlanningStoppedError
+from trundle.errors import (
+    BlockedPoseError,
+    InputError,
+    NoPathError,
+    OutsideMapError,
+    PlanningError,
+    PlanningStoppedError,
+)
 from trundle.geometry import Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
-from trundle.planning import Cancellation, Planner
-from trundle.testing.conformance import ConformanceError, expect
+from trundle.planning import Cancellation, Planner, create_planner
+from trundle.planning.planner import PlannerLike
+from trundle.robots import Robot
+from trundle.testing.conformance import ConformanceError, accept, expect
 
 _FOOTPRINT = np.array([[0.15, 0.15], [-0.25, 0.15], [-0.25, -0.15], [0.15, -0.15]])
 _RESOLUTION = 0.1
 _NEAR = 1e-6
-_KEYWORDS = ("goal_yaw_free", "deadline_s", "cancel")
 _LONG_S, _SHORT_S = 3600.0, 1e-9
 
 
-def check_planner(planner: Planner | Callable[[], Planner]) -> None:
+def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
     """Check that a planner meets the contract of `Planner`.
 
     On a small map of two rooms and a closed chamber: a path starts at the start and ends at the goal, is finite and
     never goes through occupied or unknown cells; the same query gives the same path, repeated and in a second
     planner; the costmap is not modified; a goal outside the map, in an obstacle, in unknown space or unreachable
-    raises a typed error and never returns an empty path. `plan` accepts the keywords of the interface: with
-    `goal_yaw_free` a path still ends at the goal; a deadline that is not reached changes nothing, and one that has
-    passed gives a `PlanningStoppedError` or the same path; a query that is already cancelled raises that error.
+    raises a typed error and never returns an empty path. Those keywords of the interface that `plan` takes do what they
+    say: with `goal_yaw_free` a path still ends at the goal; a deadline that is not reached changes nothing, and one
+    that has passed gives a `PlanningStoppedError` or the same path; a query that is cancelled already raises it.
 
     Args:
-        planner: A planner, or a class or function that creates one without arguments.
+        planner: A planner in any of the ways of `PlannerLike`, or a function that makes one.
+        robot: What a class of planners gets as `robot`; Nova Carter by default.
 
     Raises:
         ConformanceError: At the first requirement that is not met; the message says which.
     """
-    make = _as_factory(planner)
-    costmap = _two_rooms()
+    grid, driven = _two_rooms(), Robot.load("nova_carter") if robot is None else robot
+    costmap = Costmap.from_grid(grid, _FOOTPRINT)
     before = costmap.data.copy()
+
+    def make() -> Planner:
+        return accept(lambda given: create_planner(cast("PlannerLike", given), driven, grid), planner)
+
     instance = make()
     for start, goal in _QUESTIONS:
         path = _plan(instance, costmap, start, goal)
@@ -78,7 +90,7 @@ _REFUSALS: tuple[tuple[Pose2D, Pose2D, tuple[type[PlanningError], ...], str], ..
 )
 
 
-def _two_rooms() -> Costmap:
+def _two_rooms() -> OccupancyGrid:
     """15 × 6 m: two rooms with a door of 1.2 m, a block in the right one, then unknown space, then a closed chamber."""
     data = np.zeros((60, 150), np.int8)
     data[[0, -1], :] = 100
@@ -87,26 +99,16 @@ def _two_rooms() -> Costmap:
     data[30:50, 50:70] = 100
     data[:, 100:120] = -1
     data[:, 120] = 100
-    return Costmap.from_grid(OccupancyGrid(data, _RESOLUTION), _FOOTPRINT)
-
-
-def _as_factory(planner: Planner | Callable[[], Planner]) -> Callable[[], Planner]:
-    if isinstance(planner, type):
-        return planner
-    if isinstance(planner, Planner):
-        return lambda: planner
-    return planner
+    return OccupancyGrid(data, _RESOLUTION)
 
 
 def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **keywords: Any) -> Path:
     try:
-        path = planner.plan(costmap, start, goal, **keywords)
+        return planner.plan(costmap, start, goal, **keywords)
     except PlanningError as error:
         raise ConformanceError(f"no path from {start} to {goal}, although there is one: {error}") from error
-    except TypeError as error:
-        raise ConformanceError(f"plan() must take the keywords {', '.join(_KEYWORDS)}: {error}") from error
-    expect(isinstance(path, Path), f"plan() must return a Path, got {type(path).__name__}")
-    return path
+    except InputError as error:
+        raise ConformanceError(str(error)) from error
 
 
 def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, path: Path) -> None:

@@ -42,6 +42,10 @@ def run(
     robots: Annotated[str | None, _names("robot", "Robots, separated by commas: names or files.")] = None,
     planners: Annotated[str | None, _names("planner", "Planners, separated by commas: auto,astar.")] = None,
     controllers: Annotated[str | None, _names("controller", "Controllers, separated by commas.")] = None,
+    agents: Annotated[str | None, _names("agent", "Agents that drive instead, separated by commas.")] = None,
+    localizers: Annotated[
+        str | None, _names("localizer", "Localizers, separated by commas; default: the true pose.")
+    ] = None,
     backends: Annotated[str | None, _names("backend", "Simulators, separated by commas: mujoco,kinematic.")] = None,
     seeds: Annotated[str | None, _names("seed", "Seeds of the missions: 100, 0:500 or 3,7,9.")] = None,
     time_limit: float | None = None,
@@ -78,7 +82,14 @@ def run(
             "worlds; trundle evaluate --help has examples"
         )
     budget_s = verdict.parse_time_budget(time_budget)
-    lists = {"robots": robots, "planners": planners, "controllers": controllers, "backends": backends}
+    lists = {
+        "robots": robots,
+        "planners": planners,
+        "controllers": controllers,
+        "agents": agents,
+        "localizer": localizers,
+        "backends": backends,
+    }
     changes: dict[str, Any] = {name: _split(text) for name, text in lists.items() if text is not None}
     if seeds is not None:
         changes["missions"] = {"seeds": _read_seeds(seeds)}

@@ -83,8 +83,10 @@ def _pairs(name: str, help: str) -> Parameter:
 
 ROBOT_CHOICES = "nova_carter, jackal, turtlebot3_burger, turtlebot3_waffle, a plug-in's, or the path of its YAML"
 ROBOT_HELP = f"A robot: {ROBOT_CHOICES}."
-PLANNER_HELP = "The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or a plug-in's name."
-CONTROLLER_HELP = "The controller: regulated_pure_pursuit, mppi, lookahead or a plug-in's name."
+_PLUGIN = "a plug-in: its name, module:name or file.py:name"
+PLANNER_HELP = f"The planner: auto, least_cost, hybrid_astar, any_angle, astar, manhattan_astar or {_PLUGIN}."
+CONTROLLER_HELP = f"The controller: regulated_pure_pursuit, mppi, lookahead or {_PLUGIN}."
+AGENT_HELP = f"What drives instead of planner and controller: {_PLUGIN}."
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON value and nothing else.")]
 Quiet = Annotated[bool, Parameter(name="--quiet", negative="", help="No progress bar and no remarks.")]
@@ -119,11 +121,11 @@ WorldName = Annotated[
 ]
 RobotName = Annotated[str, Parameter(name="--robot", help=ROBOT_HELP)]
 SmootherName = Annotated[
-    str | None, Parameter(name="--smoother", help="The smoother of planned paths: constrained or a plug-in's name.")
+    str | None, Parameter(name="--smoother", help=f"The smoother of planned paths: constrained or {_PLUGIN}.")
 ]
 LocalizerName = Annotated[
     str | None,
-    Parameter(name="--localizer", help="What estimates the robot's pose: odometry or a plug-in's name; default: none."),
+    Parameter(name="--localizer", help=f"What estimates the robot's pose: odometry or {_PLUGIN}; default: none."),
 ]
 Lidar = Annotated[
     bool | None,
@@ -176,6 +178,7 @@ EXAMPLES = {
     "controller": "desired_linear_vel=0.4",
     "smoother": "minimum_turning_radius=0.5",
     "localizer": "particles=500",
+    "agent": "speed=0.3",
 }
 """An option of each seam, for help and messages."""
 
@@ -193,6 +196,10 @@ ControllerOptions = Annotated[
 SmootherOptions = Annotated[
     list[str] | None,
     _pairs("--smoother-option", f"An option of the smoother, for example {EXAMPLES['smoother']}; repeatable."),
+]
+AgentName = Annotated[str | None, Parameter(name="--agent", help=AGENT_HELP)]
+AgentOptions = Annotated[
+    list[str] | None, _pairs("--agent-option", "An option of the agent, as KEY=VALUE; repeatable.")
 ]
 LocalizerOptions = Annotated[
     list[str] | None, _pairs("--localizer-option", "An option of the localizer, as KEY=VALUE; repeatable.")

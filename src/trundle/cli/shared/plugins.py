@@ -10,6 +10,8 @@ GROUPS = {
     "planners": "trundle.planners",
     "controllers": "trundle.controllers",
     "smoothers": "trundle.smoothers",
+    "agents": "trundle.agents",
+    "localizers": "trundle.localizers",
     "simulators": "trundle.simulators",
     "behaviors": "trundle.behaviors",
 }

@@ -47,6 +47,8 @@ class ScenarioOptions:
     controller_options: options.ControllerOptions = None
     smoother: options.SmootherName = None
     smoother_options: options.SmootherOptions = None
+    agent: options.AgentName = None
+    agent_options: options.AgentOptions = None
     backend: Annotated[str | None, Parameter(help="The simulator: mujoco, kinematic, isaac or a plug-in's name.")] = (
         None
     )
@@ -121,6 +123,7 @@ class ScenarioOptions:
             "controller": settings.choose("controller", self.controller, self.controller_options, base.controller),
             "smoother": settings.choose("smoother", self.smoother, self.smoother_options, base.smoother),
             "localizer": settings.choose("localizer", self.localizer, self.localizer_options, base.localizer),
+            "agent": settings.choose("agent", self.agent, self.agent_options, base.agent),
             **self._sensing(base),
         }
         return isaac.adapt(Scenario.make(**{**base.model_dump(), **chosen}), self.isaac_options)

@@ -35,6 +35,7 @@ from trundle.errors import InputError, NoValidControlError
 from trundle.geometry import FloatArray, Pose2D, Twist2D, wrap_angle
 from trundle.observation import Track
 from trundle.path import Path
+from trundle.registry import CopiedAsNew
 from trundle.robots import Robot
 from trundle.values import check_kind, check_number
 
@@ -67,7 +68,7 @@ class _Now:
     dt: float
 
 
-class MppiController(Controller):
+class MppiController(CopiedAsNew, Controller):
     """Samples what the robot could do, and does the best of it; stops at the path's end, turned to its last yaw.
 
     Args:

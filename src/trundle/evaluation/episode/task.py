@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,17 +17,21 @@ from trundle.evaluation.row import Row
 from trundle.evaluation.suite import EpisodeSpec, Suite
 from trundle.evaluation.suite.identity import digest, mission_hash, short
 from trundle.evaluation.suite.vary import move_start
+from trundle.files.choice import Choice
 from trundle.geometry import Goal, Pose2D
 from trundle.localization.localizer import LOCALIZERS
 from trundle.maps import OccupancyGrid
 from trundle.mission import Episode, Outcome, Scenario, sample_mission, sample_tight_ends
 from trundle.mission.goal_fields import exact_goals, make_goal
 from trundle.mission.loop import run_measured
+from trundle.mission.scenario import PLUGINS
 from trundle.mission.simulation import session_options
 from trundle.mission.truth import Truth, measure_truth
+from trundle.navigation.agent import AGENTS
 from trundle.navigation.behaviors import describe_behaviors
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
+from trundle.registry import Registry
 from trundle.sim.simulator import SIMULATORS
 from trundle.worlds.world import WORLDS
 
@@ -91,14 +95,19 @@ class EpisodeTask:
     def modules(self) -> tuple[str, ...]:
         """Modules that its episodes need, for a process that worker processes are forked from."""
         suite = self.suite
+        plugins: list[tuple[Registry[Any], Sequence[Choice | None]]] = [
+            (PLANNERS, suite.planners),
+            (CONTROLLERS, suite.controllers),
+            (SMOOTHERS, suite.smoothers),
+            (AGENTS, suite.agents),
+            (LOCALIZERS, suite.crossed().get("localizer", ())),
+        ]
         chosen = [
-            *(PLANNERS.module_of(planner.name) for planner in suite.planners if not planner.is_python),
-            *(CONTROLLERS.module_of(controller.name) for controller in suite.controllers),
-            *(SMOOTHERS.module_of(smoother.name) for smoother in suite.smoothers if smoother is not None),
             *(
-                LOCALIZERS.module_of(choice.name)
-                for choice in suite.crossed().get("localizer", ())
-                if choice is not None
+                registry.module_of(choice.name)
+                for registry, choices in plugins
+                for choice in choices
+                if choice is not None and not choice.is_python
             ),
             *(SIMULATORS.module_of(backend.name) for backend in suite.backends),
             *(WORLDS.module_of(world.name) for world in suite.worlds if not world.is_file),
@@ -136,14 +145,16 @@ class EpisodeTask:
         """The exact scenario of an episode, with its start and goal: it drives the same when it is run alone.
 
         Raises:
-            InputError: If it cannot be prepared, or its planner is a Python object, which a scenario cannot name.
+            InputError: If it cannot be prepared, or it was driven by a Python object, which a scenario cannot name.
         """
         spec = self.suite.spec(index)
-        if spec.plugin.is_python:
-            raise InputError(
-                f"episode {spec.id} was planned by the Python object {spec.planner!r}, which a scenario cannot name: "
-                "run it again in Python, with EpisodeTask(suite)(index)"
-            )
+        for role in PLUGINS:
+            choice: Choice | None = getattr(spec.scenario, role)
+            if choice is not None and choice.is_python:
+                raise InputError(
+                    f"the {role} of episode {spec.id} was the Python object {choice.short_name!r}, which a scenario "
+                    "cannot name: run it again in Python, with EpisodeTask(suite)(index)"
+                )
         return self._find_mission(spec).scenario
 
     def grid_of(self, index: int) -> OccupancyGrid:
@@ -191,7 +202,7 @@ class EpisodeTask:
         _, navigation, simulation = parts_of(spec)
         note({"stage": "setup", "part": navigation, "row": known})
         costmap = kept.costmap(scenario.part(CostmapSettings), scenario.assumed)
-        setting = scenario.prepare(kept.place, costmap=costmap, planner=spec.plugin.planner())
+        setting = scenario.prepare(kept.place, costmap=costmap)
         note({"stage": "setup", "part": simulation, "row": known})
         sim = kept.simulator(scenario, setting.world)
         note({"stage": "drive", "row": known})
@@ -199,7 +210,7 @@ class EpisodeTask:
         try:
             episode = run_measured(
                 sim,
-                setting.navigator,
+                setting.agent,
                 mission.start,
                 mission.goals,
                 time_limit_s=scenario.time_limit_s,

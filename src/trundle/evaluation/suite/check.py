@@ -6,6 +6,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any, cast
 
+import numpy as np
+
 from trundle.control import create_controller
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.public.reference import load_reference
@@ -14,8 +16,10 @@ from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.parts import SuiteWorld
 from trundle.evaluation.suite.plugin import PluginChoice
-from trundle.localization.localizer import LOCALIZERS
+from trundle.localization import create_localizer
+from trundle.maps import OccupancyGrid
 from trundle.mission.choices import MapOptions
+from trundle.navigation.agent import create_agent
 from trundle.planning import create_planner, create_smoother
 from trundle.registry import keywords_taken
 from trundle.robots import Robot
@@ -44,26 +48,33 @@ def check_suite(suite: SuiteFields, expansion: Expansion) -> None:
         if world.reference is not None:
             load_reference(world.reference)
     robots = [Robot.load(robot) for robot in suite.robots]
-    for planner in suite.planners:
-        given = planner.planner()
-        create_planner(planner.name if given is None else given, **planner.options)
-    for controller in suite.controllers:
-        for robot in robots:
-            create_controller(controller.name, robot, **controller.options)
-    for smoother in suite.smoothers:
-        if smoother is not None:
-            create_smoother(smoother.name, **smoother.options)
+    _check_plugins(suite, robots)
     for backend in suite.backends:
         _check_backend_options(backend)
-    for localizer in suite.crossed().get("localizer", ()):
-        if localizer is not None:
-            LOCALIZERS.check(localizer.name)
     for lidars in suite.crossed().get("lidar", ()):
         _check_lidars(lidars, robots)
     for text in suite.require:
         _check_requirement(Gate.parse(text), expansion)
     expansion.check_identities()
     expansion.check_settings()
+
+
+def _check_plugins(suite: SuiteFields, robots: list[Robot]) -> None:
+    """Make each of them once for each robot, with a small map that is empty."""
+    grid = OccupancyGrid(np.zeros((20, 20), np.int8), 0.05)
+    for robot in robots:
+        for planner in suite.planners:
+            create_planner(planner, robot, grid)
+        for controller in suite.controllers:
+            create_controller(controller, robot, grid)
+        for agent in suite.agents:
+            create_agent(agent, robot, grid)
+        for localizer in suite.crossed().get("localizer", ()):
+            if localizer is not None:
+                create_localizer(localizer, grid, robot)
+    for smoother in suite.smoothers:
+        if smoother is not None:
+            create_smoother(smoother)
 
 
 def _check_lidars(names: bool | tuple[str, ...], robots: list[Robot]) -> None:

@@ -16,7 +16,7 @@ from trundle.errors import InputError
 from trundle.evaluation.suite.fields import SuiteFields
 from trundle.evaluation.suite.identity import digest, robot_content, short, world_content, world_of_seed
 from trundle.evaluation.suite.parts import ListedMission, Missions, SuiteWorld
-from trundle.evaluation.suite.plugin import PluginChoice
+from trundle.evaluation.suite.plugin import PluginChoice, identity_of
 from trundle.evaluation.suite.spec import EpisodeSpec
 from trundle.evaluation.suite.vary import apply
 from trundle.files.choice import Choice
@@ -24,16 +24,26 @@ from trundle.files.yaml_config import Config
 from trundle.mission import Scenario
 
 _MOST_CHECKED = 1000
-_ROLES = ("planner", "controller", "backend")
+
+NO_PLANNER = "none"
+"""What the rows of agents have as their planner."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Driver:
+    """What drives: a planner with a controller and a smoother, or an agent instead."""
+
+    planner: int = 0
+    controller: int = 0
+    smoother: int = 0
+    agent: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class _Case:
-    """One combination of planner, controller, backend and settings."""
+    """One combination of what drives, backend and settings."""
 
-    planner: int
-    controller: int
-    smoother: int
+    driver: _Driver
     backend: int
     settings: tuple[int, ...]
 
@@ -48,18 +58,22 @@ class Expansion:
 
     Attributes:
         total: Number of episodes.
-        cases: Number of combinations of planner, controller, smoother, backend and settings: the episodes of a mission.
-        worlds, robots, planners, controllers, backends: Labels.
+        cases: Number of combinations of what drives, smoother, backend and settings: the episodes of a mission.
+        worlds, robots, planners, controllers, backends: Labels; agents are among the controllers, with NO_PLANNER.
     """
 
     def __init__(self, suite: SuiteFields) -> None:
         self._suite = suite
         self._missions: list[Missions] = [world.missions or suite.missions for world in suite.worlds]
         self._settings = suite.crossed()
+        crossed = (suite.planners, suite.controllers, suite.smoothers)
+        self._drivers = [_Driver(*places) for places in itertools.product(*(range(len(axis)) for axis in crossed))]
+        if suite.agents:
+            alone = suite.model_fields_set.isdisjoint(("planners", "controllers", "smoothers"))
+            agents = [_Driver(agent=k) for k in range(len(suite.agents))]
+            self._drivers = agents if alone else self._drivers + agents
         self._sizes = [
-            len(suite.planners),
-            len(suite.controllers),
-            len(suite.smoothers),
+            len(self._drivers),
             len(suite.backends),
             *(len(values) for values in self._settings.values()),
         ]
@@ -67,17 +81,23 @@ class Expansion:
         per_world = [len(suite.robots) * missions.count * self.cases for missions in self._missions]
         self._ends = list(itertools.accumulate(per_world))
         self.total = self._ends[-1]
-        self.worlds = _labels("world", [_world_names(world) for world in suite.worlds])
-        self.robots = _labels("robot", [(Path(robot).stem, robot) for robot in suite.robots])
-        self.planners, self.controllers, self.backends = (
-            _labels(role, [_choice_names(choice) for choice in getattr(suite, f"{role}s")]) for role in _ROLES
-        )
+        self.worlds = _labels("worlds", [_world_names(world) for world in suite.worlds])
+        self.robots = _labels("robots", [(Path(robot).stem, robot) for robot in suite.robots])
+        planners, controllers = (suite.planners, suite.controllers) if self._drivers[0].agent is None else ((), ())
+        self.planners = _labels("planners", [_choice_names(choice) for choice in planners])
+        driving = [_choice_names(choice) for choice in (*controllers, *suite.agents)]
+        self.controllers = _labels("controllers or agents" if suite.agents else "controllers", driving)
+        self.backends = _labels("backends", [_choice_names(choice) for choice in suite.backends])
+        self._first_agent = len(controllers)
+        if suite.agents:
+            self.planners.append(NO_PLANNER)
 
     def factors(self) -> dict[str, int]:
         """Sizes of what is crossed, by name."""
         suite = self._suite
         missions = sum(missions.count for missions in self._missions)
-        names = ("planners", "controllers", "smoothers", "backends", *self._settings)
+        driving = "planners, controllers and agents" if suite.agents else "planners and controllers"
+        names = (driving, "backends", *self._settings)
         sizes = {
             "missions in all worlds": missions,
             "robots": len(suite.robots),
@@ -109,17 +129,15 @@ class Expansion:
         at_world, at_robot, mission, case = self._locate(index)
         world, missions = suite.worlds[at_world], self._missions[at_world]
         seed, listed = missions.at(mission)
-        planner, smoother = suite.planners[case.planner], suite.smoothers[case.smoother]
+        driver = case.driver
         settings = {name: values[k] for (name, values), k in zip(self._settings.items(), case.settings, strict=True)}
         scenario = Scenario.make(
             **world.settings(seed),
             **settings,
             **({} if listed is None else listed.model_dump(exclude_none=True)),
             robot=suite.robots[at_robot],
-            planner=_named(planner),
-            controller=_named(suite.controllers[case.controller]),
-            smoother=None if smoother is None else _named(smoother),
-            backend=_named(suite.backends[case.backend]),
+            **self._driving(driver),
+            backend=suite.backends[case.backend].plain(),
             seed=seed,
             time_limit_s=suite.limits.time_limit_s,
         )
@@ -129,15 +147,16 @@ class Expansion:
             id=self._id(at_world, at_robot, seed, listed, case),
             world=self.worlds[at_world],
             robot=self.robots[at_robot],
-            planner=self.planners[case.planner],
-            controller=self.controllers[case.controller],
+            planner=self.planners[driver.planner if driver.agent is None else -1],
+            controller=self.controllers[
+                driver.controller if driver.agent is None else self._first_agent + driver.agent
+            ],
             backend=self.backends[case.backend],
             settings=self._describe(case),
             seed=seed,
             scenario=apply(scenario, drawn),
             missions=missions,
             listed=listed,
-            plugin=planner,
             vary=drawn,
             reference=world.reference,
             content=(
@@ -157,14 +176,16 @@ class Expansion:
         own = [self._world_digest(world) for world in range(len(in_world))]
         worlds = [world + missions for world, missions in zip(own, in_world, strict=True)]
         smoothers = [_label_of(smoother) for smoother in self._suite.smoothers]
+        agents = [_label_of(agent) for agent in self._suite.agents]
         _refuse_twice("world", self.worlds, worlds)
         _refuse_twice("robot", self.robots, self._robot_digests)
-        _refuse_twice("planner", self.planners, digests[0])
-        _refuse_twice("controller", self.controllers, digests[1])
+        _refuse_twice("planner", self.planners[: len(digests[0])], digests[0])
+        _refuse_twice("controller", self.controllers[: len(digests[1])], digests[1])
         _refuse_twice("smoother", smoothers, digests[2])
         _refuse_twice("backend", self.backends, digests[3])
+        _refuse_twice("agent", agents, digests[4])
         for name, values in self._settings.items():
-            _refuse_twice(name, [_text(value) for value in values], [digest(value) for value in values])
+            _refuse_twice(name, [_text(value) for value in values], [digest(_content(value)) for value in values])
 
     def check_settings(self) -> None:
         """Refuse settings that do not go together, and what a backend cannot vary.
@@ -191,8 +212,20 @@ class Expansion:
         for size in reversed(self._sizes):
             case, one = divmod(case, size)
             at.append(one)
-        planner, controller, smoother, backend, *settings = reversed(at)
-        return world, robot, mission, _Case(planner, controller, smoother, backend, tuple(settings))
+        driver, backend, *settings = reversed(at)
+        return world, robot, mission, _Case(self._drivers[driver], backend, tuple(settings))
+
+    def _driving(self, driver: _Driver) -> dict[str, Choice | None]:
+        """The fields of a scenario that say what drives."""
+        suite = self._suite
+        if driver.agent is not None:
+            return {"agent": suite.agents[driver.agent].plain()}
+        smoother = suite.smoothers[driver.smoother]
+        return {
+            "planner": suite.planners[driver.planner].plain(),
+            "controller": suite.controllers[driver.controller].plain(),
+            "smoother": None if smoother is None else smoother.plain(),
+        }
 
     def _describe(self, case: _Case) -> str:
         """What is crossed beside planners, controllers and backends."""
@@ -201,8 +234,8 @@ class Expansion:
             for (name, values), k in zip(self._settings.items(), case.settings, strict=True)
             if len(values) > 1
         ]
-        if len(self._suite.smoothers) > 1:
-            parts.insert(0, f"smoother={_label_of(self._suite.smoothers[case.smoother])}")
+        if len(self._suite.smoothers) > 1 and case.driver.agent is None:
+            parts.insert(0, f"smoother={_label_of(self._suite.smoothers[case.driver.smoother])}")
         return " ".join(parts)
 
     # Hashes ---------------------------------------------------------------------------------------------------------
@@ -210,15 +243,15 @@ class Expansion:
     def _id(self, world: int, robot: int, seed: int, listed: ListedMission | None, case: _Case) -> str:
         digests = self._choice_digests
         settings = [values[k] for values, k in zip(self._setting_digests, case.settings, strict=True)]
+        driver = case.driver
+        axes = ((0, driver.planner), (1, driver.controller), (2, driver.smoother))
         return short(
             [
                 self._common_digest,
                 self._world_digest(world),
                 self._robot_digests[robot],
                 self._rule_digest(world, listed),
-                digests[0][case.planner],
-                digests[1][case.controller],
-                digests[2][case.smoother],
+                *(digests[axis][k] for axis, k in (axes if driver.agent is None else ((4, driver.agent),))),
                 digests[3][case.backend],
                 *sorted(settings),
                 seed.to_bytes(16, "big"),
@@ -257,15 +290,16 @@ class Expansion:
             suite.controllers,
             suite.smoothers,
             suite.backends,
+            suite.agents,
         )
-        return [[digest(None if choice is None else choice.identity()) for choice in axis] for axis in axes]
+        return [[digest(None if choice is None else identity_of(choice)) for choice in axis] for axis in axes]
 
     @cached_property
     def _setting_digests(self) -> list[list[bytes]]:
         """Of each setting's values; a default one counts as none, so that it may be written out or not."""
         defaults = Scenario.model_fields
         return [
-            [b"" if value == defaults[name].default else digest([name, value]) for value in values]
+            [b"" if value == defaults[name].default else digest([name, _content(value)]) for value in values]
             for name, values in self._settings.items()
         ]
 
@@ -275,8 +309,9 @@ class Expansion:
         return digest([suite.vary.model_dump(mode="json", exclude_none=True), suite.limits.time_limit_s])
 
 
-def _named(choice: PluginChoice) -> dict[str, Any]:
-    return {"name": choice.name, "options": choice.options}
+def _content(value: object) -> object:
+    """What decides how a setting's value acts."""
+    return identity_of(value) if isinstance(value, Choice) and value.is_python else value
 
 
 def _text(value: object) -> str:
@@ -285,7 +320,7 @@ def _text(value: object) -> str:
         return f"{value:g}"
     if isinstance(value, Choice):
         inner = ",".join(f"{name}={_text(one)}" for name, one in value.options.items())
-        return f"{value.name}({inner})" if inner else value.name
+        return f"{value.short_name}({inner})" if inner else value.short_name
     if isinstance(value, Config):
         given = value.model_dump(exclude_defaults=True)
         return "{" + ",".join(f"{name}:{_text(getattr(value, name))}" for name in given) + "}"
@@ -295,14 +330,14 @@ def _text(value: object) -> str:
 
 
 def _label_of(choice: PluginChoice | None) -> str:
-    return "none" if choice is None else choice.label or choice.name
+    return "none" if choice is None else choice.label or choice.short_name
 
 
 def _choice_names(choice: PluginChoice) -> tuple[str, str]:
     if choice.label is not None:
         return choice.label, choice.label
     name = choice.name.rpartition(":")[2]
-    return name, f"{choice.name}{_options(choice.options)}"
+    return name, f"{choice.short_name}{_options(choice.options)}"
 
 
 def _world_names(world: SuiteWorld) -> tuple[str, str]:
@@ -317,13 +352,13 @@ def _options(options: dict[str, Any]) -> str:
     return f"({', '.join(f'{name}={_text(value)}' for name, value in options.items())})" if options else ""
 
 
-def _labels(kind: str, names: list[tuple[str, str]]) -> list[str]:
+def _labels(kinds: str, names: list[tuple[str, str]]) -> list[str]:
     """One label for each: the short name, or where several have that, the long one."""
     shorts = [name for name, _ in names]
     labels = [name if shorts.count(name) == 1 else long for name, long in names]
     for label in labels:
         if labels.count(label) > 1:
-            raise InputError(f"two {kind}s are called {label!r}: leave one out, or give one of them a label")
+            raise InputError(f"two {kinds} are called {label!r}: leave one out, or give one of them a label")
     return labels
 
 

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from trundle.errors import InputError
 from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
-from trundle.evaluation.suite.plugin import Backend, Controller, Planner, PluginChoice, Smoother
+from trundle.evaluation.suite.plugin import Agent, Backend, Controller, Planner, PluginChoice, Smoother
 from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
 from trundle.evaluation.suite.vary import Vary
 
@@ -48,11 +48,13 @@ class SuiteFields(CrossedSettings):
         name: Name of the suite.
         worlds: Where the robots drive: generated worlds, maps and worlds' files.
         robots: Catalogue names or paths of robots' YAML; a path in a file is relative to that file.
-        planners: Planners by name, `{name: …, options: {…}}`, or `module:Class`. In Python also planners, classes of
-            planners, and functions (costmap, start, goal) → path or poses.
-        controllers: Controllers, likewise, but for Python objects.
+        planners: Planners by name, `module:name`, or `{name: …, options: {…}}`. In Python also classes, functions
+            (costmap, start, goal) and objects.
+        controllers: Controllers, likewise.
         smoothers: Smoothers of the planned paths, likewise; none drives them as they are planned.
-        backends: Simulators, likewise.
+        agents: Agents, likewise, which drive instead of planners and controllers. They are compared with planners and
+            controllers where these are given too.
+        backends: Simulators by name.
         missions: Where the robots are to go.
         vary: What differs between what the robot was designed for and what it drives with.
         limits: What an episode may take.
@@ -66,6 +68,7 @@ class SuiteFields(CrossedSettings):
     planners: Annotated[tuple[Planner, ...], _some(Planner)] = (PluginChoice(name="auto"),)
     controllers: Annotated[tuple[Controller, ...], _some(Controller)] = (PluginChoice(name="regulated_pure_pursuit"),)
     smoothers: Annotated[tuple[Smoother, ...], _some(Smoother)] = (None,)
+    agents: Annotated[tuple[Agent, ...], _some(Agent)] = ()
     backends: Annotated[tuple[Backend, ...], _some(Backend)] = (PluginChoice(name="mujoco"),)
     missions: MissionsField = Missions(seeds=20)
     vary: Vary = Vary()

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from trundle.evaluation.suite.parts import ListedMission, Missions
-from trundle.evaluation.suite.plugin import PluginChoice
 from trundle.mission import Scenario
 
 
@@ -20,14 +19,13 @@ class EpisodeSpec:
         world: Label of the world.
         robot: Label of the robot.
         planner: Label of the planner.
-        controller: Likewise.
+        controller: Likewise; or of the agent, whose planner is `none`.
         backend: Likewise.
         settings: What else the suite crosses, as `name=value`, separated by spaces.
         seed: Of the mission.
         scenario: The scenario; without start and goal where they are sampled.
         missions: How they are sampled.
         listed: The mission, where it is listed.
-        plugin: The choice of the planner, which may be a Python object.
         vary: The values that were drawn, by name.
         reference: Path of the file of the world's reference path, if it has one.
         content: Hashes of the contents of the world and the robot, which a mission is identified by.
@@ -45,7 +43,6 @@ class EpisodeSpec:
     scenario: Scenario
     missions: Missions
     listed: ListedMission | None
-    plugin: PluginChoice
     vary: Mapping[str, float]
     reference: str | None
     content: tuple[str, str]

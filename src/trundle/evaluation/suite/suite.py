@@ -26,6 +26,7 @@ from trundle.robots import is_robot_file
 from trundle.values import as_path
 
 _SUFFIXES = (".yaml", ".yml")
+_PLUGINS = ("planners", "controllers", "smoothers", "agents")
 
 
 class Suite(SuiteFields):
@@ -142,7 +143,7 @@ class Suite(SuiteFields):
     def _plain(self) -> dict[str, Any]:
         dumped = self.model_dump(mode="json", exclude_defaults=True)
         plain = {key: dumped[key] for key in describe_fields(type(self)) if key in dumped}
-        for key in ("worlds", "planners", "controllers", "smoothers", "backends"):
+        for key in ("worlds", *_PLUGINS, "backends", "localizer"):
             if key in plain:
                 plain[key] = [None if each is None else shorten(each) for each in plain[key]]
         return plain

@@ -20,6 +20,7 @@ from trundle.mission.running.episode_maker import AgentTotals
 from trundle.mission.running.goal_count import GoalCount
 from trundle.mission.running.preparation import allowed_time
 from trundle.navigation import Agent, NavigationStatus, Navigator, NavigatorSettings
+from trundle.navigation.agent import check_command
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.sim import Contact, RobotState
@@ -176,7 +177,7 @@ class Course:
     def _ask(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """The agent's command; and the wall times that it took."""
         planned, began = getattr(self._agent, "planning_time_s", 0.0), clock.perf_counter()
-        command = self._agent.update(observation, estimate)
+        command = check_command(self._agent, self._agent.update(observation, estimate))
         self.tick_s = clock.perf_counter() - began
         self.planning_s = getattr(self._agent, "planning_time_s", 0.0) - planned + self._planned_s
         self._planned_s = 0.0

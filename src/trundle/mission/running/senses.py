@@ -8,7 +8,8 @@ from trundle.errors import InputError
 from trundle.fault import check_result
 from trundle.geometry import Pose2D
 from trundle.latency import Latency
-from trundle.localization import Localizer, create_localizer
+from trundle.localization import create_localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.maps import OccupancyGrid
 from trundle.mission.running.scan_mail import ScanMail
 from trundle.observation import Estimate, Observation
@@ -22,14 +23,14 @@ class Senses:
     """Delays scans, and estimates the pose.
 
     Args:
-        localizer: Estimates the pose: a localizer, or the name of one. None means the true pose.
-        grid: The map that a localizer by name gets, or None.
+        localizer: Estimates the pose; see `LocalizerLike`. None means the true pose.
+        grid: The map that a class of localizers gets, or None.
         robot: The robot.
         latency: How late scans arrive.
     """
 
     def __init__(
-        self, localizer: str | Localizer | None, grid: OccupancyGrid | None, robot: Robot, latency: Latency
+        self, localizer: LocalizerLike | None, grid: OccupancyGrid | None, robot: Robot, latency: Latency
     ) -> None:
         self._localizer = None if localizer is None else create_localizer(localizer, grid, robot)
         self._mail = ScanMail(latency.scan_age_s) if latency.scan_age_s > 0.0 else None

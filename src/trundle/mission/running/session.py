@@ -12,7 +12,7 @@ from trundle.errors import PlanningError, ScenarioError, SimulationError, Trundl
 from trundle.fault import Fault, find_fault, is_of_plugin, keep_fault, note_folder, text_of
 from trundle.geometry import Pose2D, Twist2D
 from trundle.latency import Latency
-from trundle.localization import Localizer
+from trundle.localization.localizer import LocalizerLike
 from trundle.mission.episode import Episode, Outcome
 from trundle.mission.legs import read_goals
 from trundle.mission.observers import Audience, MonitorReport, Observer, RunInfo, Step
@@ -31,8 +31,8 @@ from trundle.mission.steering.helm import Helm
 from trundle.mission.steering.queue import Steering
 from trundle.mission.steering.report import SteeringReport
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation import Agent, Navigator
-from trundle.navigation.agent import CONTROL_PERIOD_S
+from trundle.navigation import Navigator
+from trundle.navigation.agent import CONTROL_PERIOD_S, AgentLike, create_agent
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.waypoint import tasks_of
 from trundle.observation import Estimate
@@ -59,12 +59,13 @@ class Session:
 
     Args:
         sim: What moves the robot.
-        agent: What drives it; a goal that it has is replaced.
+        agent: What drives it: a navigator or another agent, whose goal is replaced; or the class or the name of one, or
+            a function (observation, estimate); see `AgentLike`.
         start: The start: a pose, (x, y) or (x, y, yaw); map frame.
         goal: The goal: a pose, (x, y) for any yaw, or (x, y, yaw); or a list of these. None for an agent without a
             goal, not a navigator, which drives until it is FINISHED.
-        localizer: Estimates the robot's pose: a localizer, or the name of one. None means that the agent gets the true
-            pose.
+        localizer: Estimates the robot's pose: a localizer, a class, a function or a name; see `LocalizerLike`. None
+            means that the agent gets the true pose.
         latency: How late scans and commands arrive; reported to the agent by `set_latency`, if it has that.
         monitor: The collision monitor that every command passes. None means a `CollisionMonitor` from the first scan
             on, True one from the start, and False none.
@@ -94,11 +95,11 @@ class Session:
     def __init__(
         self,
         sim: Simulator,
-        agent: Agent,
+        agent: AgentLike,
         start: Pose2D | Sequence[float],
         goal: Pose2D | Sequence[float] | Sequence[Pose2D | Sequence[float]] | None = None,
         *,
-        localizer: str | Localizer | None = None,
+        localizer: LocalizerLike | None = None,
         latency: Latency | None = None,
         monitor: Monitor | bool | None = None,
         time_limit_s: float | None = None,
@@ -114,6 +115,7 @@ class Session:
         keeps_s: float | None = None,
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
+        agent = create_agent(agent, sim.robot)
         is_steered = steering is not None or bool(directives)
         waits = goal is None and isinstance(agent, Navigator) and is_steered
         aimless = goal is None and (waits or not isinstance(agent, Navigator))
@@ -150,7 +152,6 @@ class Session:
             agent, sim.robot, name, begin, goals, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
         )
         try:
-            check_kind(agent, Agent, "a run's agent", "Navigator(grid, robot) makes one")
             self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
             robot: Robot = getattr(agent, "robot", sim.robot)
             self._gate = Gate(monitor, robot, latency)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.planning import Planner
-from trundle.registry import Registry
+from trundle.registry import Contract, Registry
 from trundle.robots import Robot
 
 BEHAVIORS: Registry[Behavior] = Registry(
@@ -26,6 +26,7 @@ BEHAVIORS: Registry[Behavior] = Registry(
         "spin": "trundle.navigation.behaviors.motions:Spin",
         "wait": "trundle.navigation.behaviors.waiting:Wait",
     },
+    contract=Contract({"update": "context"}, files=False),
 )
 
 ASKED_FOR = "asked for"
@@ -151,7 +152,7 @@ def create_behavior(behavior: str | Behavior, **options: Any) -> Behavior:
         UnknownNameError: If there is no such behavior.
         InputError: If it does not take an option or a value.
     """
-    return BEHAVIORS.take(behavior, "update", **options)
+    return cast("Behavior", BEHAVIORS.resolve(behavior, {}, options))
 
 
 def check_behavior_kind(behavior: object) -> None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from trundle.errors import BehaviorFailedError
+from trundle.errors import BehaviorFailedError, InputError
+from trundle.files.choice import split_choice
 from trundle.geometry import Twist2D
 from trundle.navigation.behaviors.behavior import Behavior, BehaviorContext
 from trundle.planning import Planner, create_planner
+from trundle.planning.planner import PlannerLike
+from trundle.registry import is_plugin_file
 
 _STAND = Twist2D()
 _SCANS_WITHIN_S = 2.0
@@ -69,7 +72,7 @@ class ReplanWith(Replan):
     """Plan from here to the goal by another planner, and follow that path. Later plans are the navigator's again.
 
     Args:
-        planner: The planner: its name, or an object.
+        planner: The planner: its name, a class, a function or an object.
         options: Its options.
 
     Raises:
@@ -77,9 +80,11 @@ class ReplanWith(Replan):
         InputError: If it does not take an option.
     """
 
-    def __init__(self, planner: str | Planner, **options: Any) -> None:
+    def __init__(self, planner: PlannerLike, **options: Any) -> None:
+        if isinstance(planner, str) and is_plugin_file(planner):  # a step of recovery is named by files of others, too
+            raise InputError(f"planner {planner!r} of replan_with is a file: give its class, or write module:name")
         self.planner = create_planner(planner, **options)
-        self._label = planner if isinstance(planner, str) else type(planner).__name__
+        self._label = split_choice(planner)[0]
 
     def __repr__(self) -> str:
         return f"ReplanWith({self._label!r})"

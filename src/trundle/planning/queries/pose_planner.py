@@ -11,10 +11,11 @@ from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience, check_limits
 from trundle.planning.queries.ends import End, begin_plan, find_end
 from trundle.planning.queries.query import Query
+from trundle.registry import CopiedAsNew
 from trundle.values import check_flag, check_number
 
 
-class PosePlanner(ABC):
+class PosePlanner(CopiedAsNew, ABC):
     """Plans between two poses where the footprint fits, or near to them.
 
     Args:

@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError, PlanningError, TrundleError
+from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.navigation.inputs import split_choice
 from trundle.navigation.joined_path import join_legs
 from trundle.path import Path
-from trundle.planning import Planner, create_planner
+from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.cancellation import Cancellation
 from trundle.planning.motions import sample_between
 from trundle.ros2.actions import ActionGoal
@@ -67,8 +66,9 @@ class PlanServer:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
-        _, planner, options = split_choice(kit.context.mission.scenario.planner)
-        self._planner = create_planner(planner, **options)
+        mission = kit.context.mission
+        self._robot, self._grid = mission.navigator.robot, mission.navigator.grid
+        self._planner = create_planner(mission.scenario.planner, self._robot, self._grid)
         self._changed = threading.Condition()
         self._next: _Query | None = None
         self._current: _Query | None = None
@@ -81,7 +81,13 @@ class PlanServer:
         Raises:
             UnknownNameError: If there is no such planner.
         """
-        made = query(self._planner if planner_id in _PLUGINS else create_planner(planner_id))
+        if planner_id not in _PLUGINS:
+            if planner_id not in planner_names():  # nothing is imported by a name that comes over the network
+                raise UnknownNameError("planner", planner_id, planner_names())
+            planner = create_planner(planner_id, self._robot, self._grid)
+        else:
+            planner = self._planner
+        made = query(planner)
         with self._changed:
             replaced, self._next = self._next, made
             if self._current is not None:

@@ -1,0 +1,60 @@
+"""Plug-ins with types, as users of a type checker write them; tests/test_typing.py checks this text."""
+
+import numpy as np
+import numpy.typing as npt
+
+import trundle
+from trundle.costmap import Costmap
+from trundle.geometry import Goal, Pose2D, Twist2D
+from trundle.navigation import NavigationStatus
+from trundle.observation import Estimate, Observation
+from trundle.path import Path
+from trundle.robots import Robot
+from trundle.testing import check_agent, check_controller, check_localizer, check_planner
+
+
+class MyPlanner:
+    def __init__(self, robot: Robot, margin: float = 0.1) -> None:
+        self.margin = margin
+
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> npt.NDArray[np.float64]:
+        return np.zeros((2, 2))
+
+
+class MyController:
+    def set_path(self, path: Path) -> None: ...
+
+    def compute_velocity(self, pose: Pose2D, twist: Twist2D, costmap: Costmap, dt: float) -> Twist2D:
+        return Twist2D()
+
+
+class MyAgent:
+    status = NavigationStatus.IDLE
+
+    def reset(self, *, seed: int = 0) -> None: ...
+
+    def set_goal(self, goal: Goal) -> None: ...
+
+    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
+        return Twist2D()
+
+
+class MyLocalizer:
+    def reset(self, pose: Pose2D) -> None: ...
+
+    def update(self, observation: Observation) -> Pose2D:
+        return observation.odometry
+
+
+def drive(observation: Observation, estimate: Estimate, goal: Goal) -> Twist2D | None:
+    return None
+
+
+mine = trundle.Navigator(None, "jackal", planner=MyPlanner, controller=MyController())
+mine = trundle.Navigator(None, "jackal", planner=MyPlanner(mine.robot), controller=MyController)
+check_planner(MyPlanner)
+check_controller(MyController)
+check_agent(MyAgent)
+check_agent(drive)
+check_localizer(MyLocalizer)
+check_localizer(MyLocalizer())
