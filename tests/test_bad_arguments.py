@@ -77,7 +77,7 @@ CALLS = {
     "simulate(robot=None)": (lambda: simulate(WORLD, None), "a robot must be of type"),
     "simulate(backend=None)": (lambda: simulate(WORLD, CARTER, backend=None), "the name of a backend must be"),
     "run(None)": (lambda: run(sim=5), "a run's simulator must be of type Simulator, got int"),
-    "run navigator": (lambda: run(driver=5), "a run's agent must be of type Agent, got int"),
+    "run navigator": (lambda: run(driver=5), "agent 5 is no agent"),
     "run start": (lambda: run(start=5), "a pose is .* got 5"),
     "run start of one": (lambda: run(start=(1,)), "a pose is .* got 1 number"),
     "run goal": (lambda: run(goal=None), "a goal is a pose.* got None"),
@@ -87,7 +87,7 @@ CALLS = {
     "Navigator(3)": (lambda: Navigator(3, CARTER), "a navigator's map must be of type OccupancyGrid, Costmap,"),
     "Navigator(world)": (lambda: Navigator(WORLD, CARTER), "got World; OccupancyGrid.from_world"),
     "Navigator(robot=None)": (lambda: Navigator(GRID, None), "a robot must be of type"),
-    "planner=5": (lambda: navigator(planner=5), "a planner is given by its name or as an object"),
+    "planner=5": (lambda: navigator(planner=5), "planner 5 is no planner"),
     "Choice(options=5)": (lambda: Choice(name="astar", options=5), "options: must be a mapping, got 5"),
     "Choice(options={1: 2})": (lambda: Choice(name="astar", options={1: 2}), "options.1"),
     "controller": (lambda: navigator(controller=Choice.of(PURSUIT, nothing=1)), "has no option 'nothing'"),
@@ -97,7 +97,7 @@ CALLS = {
     "CostmapSettings(x)": (lambda: CostmapSettings(inflation=1), "inflation: unknown key. Did you mean"),
     "NavigatorSettings": (lambda: NavigatorSettings(goal_tolerance="x"), "goal_tolerance: must be a number, got 'x'"),
     "create_controller": (lambda: create_controller("regulated_pure_pursuit", None), "a controller's robot must be"),
-    "create_smoother": (lambda: create_smoother(5), "a smoother is given by its name"),
+    "create_smoother": (lambda: create_smoother(5), "smoother 5 is no smoother"),
     "cost_weight": (lambda: create_planner("auto", cost_weight="x"), "cost_weight must be a number .* got 'x'"),
 }
 

@@ -204,14 +204,30 @@ def check_result(value: object, kind: type[_Kind], plugin: object, method: str) 
     for name in ("planner", "controller"):  # what an adapter of trundle calls
         inner = None if is_foreign(type(plugin)) else getattr(plugin, name, None)
         plugin = inner if hasattr(inner, method) else plugin
+    message = f"{type(plugin).__name__}.{method} must return a {kind.__name__}, got {_short(value)}"
+    raise wrong_result(message, plugin, method)
+
+
+def wrong_result(message: str, plugin: object, method: str, *, kind: str = "") -> InputError:
+    """The error for what a plug-in returned, with this message; `find_fault` then names the plug-in.
+
+    Args:
+        message: What it returned, and what it has to return.
+        plugin: The object, or the function that does its work.
+        method: The method of the object that returned it.
+        kind: What the function does the work of ("planner"); an object's class tells that by itself.
+    """
+    error = InputError(message)
     made = type(plugin)
-    error = InputError(f"{made.__name__}.{method} must return a {kind.__name__}, got {_short(value)}")
-    if is_foreign(made):
+    if inspect.isfunction(plugin):
+        fault = Fault("InputError", message, kind, plugin.__name__, plugin.__qualname__, *_place_of(plugin))
+        keep_fault(error, fault)
+    elif is_foreign(made):
         function = inspect.unwrap(getattr(made, method, made))
         place = _place_of(function if inspect.isfunction(function) else made)
-        fault = Fault("InputError", str(error), _kind_of(made), made.__name__, f"{made.__name__}.{method}", *place)
+        fault = Fault("InputError", message, _kind_of(made), made.__name__, f"{made.__name__}.{method}", *place)
         keep_fault(error, fault)
-    raise error
+    return error
 
 
 def is_foreign(kind: type) -> bool:

@@ -14,6 +14,8 @@ from trundle.cli.shared.plugins import GROUPS
 from trundle.control import controller_names
 from trundle.control.controller import CONTROLLERS
 from trundle.errors import InputError, OutputError
+from trundle.localization.localizer import LOCALIZERS
+from trundle.navigation.agent import AGENTS
 from trundle.navigation.behaviors.behavior import BEHAVIORS
 from trundle.planning.planner import PLANNERS
 from trundle.planning.smoother import SMOOTHERS
@@ -271,7 +273,7 @@ def test_help_lists_the_plug_ins_that_are_installed(
 
 
 def test_plug_ins_are_looked_for_where_the_registries_do() -> None:
-    ours = (_PLUGINS, WORLDS, PLANNERS, CONTROLLERS, SMOOTHERS, SIMULATORS, BEHAVIORS)
+    ours = (_PLUGINS, WORLDS, PLANNERS, CONTROLLERS, SMOOTHERS, AGENTS, LOCALIZERS, SIMULATORS, BEHAVIORS)
     assert [registry._group for registry in ours] == list(GROUPS.values())
 
 

@@ -140,7 +140,10 @@ def test_the_winner_of_a_merge_is_chosen(trundle: Trundle, source: Path, tmp_pat
         (("maps/noise.yaml", "-o", "new.yaml", "--resolution", "0"), "resolution must be a positive number"),
         (("maps/noise.yaml", "-o", "new.yaml", "--resolution", "nan"), "resolution must be a positive number"),
         (("maps/noise.yaml", "-o", "new.yaml", "--resolution", "1e-6"), "more than 400000000 cells"),
-        (("maps/noise.yaml", "-o", "new.yaml", "--max-cells", "599"), "30 x 20 cells is more than 599 cells"),
+        (
+            ("maps/noise.yaml", "-o", "new.yaml", "--max-cells", "599"),
+            "30 x 20 pixels need max_cells=600, and the limit is 599",
+        ),
         (("maps/noise.yaml", "-o", "new.yaml", "--crop", "1,2,3"), "--crop '1,2,3': give X0,Y0,X1,Y1"),
         (("maps/noise.yaml", "-o", "new.yaml", "--crop", "1,0,0,1"), "smaller first"),
         (("maps/noise.yaml", "-o", "new.yaml", "--crop", "8,8,9,9"), "no part of the map lies in"),

@@ -79,7 +79,7 @@ def test_a_map_with_a_bmp_is_that_with_a_png(tmp_path, depth):
         (lambda content: content[:18] + struct.pack("<i", -5) + content[22:], "is not supported"),
         (lambda content: content[:28] + struct.pack("<H", 7) + content[30:], "7 bits per pixel"),
         (lambda content: content[:30] + struct.pack("<I", 4) + content[34:], "compression 4"),
-        (lambda content: content[:18] + struct.pack("<ii", 10**6, 10**6) + content[26:], "more than a map may have"),
+        (lambda content: content[:18] + struct.pack("<ii", 10**6, 10**6) + content[26:], "pixels need max_cells="),
         (lambda content: content + bytes(1 << 20), "far longer than its image needs"),
     ],
 )

@@ -45,7 +45,7 @@ def test_the_grid_class_knows_them_by_suffix_and_the_resolution_may_be_given(tmp
         (MAP.replace("width 4", "width 5"), ":5:5", "the row has 4 cells"),
         (MAP.replace("width 4", "width 3"), ":5:4", "the row has 4 cells"),
         (MAP.replace("OTW.", "OTx."), ":6:3", "unknown terrain 'x'"),
-        (MAP.replace("height 2", "height 99999").replace("width 4", "width 99999"), "", "more than a map may have"),
+        (MAP.replace("height 2", "height 99999").replace("width 4", "width 99999"), "", "cells need max_cells="),
     ],
 )
 def test_a_damaged_map_is_refused_with_its_place(tmp_path, text, place, message):

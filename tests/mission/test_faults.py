@@ -321,7 +321,7 @@ def test_what_is_refused_leaves_no_folder(make_sim, navigator, start, tmp_path):
 
 def test_an_agent_that_returns_something_else_is_named(drive):
     error, episode, _ = drive(Agent("", returns=None), error=InputError)
-    assert str(error) == "Agent.update must return a Twist2D, got None"
+    assert str(error).startswith("agent 'Agent' returned None: an agent returns a Twist2D(v, w)")
     assert (episode.fault.plugin, episode.fault.function, episode.fault.file) == ("Agent", "Agent.update", __file__)
 
 

@@ -36,7 +36,7 @@ class Planner:
 
 def drive(navigator, world, *, seconds=120.0):
     """Drive until it ends; when the planner was called [s], and where the robot was in each period."""
-    planner, plans, poses = navigator.planner, [], []
+    planner, plans, poses = getattr(navigator.planner, "planner", navigator.planner), [], []
     navigator.set_goal(GOAL)
     with simulate(world, ROBOT, backend="kinematic", lidar=True) as sim:
         state = sim.reset(START)

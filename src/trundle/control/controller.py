@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError
+from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
 from trundle.geometry import FloatArray, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -217,8 +217,11 @@ class ControllerAdapter(Controller):
         """
         command = self.controller.compute_velocity(pose, twist, costmap, dt)
         if not isinstance(command, Twist2D):
-            raise InputError(
+            raise wrong_result(
                 f"controller {name_of(self.controller)!r} returned {command!r}: compute_velocity returns a "
-                "Twist2D(v, w) [m/s, rad/s], and Twist2D() to stand"
+                "Twist2D(v, w) [m/s, rad/s], and Twist2D() to stand",
+                self.controller,
+                "compute_velocity",
+                kind="controller",
             )
         return command

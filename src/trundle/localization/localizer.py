@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from trundle.errors import InputError
+from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Pose2D
 from trundle.maps import OccupancyGrid
@@ -124,8 +125,11 @@ class LocalizerAdapter:
         if isinstance(found, Pose2D):
             return Estimate(time, found, None, found @ observation.odometry.inverse())
         if not isinstance(found, Estimate):
-            raise InputError(
+            raise wrong_result(
                 f"localizer {name_of(self.localizer)!r} returned {found!r}: a localizer returns an Estimate, or a "
-                "Pose2D in the map frame"
+                "Pose2D in the map frame",
+                self.localizer,
+                "update",
+                kind="localizer",
             )
         return found

@@ -8,6 +8,7 @@ from typing import Any, Protocol, TypeAlias, cast, runtime_checkable
 
 from trundle.control import GoalChecker
 from trundle.errors import InputError
+from trundle.fault import wrong_result
 from trundle.files.choice import Choice, split_choice
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
@@ -112,9 +113,12 @@ def check_command(agent: Agent, command: object) -> Twist2D:
     if isinstance(command, Twist2D):
         return command
     name = getattr(agent, "controller_name", type(agent).__name__)
-    raise InputError(
+    raise wrong_result(
         f"agent {name!r} returned {command!r}: an agent returns a Twist2D(v, w) [m/s, rad/s], and a function None "
-        "where it has finished"
+        "where it has finished",
+        agent.function if isinstance(agent, FunctionAgent) else agent,
+        "update",
+        kind="agent",
     )
 
 
@@ -129,6 +133,7 @@ class FunctionAgent:
 
     Attributes:
         controller_name: The function's name, for reports.
+        function: The function.
         goal_checker: Says whether the goal is reached; may be replaced.
         status: What it is doing.
     """
@@ -136,7 +141,7 @@ class FunctionAgent:
     def __init__(self, function: PluginFunction) -> None:
         self.controller_name = function.name
         self.goal_checker = GoalChecker()
-        self._function = function
+        self.function, self._call = function.function, function
         self.reset()
 
     def __repr__(self) -> str:
@@ -166,7 +171,7 @@ class FunctionAgent:
             if checker.is_reached(estimate.pose, observation.twist, goal.pose, any_yaw=goal.yaw_free):
                 self.status = NavigationStatus.ARRIVED
             return Twist2D()
-        command = cast("object", self._function(observation, estimate, goal=goal))
+        command = cast("object", self._call(observation, estimate, goal=goal))
         if command is None:
             self.status = NavigationStatus.FINISHED
             return Twist2D()

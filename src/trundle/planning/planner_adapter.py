@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from trundle.costmap import Costmap
-from trundle.errors import InputError
+from trundle.fault import wrong_result
 from trundle.geometry import Pose2D, wrap_angle
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
@@ -59,15 +59,16 @@ class PlannerAdapter:
         answer = self._plan(costmap, start, goal, **{name: given[name] for name in KEYWORDS if name in self._taken})
         if isinstance(answer, Path):
             return answer
-        return _path_of(answer, name_of(self.planner), start, goal, goal_yaw_free=goal_yaw_free)
+        return _path_of(answer, self.planner, start, goal, goal_yaw_free=goal_yaw_free)
 
 
-def _path_of(answer: object, name: str, start: Pose2D, goal: Pose2D, *, goal_yaw_free: bool) -> Path:
+def _path_of(answer: object, planner: object, start: Pose2D, goal: Pose2D, *, goal_yaw_free: bool) -> Path:
     """Make a path of poses or points.
 
     Raises:
         InputError: If it is neither.
     """
+    name = name_of(planner)
     try:
         poses = np.array(answer, dtype=np.float64)
     except (TypeError, ValueError):
@@ -75,10 +76,13 @@ def _path_of(answer: object, name: str, start: Pose2D, goal: Pose2D, *, goal_yaw
     columns = poses.shape[-1] if poses.ndim == 2 else 0
     if columns not in (2, 3) or not len(poses) or not np.isfinite(poses).all():
         what = f"an array of shape {np.shape(poses)}" if isinstance(answer, np.ndarray) else repr(answer)[:80]
-        raise InputError(
+        raise wrong_result(
             f"planner {name!r} returned {what}: a planner returns a Path, or finite poses (x, y, yaw) of shape (N, 3) "
             "or points (x, y) of shape (N, 2), N ≥ 1; where there is no path it raises a PlanningError, such as "
-            "NoPathError"
+            "NoPathError",
+            planner,
+            "plan",
+            kind="planner",
         )
     if columns == 2:
         poses = _with_yaws(poses, start.yaw)

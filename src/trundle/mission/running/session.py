@@ -115,7 +115,6 @@ class Session:
         keeps_s: float | None = None,
     ) -> None:
         check_kind(sim, Simulator, "a run's simulator", "trundle.simulate(world, robot) makes one")
-        agent = create_agent(agent, sim.robot)
         is_steered = steering is not None or bool(directives)
         waits = goal is None and isinstance(agent, Navigator) and is_steered
         aimless = goal is None and (waits or not isinstance(agent, Navigator))
@@ -152,6 +151,7 @@ class Session:
             agent, sim.robot, name, begin, goals, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
         )
         try:
+            agent = self._agent = create_agent(agent, sim.robot)
             self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
             robot: Robot = getattr(agent, "robot", sim.robot)
             self._gate = Gate(monitor, robot, latency)
