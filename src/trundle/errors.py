@@ -123,7 +123,10 @@ class PlanningError(TrundleError):
     Attributes:
         pose: The pose [m, m, rad] in the map frame that the message is about, or None.
         cell: Its (row, col) on the costmap, or None.
+        complete: Whether it is shown that the costmap has no path for this robot. If not, the search ended before that.
     """
+
+    complete: bool = False
 
     def __init__(
         self,
@@ -140,6 +143,8 @@ class PlanningError(TrundleError):
 class OutsideMapError(PlanningError):
     """A start or goal that lies outside the map."""
 
+    complete = True
+
 
 class BlockedPoseError(PlanningError):
     """A start or goal where the robot cannot stand.
@@ -147,6 +152,8 @@ class BlockedPoseError(PlanningError):
     Attributes:
         nearest_free_m: Distance to the nearest cell where it can stand, or None if none was found nearby.
     """
+
+    complete = True
 
     def __init__(
         self,
@@ -162,6 +169,8 @@ class BlockedPoseError(PlanningError):
 
 class NoPathError(PlanningError):
     """Start and goal are free, but no path connects them."""
+
+    complete = True
 
 
 class PlanningStoppedError(PlanningError):

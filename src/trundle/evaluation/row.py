@@ -27,6 +27,8 @@ class Row:
         settings: Other settings that the suite crosses, as `name=value`, separated by spaces; empty without any.
         outcome: As `trundle.Outcome`, or `crashed`, `hung`, `out_of_memory` or `error`.
         message: The outcome in words.
+        complete: Whether the search was complete where the outcome is `no_path`, as `Episode.complete`. None for other
+            outcomes, and in older evaluations.
         error: What ended an episode that did not end by itself, with the place in the code; None for others.
         time_s: Simulated time [s].
         distance_m: Driven [m].
@@ -75,6 +77,7 @@ class Row:
     settings: str = ""
     outcome: str
     message: str = ""
+    complete: bool | None = None
     error: str | None = None
     time_s: float | None = None
     distance_m: float | None = None

@@ -146,6 +146,9 @@ class Episode:
             recorded in `directives.json`.
         folder: The run's folder, where the episode was loaded from one; `Scenario.load(folder)` repeats the run.
         fault: The exception that ended it, with the plug-in that raised it; None unless the outcome is `error`.
+        complete: Where the outcome is `no_path`, whether the search was complete: the costmap that the robot had has no
+            path. Otherwise the search ended before it found one. None for other outcomes, and in older folders. In
+            `episode.json` it is `search_complete`: `complete` says there that the run has ended.
     """
 
     outcome: Outcome
@@ -168,6 +171,7 @@ class Episode:
     directives: tuple[GivenDirective, ...] = ()
     folder: pathlib.Path | None = None
     fault: Fault | None = None
+    complete: bool | None = None
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Episode:
@@ -221,6 +225,7 @@ class Episode:
             time_limit_s=math.inf if facts.time_limit_s is None else facts.time_limit_s,
             behaviors=facts.behaviors,
             fault=facts.fault,
+            complete=facts.search_complete,
         )
 
     def __repr__(self) -> str:
@@ -252,6 +257,7 @@ class Episode:
         return {
             "outcome": self.outcome.value,
             "message": self.message,
+            "search_complete": self.complete,
             **{name: _plain(value) for name, value in asdict(self.metrics).items()},
             "name": self.name,
             "robot": self.robot,
@@ -284,6 +290,7 @@ class _Facts:
     time_limit_s: float | None
     behaviors: tuple[BehaviorRun, ...] = ()
     fault: Fault | None = None
+    search_complete: bool | None = None
 
 
 def _plain(value: object) -> object:

@@ -114,6 +114,8 @@ def _figures(record: Mapping[str, Any]) -> list[list[str]]:
     ]
     if goals := record.get("goals"):
         found.insert(0, ["goals reached", f"{record.get('goals_reached', 0)} of {len(goals)}"])
+    if isinstance(complete := record.get("search_complete"), bool):
+        found.append(["search for a path", "complete: there is none" if complete else "not complete: none found"])
     for name, label in (
         ("standing_contacts", "run into while standing by"),
         ("unseen_contacts", "touched, but seen by no lidar"),

@@ -1,11 +1,14 @@
 import json
 import statistics
+from dataclasses import replace
 
 from support.evaluation_rows import make_rows
+from trundle.evaluation.report.html.head import tiles
 from trundle.evaluation.report.summary import count_outcomes, summarise
 from trundle.evaluation.statistics.gates import Gate
 from trundle.evaluation.statistics.intervals import wilson
 from trundle.evaluation.statistics.table import Table
+from trundle.evaluation.store.columns import decode_row, encode_row
 
 
 def test_it_has_the_figures_of_all_rows_and_of_each_group():
@@ -46,3 +49,15 @@ def test_outcomes_are_counted_arrived_first():
     counts = count_outcomes(Table.of(make_rows(60, failing=(0.3,))))
     assert next(iter(counts)) == "arrived"
     assert list(counts.values())[1:] == sorted(list(counts.values())[1:], reverse=True)
+
+
+def test_rows_without_a_path_are_counted_by_whether_the_search_was_complete():
+    rows = list(make_rows(5, failing=(0.0, 0.0)))
+    ends = [
+        replace(row, outcome="no_path", complete=proved)
+        for row, proved in zip(rows, (True, False, False), strict=False)
+    ]
+    table = Table.of([*ends, *rows[3:]])
+    assert summarise(table)["no_path_complete"] == 1
+    assert "complete search: 1 (there is no path); not complete: 2 (none found)" in tiles(table)
+    assert decode_row(encode_row(ends[0]))["complete"] is True

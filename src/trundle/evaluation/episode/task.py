@@ -277,6 +277,7 @@ def _no_episode(known: Mapping[str, Any], error: PlanningError) -> dict[str, Any
     return {
         "outcome": Outcome.NO_PATH.value,
         "message": str(error),
+        "complete": error.complete,
         "time_s": 0.0,
         "distance_m": 0.0,
         "contacts": 0,
@@ -313,6 +314,7 @@ def _result(episode: Episode, truth: Truth | None) -> dict[str, Any]:
     return {
         "outcome": episode.outcome.value,
         "message": episode.message,
+        "complete": episode.complete,
         "time_s": metrics.time_s,
         "distance_m": metrics.distance_m,
         "spl": metrics.spl,

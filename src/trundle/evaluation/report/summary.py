@@ -30,8 +30,9 @@ def summarise(
     Returns:
         `episodes`, `total`, `complete`, `stopped` (None, or `reason`, `in_flight` and `left_out`), `only_errors` (the
         settings of which every episode ended in `error`), `success` (None without an episode) with the ends of its 95 %
-        interval `success_low` and `success_high`, `outcomes`, `medians`, `passed` (None without a gate), `gates`, and
-        `by_group`, with the same figures for each combination of labels: `world=office planner=auto`.
+        interval `success_low` and `success_high`, `outcomes`, `no_path_complete` (how many of `no_path` had a complete
+        search), `medians`, `passed` (None without a gate), `gates`, and `by_group`, with the same figures for each
+        combination of labels: `world=office planner=auto`.
     """
     total = len(table) if total is None else total
     everything = np.arange(len(table))
@@ -98,6 +99,12 @@ def count_outcomes(table: Table, rows: npt.NDArray[np.intp] | None = None) -> di
     return dict(sorted(found.items(), key=lambda item: (item[0] != "arrived", -item[1], item[0])))
 
 
+def count_complete(table: Table, rows: npt.NDArray[np.intp] | None = None) -> tuple[int, int]:
+    """In how many rows without a path the search was complete, and in how many it was not."""
+    complete = table.numbers["complete"] if rows is None else table.numbers["complete"][rows]
+    return int((complete == 1.0).sum()), int((complete == 0.0).sum())
+
+
 def _key(labels: Mapping[str, str]) -> str:
     return " ".join(f"{name}={labels[name]}" for name in LABELS if labels[name])
 
@@ -110,6 +117,7 @@ def _figures(table: Table, rows: npt.NDArray[np.intp]) -> dict[str, Any]:
         "success_low": low,
         "success_high": high,
         "outcomes": count_outcomes(table, rows),
+        "no_path_complete": count_complete(table, rows)[0],
         "medians": {figure.name: _median(table, figure, rows) for figure in FIGURES if figure.name != "success"},
     }
 

@@ -28,7 +28,7 @@ _SCORES = ("barn_score", "shortest_time_s")
 _SENSING = ("standing_contacts", "unseen_contacts", "position_error_m", "monitor_stops", "recoveries")
 _CLOCKS = ("planning_ms", "cpu_s", "wall_s")
 _PLACES = ("end_x", "end_y", "closest_x", "closest_y")
-NUMBERS = (*_EXACT, *_SMALL, *_SENSING, *_SCORES, *_CLOCKS, *_PLACES)
+NUMBERS = (*_EXACT, "complete", *_SMALL, *_SENSING, *_SCORES, *_CLOCKS, *_PLACES)
 _NAMED = (*LABELS, "outcome")
 _KEYS = {"id": "S16", "mission": "S16"}
 

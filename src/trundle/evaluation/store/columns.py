@@ -25,6 +25,7 @@ _SURROGATE = re.compile(r"[\ud800-\udfff]")
 _KINDS: Mapping[str, tuple[str, tuple[type, ...]]] = {
     "str": ("VARCHAR", (str,)),
     "str | None": ("VARCHAR", (str, type(None))),
+    "bool | None": ("BOOLEAN", (bool, type(None))),
     "int": ("BIGINT", (int,)),
     "int | None": ("BIGINT", (int, type(None))),
     "float": ("DOUBLE", _NUMBER),
@@ -98,7 +99,7 @@ def _is_in_bounds(name: str, value: Any) -> bool:
         return len(value) % 2 == 0 and all(_is_figure(number) for number in value)
     if isinstance(value, dict):
         return all(_is_text(key) and _is_figure(number) for key, number in cast("dict[str, Any]", value).items())
-    return value is None or _is_figure(value)
+    return value is None or isinstance(value, bool) or _is_figure(value)
 
 
 def _is_figure(value: Any) -> bool:

@@ -208,6 +208,12 @@ class Course:
     def _timed_out(self, state: RobotState) -> Ending | None:
         return endings.timed_out(self.goals, self.time_limit_s) if state.time >= self.time_limit_s - 1e-9 else None
 
+    @property
+    def was_complete(self) -> bool:
+        """Whether the last search that found no path was complete."""
+        error = self._unreachable or getattr(self._agent, "error", None)
+        return isinstance(error, PlanningError) and error.complete
+
     def ended_by_hand(self, why: str) -> Ending:
         """How a run ends that is ended by hand: finished, where it has no other end."""
         return (Outcome.FINISHED if self._waits else Outcome.ABORTED), why

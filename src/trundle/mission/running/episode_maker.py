@@ -54,6 +54,7 @@ def make_episode(
     wall_s: float,
     measure: Measure | None,
     fault: Fault | None = None,
+    complete: bool | None = None,
 ) -> Episode:
     """The episode of a run.
 
@@ -71,6 +72,7 @@ def make_episode(
         wall_s: Wall time of the loop [s].
         measure: Measures the surroundings for the metrics; None means that they are not measured.
         fault: The exception that ended it, or None.
+        complete: Whether the search for a path was complete; None unless it ended with `no_path`.
     """
     trajectory = log.trajectory()
     arrived = outcome is Outcome.ARRIVED
@@ -124,4 +126,5 @@ def make_episode(
         behaviors=behaviors,
         directives=directives,
         fault=fault,
+        complete=complete,
     )

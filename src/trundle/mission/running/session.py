@@ -6,7 +6,7 @@ import math
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Self
+from typing import Self, cast
 
 from trundle.errors import PlanningError, ScenarioError, SimulationError, TrundleError
 from trundle.fault import Fault, find_fault, is_of_plugin, keep_fault, note_folder, text_of
@@ -31,7 +31,7 @@ from trundle.mission.steering.helm import Helm
 from trundle.mission.steering.queue import Steering
 from trundle.mission.steering.report import SteeringReport
 from trundle.mission.truth import Measure, measure_truth
-from trundle.navigation import Navigator
+from trundle.navigation import Agent, Navigator
 from trundle.navigation.agent import CONTROL_PERIOD_S, AgentLike, create_agent
 from trundle.navigation.behaviors import BehaviorRun
 from trundle.navigation.waypoint import tasks_of
@@ -127,7 +127,7 @@ class Session:
         check_kind(latency, Latency, "a run's latency", "Latency(scan_age_s=0.1) makes one")
         rules = Rules() if rules is None else rules
         self._audience = Audience(observers)
-        self._agent = agent
+        self._agent = cast("Agent", agent)  # made of it below: what is raised there ends the run properly
         self._measure = measure
         self._sim = sim
         self._backend = sim
@@ -143,31 +143,32 @@ class Session:
         self._message = ""
         self._error: BaseException | None = None
         self._fault: Fault | None = None
+        self._was_complete = False
         self._episode: Episode | None = None
         self._last: Step | None = None
         self._returns_steps = True
         self._parts: tuple[object, ...] = (agent, localizer, monitor, sim)
         self._info = describe_early(
-            agent, sim.robot, name, begin, goals, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+            self._agent, sim.robot, name, begin, goals, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
         )
         try:
-            agent = self._agent = create_agent(agent, sim.robot)
-            self._sim, latency = _delay_commands(sim, latency, getattr(agent, "dt", CONTROL_PERIOD_S))
-            robot: Robot = getattr(agent, "robot", sim.robot)
+            made = self._agent = create_agent(agent, sim.robot)
+            self._sim, latency = _delay_commands(sim, latency, getattr(made, "dt", CONTROL_PERIOD_S))
+            robot: Robot = getattr(made, "robot", sim.robot)
             self._gate = Gate(monitor, robot, latency)
-            self._senses = Senses(localizer, getattr(agent, "grid", None), robot, latency)
-            agent.reset(seed=seed)
-            report_latency(agent, latency)
+            self._senses = Senses(localizer, getattr(made, "grid", None), robot, latency)
+            made.reset(seed=seed)
+            report_latency(made, latency)
             hands_over = through or any(tasks_of(goal) for goal in goals)
-            paths, unreachable = prepare(agent, begin, goals, through=through if hands_over else None)
+            paths, unreachable = prepare(made, begin, goals, through=through if hands_over else None)
             extends = time_limit_s is None and not waits
             if time_limit_s is None:
-                time_limit_s = allowed_time(agent, robot, begin, goals, paths)
+                time_limit_s = allowed_time(made, robot, begin, goals, paths)
             self._info = describe_run(
-                agent, sim.robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
+                made, sim.robot, name, begin, goals, paths, time_limit_s=time_limit_s, seed=seed, world=world_of(sim)
             )
             self._course = Course(
-                agent,
+                made,
                 self._info,
                 paths,
                 unreachable,
@@ -464,6 +465,7 @@ class Session:
         elif isinstance(error, SimulationError):
             self._end(Outcome.ABORTED, f"the simulator failed: {text_of(error)}", error)
         elif isinstance(error, PlanningError):
+            self._was_complete = error.complete
             self._end(Outcome.NO_PATH, text_of(error))
         else:
             self._fail(error)
@@ -505,6 +507,7 @@ class Session:
             if course is not None:
                 totals.add(self._agent)
                 behaviors = tuple(getattr(self._agent, "behavior_runs", ()))
+                self._was_complete = self._was_complete or course.was_complete
         except Exception as error:  # noqa: BLE001 - as in _end
             self._fail(error)
         try:
@@ -530,6 +533,7 @@ class Session:
             wall_s=self._wall_s,
             measure=measure,
             fault=self._fault,
+            complete=self._was_complete if self._outcome is Outcome.NO_PATH else None,
         )
 
 

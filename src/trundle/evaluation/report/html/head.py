@@ -9,7 +9,7 @@ import numpy as np
 
 from trundle.evaluation.report.html.charts import interval_bar, outcome_bar, share_axis
 from trundle.evaluation.report.html.marks import count_text
-from trundle.evaluation.report.summary import count_outcomes, describe_missing, stopped_as_dict
+from trundle.evaluation.report.summary import count_complete, count_outcomes, describe_missing, stopped_as_dict
 from trundle.evaluation.report.table import clean
 from trundle.evaluation.statistics.figures import BY_NAME, write_number, write_share
 from trundle.evaluation.statistics.gates import Gate, GateResult
@@ -76,6 +76,10 @@ def tiles(table: Table) -> str:
         ("touched something", f"{touching:,}", contact_note),
         ("mean SPL", write_number(float(np.nanmean(spl))), "path efficiency: 1 is the shortest path; a failure is 0"),
     ]
+    proved, cut_off = count_complete(table)
+    if proved + cut_off > 0:
+        note = f"complete search: {proved:,} (there is no path); not complete: {cut_off:,} (none found)"
+        entries.append(("no path", f"{proved + cut_off:,}", note))
     if len(clearance):
         entries.append(("closest pass", f"{write_number(float(clearance.min()))} m", "of those that arrived"))
     entries += _sensing_tiles(table)
