@@ -283,3 +283,27 @@ def test_without_a_map_there_is_no_static_costmap_until_one_is_given():
     assert (navigator.static_costmap is static, navigator.has_map) == (True, True)
     assert navigator.costmap.shape == (120, 200)
     assert (navigator.costmap.data == LETHAL).any()
+
+
+def see_wall(navigator, time, pose, box=False):
+    """Stand before a wall across the room, 2 m ahead, and perhaps see a box beside the robot."""
+    angles = np.linspace(-1.5, 1.5, 301)
+    ranges = np.minimum(2.0 / np.maximum(np.cos(angles), 1e-3), 20.0)
+    if box:
+        angles, ranges = np.append(angles, 1.7 + np.linspace(0.0, 0.2, 21)), np.append(ranges, np.full(21, 1.5))
+    scan = Scan("front", time, Pose2D(0.0, 0.0), ROBOT.lidars["front"].z, angles, ranges, 0.1, 25.0)
+    look(navigator, time, pose, [scan])
+
+
+def test_what_was_seen_elsewhere_is_forgotten_in_each_stop_nearer_to_the_goal():
+    navigator = open_floor(settings=NavigatorSettings(patience_s=3.0))
+    kept = []
+    for number, pose in enumerate((START, Pose2D(START.x + 2.0, START.y))):
+        row, col = navigator.costmap.world_to_cell(pose.x + 1.5 * math.cos(1.8), pose.y + 1.5 * math.sin(1.8))
+        kept.append([])
+        for tick in range(140):
+            see_wall(navigator, 10.0 * number + tick * 0.05, pose, box=tick < 5)
+            area = navigator.costmap.data[row - 3 : row + 4, col - 3 : col + 4]
+            kept[-1].append(bool((area == LETHAL).any()))
+    assert [stop[10] for stop in kept] == [True, True]
+    assert [stop[-1] for stop in kept] == [False, False]

@@ -35,6 +35,7 @@ _LEAST_S = 1e-3  # what is left of a deadline for the legs of a path
 _AROUND_M, _BESIDE_M = 2.0, 0.3
 """What was seen to move so near the robot [m] may be what leaves no path; so near the path, what blocks it."""
 _SEE_AGAIN_S = 1.0
+_NEARER_M = 1.0  # to the goal than at the last stop: so often at most it forgets what it saw
 _ROUND_WITHIN = 0.7
 """Share of the tolerance of a goal that the robot drives through which rounding a bend there may use."""
 
@@ -78,7 +79,7 @@ class Replanner:
         self._ends_short = False
         self._checked: Costmap | None = None
         self._planned_at = 0.0
-        self._forgot_at: float | None = None
+        self._forgot_at, self._forgot_m = -math.inf, math.inf
         self._failed: FailedPlan | None = None
         self._searched_at = -math.inf
 
@@ -88,7 +89,7 @@ class Replanner:
         self.is_given = self._ends_short = False
         self._checked = costmap
         self._planned_at = 0.0
-        self._forgot_at: float | None = None
+        self._forgot_at, self._forgot_m = -math.inf, math.inf
         self.obstacle.reset()
         self.tries.reset()
         self.budget.reset()
@@ -302,11 +303,16 @@ class Replanner:
         return max(along_m, math.hypot(hit.pose[0] - now.pose.x, hit.pose[1] - now.pose.y))
 
     def gives_up(self, now: Now) -> bool:
-        """Whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere."""
+        """Whether the robot has stood for too long, and sees no path even if it forgets what it saw elsewhere.
+
+        It forgets once in a stop. A stop counts as another one where the robot is nearer to the goal by 1 m: otherwise
+        it would drive to a wall, forget it and drive there again, without end.
+        """
         if not self.obstacle.gives_up:
             return False
-        if self._forgot_at is None:
-            self._forgot_at = now.time
+        left_m = math.inf if self._drive.target is None else now.pose.distance_to(self._drive.target.pose)
+        if math.isinf(self._forgot_at) or left_m < self._forgot_m - _NEARER_M:
+            self._forgot_at, self._forgot_m = now.time, left_m
             self._sensed.reset()
             self.obstacle.plan_soon()
         if self.budget.must_wait(now.time) and self._searched_at < self._forgot_at:
