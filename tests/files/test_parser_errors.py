@@ -102,6 +102,8 @@ def test_an_error_that_is_typed_already_stays():
         AttributeError("mesh"),
         StopIteration(),
         OverflowError(),
+        ValueError("cannot reshape array of size 24 into shape (8,4)"),
+        ValueError("Maximum allowed dimension exceeded"),
     ],
     ids=repr,
 )

@@ -13,6 +13,19 @@ _DAMAGED = "the file is damaged, or holds something that is not supported: write
 _SILENT = (AssertionError, LookupError, TypeError, AttributeError, ArithmeticError, StopIteration, NotImplementedError)
 """Exceptions of parsers whose messages are about their code, and not about the file."""
 
+_ABOUT_ARRAYS = (
+    "cannot reshape",
+    "buffer is smaller",
+    "buffer size must be",
+    "setting an array element",
+    "operands could not be broadcast",
+    "all the input array dimensions",
+    "Maximum allowed dimension",
+    "Maximum allowed size",
+    "array is too big",
+)
+"""How NumPy's messages begin that are about a reader's arrays, and not about the file."""
+
 _NOTHING = ("", "Caught an unknown exception!", "Unknown exception", "unknown error", "None")
 
 
@@ -48,7 +61,7 @@ def parser_reason(problem: BaseException) -> str:
     if isinstance(problem, UnicodeError):
         return _NOT_UTF8
     text = " ".join(text.split())
-    if isinstance(problem, _SILENT) or text in _NOTHING:
+    if isinstance(problem, _SILENT) or text in _NOTHING or text.startswith(_ABOUT_ARRAYS):
         known = "" if text in _NOTHING else f" ({type(problem).__name__}: {text})"
         return f"its reader gives no reason{known or f' ({type(problem).__name__})'}; {_DAMAGED}"
     return text
