@@ -68,7 +68,7 @@ def test_a_node_with_other_code_is_refused(single: Any, tmp_path: Path) -> None:
 
 
 def test_what_fails_on_a_node_is_said_once(single: Any, tmp_path: Path) -> None:
-    with pytest.raises(ClusterError, match=r"on the node .*: cannot write into .*parts"):
+    with pytest.raises(ClusterError, match=r"on the node .*: cannot write .*parts"):
         list(run(tmp_path, range(3), single))
 
 
