@@ -5,6 +5,7 @@ python scripts/seeded_faults.py --only 3 17  some, by number
 """
 
 import argparse
+import importlib.util
 import shutil
 import subprocess
 import sys
@@ -62,7 +63,7 @@ def plant(copy: Path, python: Path, fault: dict[str, str]) -> str:
     """Run the quick tests with a fault, those of its package first; the first test that fails, or nothing."""
     file = copy / "src" / "trundle" / fault["file"]
     sound = file.read_text(encoding="utf-8")
-    file.write_text(sound.replace(fault["old"], fault["new"], 1), encoding="utf-8")
+    write_source(file, sound.replace(fault["old"], fault["new"], 1))
     package, _, inside = fault["file"].partition("/")
     beside = [
         chosen for chosen in CHOSEN if chosen.startswith(f"tests/{package}/" if inside else f"tests/test_{package}")
@@ -70,7 +71,13 @@ def plant(copy: Path, python: Path, fault: dict[str, str]) -> str:
     try:
         return (run(copy, python, beside) if beside else "") or run(copy, python, CHOSEN)
     finally:
-        file.write_text(sound, encoding="utf-8")
+        write_source(file, sound)
+
+
+def write_source(file: Path, text: str) -> None:
+    """Write a source, and delete what was compiled of it: by second and size, Python may take that for up to date."""
+    file.write_text(text, encoding="utf-8")
+    Path(importlib.util.cache_from_source(str(file))).unlink(missing_ok=True)
 
 
 def run(copy: Path, python: Path, tests: list[str]) -> str:
