@@ -6,8 +6,9 @@
     PYTHONPATH=tests python -m fuzz.fuzz_loaders usd sdf --seed 3 --seconds 600
 
 Foreign files are read as users read them, by the guarded child; one child stays for many files. A finding does not end
-it: its file is kept in --keep, and at the end each kind of finding is printed once, with the files that show it. A
-process that crashes or takes a minute for a file is a finding too, and another goes on with the next file.
+it: its file is kept in --keep, and at the end each kind of finding is printed once, with the files that show it. A file
+that takes more than ten seconds or two gigabytes is a finding too, and so is one at which the process crashes or that
+takes it a minute: another process goes on with the next file.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import argparse
 import collections
 import concurrent.futures
+import contextlib
 import faulthandler
 import io
 import logging
@@ -22,6 +24,7 @@ import multiprocessing
 import os
 import random
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -45,14 +48,14 @@ from fuzz.mutation import mutate
 from trundle.errors import MapError, RobotError, TrundleError, WorldError
 from trundle.guard import Child, ReadCall, ReadLimits
 
-LIMITS = ReadLimits(seconds=5.0, gigabytes=2.0)
-"""Less time than users have: a file that takes longer is refused here sooner."""
+LIMITS = ReadLimits(seconds=3.0, gigabytes=2.0)
+"""Less time than users have: a foreign file that takes longer is refused here sooner."""
 
-CLI_SECONDS, CLI_KILOBYTES = 10.0, 2_000_000
-"""What a command may take for a file."""
+MOST_SECONDS, MOST_KILOBYTES = 10.0, 2_000_000
+"""What a loader, or a command, may take for a file. Memory is what this process has at most, or the command's."""
 
 LONGEST = 60.0
-"""For one file [s], its child's start and all loaders that it is given to."""
+"""A file that takes longer [s] ends the process that reads it."""
 
 PREFIX = "mutated-"
 """Before the name of the file that was mutated."""
@@ -126,15 +129,39 @@ class Reader:
             file.write_bytes(mutate(content, generator, TOKENS))
         if self._cli:
             return command_line(self._form, file), file
+        forget_peak()
+        begun = time.monotonic()
+        ended = self._load(file)
+        took, peak = time.monotonic() - begun, peak_kilobytes()
+        if took > MOST_SECONDS or peak > MOST_KILOBYTES:
+            return f"it took {took:.0f} s and {peak} kB: {ended[-3000:]}", file
+        return ended, file
+
+    def _load(self, file: Path) -> str:
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
                 LOADERS[self._form](self._child, file)
         except TrundleError as error:
-            return ("refused" if str(error) else "refused without a message"), file
+            return "refused" if str(error) else "refused without a message"
         except Exception:  # noqa: BLE001 - what is looked for
-            return traceback.format_exc(), file
-        return "read", file
+            return traceback.format_exc()
+        return "read"
+
+
+def forget_peak() -> None:
+    """Let the peak of this process's memory begin at what it has now; Linux alone can."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_kilobytes() -> int:
+    """The most memory that this process has had [kB], since `forget_peak` on Linux; else since it began."""
+    try:
+        status = Path("/proc/self/status").read_text()
+    except OSError:
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // (1024 if sys.platform == "darwin" else 1)
+    return int(re.search(r"VmHWM:\s*(\d+)", status).group(1))
 
 
 def _world(child: Child, file: Path) -> None:
@@ -297,7 +324,7 @@ def _dynabarn(_: Child, file: Path) -> None:
 def _commands(form: str, file: Path) -> list[list[str]]:
     """How the command line reads a file of a format."""
     out = file.parent / "out"
-    short = ["--seeds", "1", "--workers", "1", "--time-limit", "0.1", "--overwrite", "-o", str(out)]
+    short = ["--workers", "1", "--time-budget", "1s", "--overwrite", "-o", str(out)]
     match form:
         case "evaluation":
             folder = str(_in_evaluation(file))
@@ -309,17 +336,19 @@ def _commands(form: str, file: Path) -> list[list[str]]:
             scenario.write_text(f"world: warehouse\nbackend: kinematic\ntime_limit_s: 0.1\ndirectives: {file.name}\n")
             return [["run", str(scenario), "--no-video", "--overwrite", "-o", str(out)]]
         case "nav2":
-            return [["scenario", "warehouse", "--nav2-params", str(file), "-o", f"{out}.yaml"]]
+            return [["scenario", "warehouse", "--nav2-params", str(file), "--overwrite", "-o", f"{out}.yaml"]]
         case "suite":
-            return [["evaluate", str(file), *short]]
+            return [["evaluate", str(file), "--time-limit", "0.1", *short]]
         case "mcap":
             made = ["-o", f"{out}.mcap", "--overwrite"]
             return [["record", "info", str(file)], ["record", "recover", str(file), *made]]
         case "dynabarn":
-            return [["evaluate", "dynabarn", "--worlds", str(file), *short]]
+            return [["evaluate", "dynabarn", "--worlds", str(file), "--phases", "1", "--backend", "kinematic", *short]]
         case "barn" if file.suffix == ".npy":
             shutil.copy(file, file.with_name("path_7.npy"))
-            return [["evaluate", "barn", "--worlds", str(file.parent), *short]]
+            return [
+                ["evaluate", "barn", "--worlds", str(file.parent), "--seeds", "1", "--backend", "kinematic", *short]
+            ]
         case "map":
             return [["map", "check", str(file)]]
         case "image":
@@ -333,17 +362,20 @@ def _commands(form: str, file: Path) -> list[list[str]]:
 def command_line(form: str, file: Path) -> str:
     """Read a file by the command line; return how it ended."""
     ended = "read"
+    limits = {**os.environ, "TRUNDLE_READ_SECONDS": f"{LIMITS.seconds:g}", "TRUNDLE_READ_GIGABYTES": "1"}
     for command in _commands(form, file):
         with tempfile.TemporaryFile() as said:
-            process = subprocess.Popen([sys.executable, "-m", "trundle", *command], stdout=said, stderr=said)
-            killer = threading.Timer(CLI_SECONDS, process.kill)
+            process = subprocess.Popen(
+                [sys.executable, "-m", "trundle", *command], stdout=said, stderr=said, env=limits
+            )
+            killer = threading.Timer(MOST_SECONDS, process.kill)
             killer.start()
             _, status, used = os.wait4(process.pid, 0)
             killer.cancel()
             process.returncode = code = os.waitstatus_to_exitcode(status)
             said.seek(0)
             text = said.read().decode(errors="replace")
-        if code not in (0, 1, 2) or used.ru_maxrss > CLI_KILOBYTES:
+        if code not in (0, 1, 2) or used.ru_maxrss > MOST_KILOBYTES:
             return f"{' '.join(command)}: exit code {code}, {used.ru_maxrss} kB\n{text[-3000:]}"
         ended = "refused" if code == 2 else ended
     return ended

@@ -314,7 +314,7 @@ worlds:
 robots: [nova_carter, turtlebot3_burger]
 planners: [auto, {name: least_cost, options: {goal_tolerance: 0.5}}]
 controllers: [regulated_pure_pursuit, mppi]
-backends: [kinematic]
+backends: [mujoco]
 missions: {seeds: "0:10"}
 vary: {friction: {uniform: [0.5, 1.0]}}
 """

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import collections
 import os
+import re
+import shutil
 import time
 from pathlib import Path
 
 import pytest
 
-from fuzz import loader_seeds
-from fuzz.fuzz_loaders import LOADERS, play, play_apart, report
+from fuzz import fuzz_loaders, loader_seeds
+from fuzz.fuzz_loaders import LOADERS, command_line, play, play_apart, report
 from trundle.errors import RobotError, TrundleError
 from trundle.guard import Child
 from trundle.sim.mujoco.joints import list_joints
@@ -108,3 +110,23 @@ def test_a_file_that_ends_the_process_is_a_finding_and_the_rest_are_read():
     ends, findings = play_apart("map", range(0, 8, 2), 0, time.monotonic() + 60.0, None, read=end_at_2)
     assert ends == {"found": 1, "read": 2}
     assert [finding.number for finding in findings] == [2]
+
+
+def test_a_file_that_takes_too_much_time_or_memory_is_a_finding(monkeypatch):
+    monkeypatch.setattr(fuzz_loaders, "MOST_SECONDS", 0.0)
+    _, findings = play("scenario", range(2), 0, time.monotonic() + 60.0)
+    assert all(re.match(r"it took \d+ s and \d+ kB: (read|refused)", finding.text) for finding in findings)
+    assert len(findings) == 2
+    monkeypatch.setattr(fuzz_loaders, "MOST_SECONDS", 60.0)
+    monkeypatch.setattr(fuzz_loaders, "MOST_KILOBYTES", 1000)
+    assert len(play("scenario", range(2), 0, time.monotonic() + 60.0)[1]) == 2
+
+
+@pytest.mark.parametrize("form", ["barn", "directives", "dynabarn", "evaluation", "mcap", "nav2", "run", "suite"])
+def test_the_command_line_reads_the_files_that_are_mutated(form, tmp_path):
+    for source in loader_seeds.SEEDS[form](tmp_path):
+        file = tmp_path / f"{fuzz_loaders.PREFIX}{source.name}"
+        shutil.copy(source, file)
+        if source.suffix in {".json", ".yaml", ".npy", ".mcap", ".jsonl"}:
+            assert command_line(form, file) == "read"
+            break
