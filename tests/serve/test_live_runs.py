@@ -41,7 +41,7 @@ def _driving(goal: tuple[float, float] = (6.5, 3.5), observers: Sequence[Observe
     hub.controls = steerer
 
     def make(_: int | None) -> Session:
-        watch = Watch(hub, 1, None, world=lambda: world_of(simulator))
+        watch = Watch(hub, 1, None, world=lambda: world_of(simulator), steering=steerer.steering)
         return Session(
             simulator,
             Navigator(grid, robot),
@@ -195,6 +195,21 @@ def test_clicks_while_a_run_ends_do_not_reach_the_one_that_a_restart_begins() ->
         page.send("speed", factor="max")
         assert page.wait("end")["outcome"] == "arrived"
     assert held.count == 2
+
+
+def test_an_order_reaches_the_run_of_its_number_alone() -> None:
+    with _driving() as live:
+        page: OpenPage = live.driver  # type: ignore[attr-defined]
+        first = page.got[-1] if page.got[-1]["type"] == "run" else page.wait("run")
+        page.send("restart", seed=None, run=first["orders"])
+        second = page.wait("run")
+        assert second["orders"] == first["orders"] + 1
+        page.send("end", run=first["orders"])
+        page.send("pause", paused=True, run=second["orders"] + 1)
+        said = [page.wait("error")["text"] for _ in range(2)]
+        assert said == [f"run {first['orders']} has ended", f"run {second['orders'] + 1} has not begun"]
+        page.send("pause", paused=True, run=second["orders"])
+        page.wait("frame", lambda message: message["paused"])
 
 
 def test_a_page_that_drove_an_earlier_run_by_hand_stops_no_later_one_as_it_leaves() -> None:

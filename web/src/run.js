@@ -24,9 +24,10 @@ export function lastAt(items, t, time = (item) => item.t) {
 }
 
 export class Run {
-  constructor(info = {}, n = 0) {
+  constructor(info = {}, n = 0, orders = null) {
     this.info = info;
     this.n = n;
+    this.orders = orders; // The number of the run that orders carry.
     this.rows = [];
     this.paths = [];
     this.events = [];

@@ -170,8 +170,9 @@ class Desk:
             mission = self._opened.enter_context(scenario.build())
             observers, folder = self._record(mission, self._opened)
             self._number += 1
-            watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim))
-            return mission.session(observers=[watch, *observers, watch.recorded], steering=self._steerer.steering)
+            steering = self._steerer.steering
+            watch = Watch(self._hub, self._number, folder, world=lambda: world_of(mission.sim), steering=steering)
+            return mission.session(observers=[watch, *observers, watch.recorded], steering=steering)
         except BaseException as error:
             if is_of_plugin(error) and (folder is None or not (folder / RECORD).is_file()):
                 self._opened.close()

@@ -48,7 +48,18 @@ class Preview(_Message):
     seed: _Seed | None = None
 
 
-class NewGoal(_Message):
+class Order(_Message):
+    """What a run is to do.
+
+    Attributes:
+        run: Number of the run that the page shows, as its `run` message tells it: the order is refused where another
+            one runs. None means the run in progress.
+    """
+
+    run: Annotated[int, Field(ge=1, le=10**9)] | None = None
+
+
+class NewGoal(Order):
     """Drive to this goal now, or after those that the robot has."""
 
     type: Literal["goal"]
@@ -56,27 +67,27 @@ class NewGoal(_Message):
     append: bool = False
 
 
-class SetPause(_Message):
+class SetPause(Order):
     """Hold the run, or let it go on."""
 
     type: Literal["pause"]
     paused: bool
 
 
-class OneStep(_Message):
+class OneStep(Order):
     """One control period of a paused run."""
 
     type: Literal["step"]
 
 
-class SetSpeed(_Message):
+class SetSpeed(Order):
     """Simulated seconds per second."""
 
     type: Literal["speed"]
     factor: Annotated[float, Field(ge=0.1, le=50.0)] | Literal["max"]
 
 
-class ManualCommand(_Message):
+class ManualCommand(Order):
     """Drive by hand [m/s, rad/s]; to be repeated, because it holds for a moment only."""
 
     type: Literal["manual"]
@@ -84,20 +95,20 @@ class ManualCommand(_Message):
     w: _Rate
 
 
-class ReleaseCommand(_Message):
+class ReleaseCommand(Order):
     """Hand control back to the navigator."""
 
     type: Literal["release"]
 
 
-class RestartRun(_Message):
+class RestartRun(Order):
     """Run the mission again: with its seed, another, or the next."""
 
     type: Literal["restart"]
     seed: _Seed | Literal["next"] | None = None
 
 
-class NewBox(_Message):
+class NewBox(Order):
     """Put a box on the floor [m]."""
 
     type: Literal["box"]
@@ -107,7 +118,7 @@ class NewBox(_Message):
     size: tuple[_Edge, _Edge, _Edge]
 
 
-class EndRun(_Message):
+class EndRun(Order):
     """End the run."""
 
     type: Literal["end"]

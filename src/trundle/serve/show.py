@@ -71,6 +71,7 @@ class Show:
         number: Of the run, from 1; 0 where nothing has run.
         scene: The `scene` message.
         info: The start of the run; None where nothing runs.
+        orders: Number that orders to the run carry; None where it takes none.
 
     Attributes:
         log: Rows, paths and events.
@@ -80,10 +81,12 @@ class Show:
         costmap: The newest `costmap` message.
     """
 
-    def __init__(self, number: int, scene: str, info: RunInfo | None = None) -> None:
+    def __init__(self, number: int, scene: str, info: RunInfo | None = None, orders: int | None = None) -> None:
         self.number, self.scene = number, scene
         self._lines = None if info is None else RunLines(info)
-        self.run = None if self._lines is None else encode_message("run", info=self._lines.info, n=number)
+        self.run = None
+        if self._lines is not None:
+            self.run = encode_message("run", info=self._lines.info, n=number, orders=orders)
         self.log = RunLog()
         self.solids: list[str] = []
         self.end: str | None = None

@@ -88,10 +88,13 @@ class Steerer:
 
     def handle(self, message: Message, client: int, refuse: Refuse) -> None:
         """Give what the driver asks for to the run; `refuse` gets the reason where that cannot be done."""
-        run = self.steering.run  # before it is known that this one runs: another one may begin now
+        now = self.steering.run  # before it is known that this one runs: another one may begin now
+        run = message.run if isinstance(message, messages.Order) and message.run is not None else now
         try:
             if not self.runs:
                 raise InputError("nothing runs now")
+            if run != now:
+                raise InputError(f"run {run} {'has ended' if run < now else 'has not begun'}")
             directive = self._directive(message, client, run)
         except InputError as error:
             refuse(str(error))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from trundle.mission import Episode, Observer, RunInfo, Step
+from trundle.mission import Episode, Observer, RunInfo, Steering, Step
 from trundle.page.scene import solid_instances
 from trundle.serve.encoding import encode_message
 from trundle.serve.hub import Hub
@@ -23,12 +23,19 @@ class Watch:
         number: Of the run, from 1.
         folder: Where the run is recorded, so that pages get its files; None where it is not.
         world: The simulated world now, with what was added to it.
+        steering: What the pages steer it by; None where they cannot.
     """
 
     def __init__(
-        self, hub: Hub, number: int, folder: Path | None, *, world: Callable[[], World | None] | None = None
+        self,
+        hub: Hub,
+        number: int,
+        folder: Path | None,
+        *,
+        world: Callable[[], World | None] | None = None,
+        steering: Steering | None = None,
     ) -> None:
-        self._hub, self._number, self._folder, self._world = hub, number, folder, world
+        self._hub, self._number, self._folder, self._world, self._steering = hub, number, folder, world, steering
         self._show: Show | None = None
         self._solids = 0
 
@@ -45,7 +52,8 @@ class Watch:
             self._hub.announce(remark)
         if self._folder is not None:
             self._hub.folders[self._number] = self._folder.resolve()
-        self._show = Show(self._number, scene, run)
+        orders = None if self._steering is None else self._steering.run
+        self._show = Show(self._number, scene, run, orders)
         self._hub.present(self._show)
 
     def on_step(self, step: Step) -> None:

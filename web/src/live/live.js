@@ -23,6 +23,11 @@ export class Live {
     return this.link.send(type, fields);
   }
 
+  // What the shown run is to do. The server refuses it where another one has begun by then.
+  order(type, fields) {
+    return this.send(type, { ...fields, run: this.app.run.orders });
+  }
+
   changed(state, wait) {
     if (state === "closed") this.app.factor = null;
     this.app.emit("link", { state, wait });
@@ -61,10 +66,10 @@ export class Live {
     this.app.emit("solid", message);
   }
 
-  on_run({ info, n }) {
+  on_run({ info, n, orders }) {
     const { app } = this;
     app.placed = {};
-    app.setRun(new Run(info, n));
+    app.setRun(new Run(info, n, orders));
     this.state("running");
   }
 

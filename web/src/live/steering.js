@@ -12,13 +12,13 @@ export class Steering {
     this.app = app;
     this.live = live;
     this.pause = button("pause", t("pause"), () => this.togglePause(), { id: "pause", class: "main" });
-    this.step = button("step", t("step"), () => live.send("step"), { id: "step" });
+    this.step = button("step", t("step"), () => live.order("step"), { id: "step" });
     this.goal = h("button", { type: "button", id: "goal", class: "main wide", onclick: () => this.toggle("goal"), "aria-pressed": "false" }, icon("goal"), t("goal"));
     this.queue = h("input", { type: "checkbox", id: "queue" });
     this.box = button("box", t("box"), () => this.toggle("box"), { "aria-pressed": "false", id: "box" });
-    this.restart = button("restart", t("restart"), () => live.send("restart", { seed: null }), { id: "restart" });
-    this.next = button("next", t("next"), () => live.send("restart", { seed: "next" }), { id: "next" });
-    this.end = button("stop", t("stop"), () => live.send("end"), { id: "end" });
+    this.restart = button("restart", t("restart"), () => live.order("restart", { seed: null }), { id: "restart" });
+    this.next = button("next", t("next"), () => live.order("restart", { seed: "next" }), { id: "next" });
+    this.end = button("stop", t("stop"), () => live.order("end"), { id: "end" });
     this.speed = h("input", {
       type: "range", id: "speed", min: 0, max: SPEEDS.length - 1, step: 1, value: SPEEDS.indexOf(1), oninput: () => this.setSpeed(),
     });
@@ -42,7 +42,7 @@ export class Steering {
   }
 
   togglePause() {
-    this.live.send("pause", { paused: !this.app.paused });
+    this.live.order("pause", { paused: !this.app.paused });
   }
 
   toggle(tool) {
@@ -53,18 +53,18 @@ export class Steering {
   placed({ tool, pose, append }) {
     if (tool === "goal" && this.going) {
       const queued = append || this.queue.checked;
-      this.live.send("goal", { pose, append: queued });
+      this.live.order("goal", { pose, append: queued });
       if (!queued) this.app.setTool(null);
     }
     if (tool === "box") {
-      this.live.send("box", { x: pose[0], y: pose[1], yaw: pose[2] ?? 0, size: BOX });
+      this.live.order("box", { x: pose[0], y: pose[1], yaw: pose[2] ?? 0, size: BOX });
       this.app.setTool(null);
     }
   }
 
   setSpeed() {
     this.wanted = performance.now();
-    this.live.send("speed", { factor: SPEEDS[this.speed.value] });
+    this.live.order("speed", { factor: SPEEDS[this.speed.value] });
     this.showText();
   }
 

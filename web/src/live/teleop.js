@@ -113,7 +113,7 @@ export class Teleop {
     } else if (!shares && this.timer) {
       clearInterval(this.timer);
       this.timer = null;
-      this.live.send("release");
+      this.live.order("release");
     }
   }
 
@@ -122,7 +122,7 @@ export class Teleop {
     if (!shares) return this.update();
     const { v, v_min: back, w } = this.app.scene.robot.limits;
     const [forward, left] = shares;
-    this.live.send("manual", { v: forward >= 0 ? forward * v : -forward * back, w: left * w * 0.6 });
+    this.live.order("manual", { v: forward >= 0 ? forward * v : -forward * back, w: left * w * 0.6 });
   }
 
   show() {

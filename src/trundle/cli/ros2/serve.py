@@ -211,7 +211,7 @@ def _page(
         page.hub.controls = steerer = Steerer(speed=speed)
 
         def observers(mission: Mission, number: int) -> Sequence[Observer]:
-            watch = Watch(page.hub, number, None, world=lambda: world_of(mission.sim))
+            watch = Watch(page.hub, number, None, world=lambda: world_of(mission.sim), steering=steerer.steering)
             return [watch, watch.recorded]
 
         browser.announce(page, quiet=quiet)

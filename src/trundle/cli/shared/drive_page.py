@@ -85,7 +85,7 @@ def drive_in_browser(
     steerer = Steerer(speed=speed, restarts=False)
 
     def make(_seed: int | None) -> Session:
-        watch = Watch(page.hub, 1, None, world=lambda: world_of(simulator))
+        watch = Watch(page.hub, 1, None, world=lambda: world_of(simulator), steering=steerer.steering)
         return Session(
             simulator,
             agent,
