@@ -72,7 +72,7 @@ class NavigatorSettings(Config):
     # arrived none planned longer than the one that took 1,026,000, and with 3,000,000 one of 243 took 122 s of wall
     # time; of 7 missions of boxes.yaml and movers.yaml, which all arrived, none took over 45,000.
     replan_rate: Positive | None = 100_000
-    replan_expansions: Annotated[int, Field(ge=1)] | None = 2_000_000
+    replan_expansions: Annotated[int, Field(ge=1)] | None = 1_200_000
     wait_s: NotNegative = 2.0
     patience_s: NotNegative = 20.0
     mover_patience_s: NotNegative = 60.0
