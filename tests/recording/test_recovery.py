@@ -60,6 +60,22 @@ def test_damage_within_a_chunk_ends_the_recovery_there(recorded, tmp_path):
     assert 0 < done.messages < count_messages(recorded.path)
 
 
+@pytest.mark.parametrize("length", [2**40, 2**63, 2**64 - 1])
+def test_a_record_that_gives_a_huge_length_of_its_data_takes_no_memory(recorded, tmp_path, length):
+    content = bytearray(recorded.path.read_bytes())
+    chunk, header = 0x06, 9
+    at = 8
+    while content[at] != chunk:
+        at += header + int.from_bytes(content[at + 1 : at + 9], "little")
+    data_length = (
+        at + header + 8 + 8 + 8 + 4 + 4 + int.from_bytes(content[at + header + 28 : at + header + 32], "little")
+    )
+    content[data_length : data_length + 8] = length.to_bytes(8, "little")
+    (tmp_path / "huge.mcap").write_bytes(content[:-1])  # without its end it is read from its beginning
+    with pytest.raises(InputError, match="it ends within a record"):
+        read_info(tmp_path / "huge.mcap")
+
+
 def test_nothing_is_overwritten_unasked(recorded, partial):
     recover(partial)
     with pytest.raises(OutputError, match="--overwrite"):

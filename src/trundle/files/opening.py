@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import pathlib
 import stat
@@ -11,7 +12,7 @@ from typing import BinaryIO
 Path = str | os.PathLike[str]
 
 
-def open_file(path: Path) -> BinaryIO:
+def open_file(path: Path) -> io.BufferedReader:
     """Open a regular file to read its bytes.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,6 +25,7 @@ _DAMAGE = (
     ValueError,
     RuntimeError,
     EOFError,
+    OverflowError,
 )
 """What mcap and its decompressors raise at a record that is cut off or damaged."""
 
@@ -71,6 +73,19 @@ class BagRecords:
                 yield record
 
 
+class _BagFile(io.BufferedReader):
+    """A file of which no more is read at once than it has: a damaged length takes no memory."""
+
+    def __init__(self, raw: io.RawIOBase) -> None:
+        super().__init__(raw)
+        self._size = self.seek(0, 2)
+        self.seek(0)
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Read so many bytes, or all; nothing where there are fewer."""
+        return b"" if size is not None and size > self._size - self.tell() else super().read(size)
+
+
 def open_bag_file(path: Path) -> BinaryIO:
     """Open an MCAP file.
 
@@ -78,7 +93,7 @@ def open_bag_file(path: Path) -> BinaryIO:
         InputError: If it cannot be opened, or is not an MCAP file.
     """
     try:
-        stream = open_file(path)
+        stream = _BagFile(open_file(path).detach())
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from error
     if stream.read(MAGIC_SIZE) != _MAGIC:

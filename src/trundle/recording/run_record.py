@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import struct
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -89,7 +90,7 @@ def read_record(path: Path) -> RunRecord | None:
     try:
         with open_bag_file(path) as stream:
             records = {record.name: record.metadata for record in make_reader(stream).iter_metadata()}
-    except (McapError, ValueError, OSError) as error:
+    except (McapError, ValueError, OSError, OverflowError, struct.error) as error:
         raise InputError(f"{path}: its metadata cannot be read: {error}") from error
     return parse_records(path, records)
 
