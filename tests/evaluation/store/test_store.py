@@ -195,7 +195,7 @@ def damaged_lines() -> list[bytes]:
         b"\xef\xbb\xbf" + whole,
         json.dumps(plain).encode("utf-16-le"),
         whole[:-1] + b',"more":"' + b"x" * (5 << 20) + b'"}',
-        whole[:-1] + b',"more":' + b"[" * 9000 + b"]" * 9000 + b"}",
+        whole[:-1] + b',"more":' + b"[" * 200_000 + b"]" * 200_000 + b"}",
     ]
 
 
