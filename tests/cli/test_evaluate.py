@@ -24,6 +24,16 @@ def test_maps_and_worlds_need_no_file(trundle, room_map):
     assert "4/4" in done.err
 
 
+def test_seeds_on_the_command_line_are_those_of_worlds_with_missions_of_their_own(trundle, room_map, tmp_path):
+    (tmp_path / "own.yaml").write_text(
+        f"worlds:\n  - {room_map}\n  - {{name: {room_map}, label: tight, missions: {{seeds: 50, ends: tight}}}}\n"
+        "backends: kinematic\nmissions: 60\n"
+    )
+    assert trundle("evaluate", "own.yaml", "--seeds", "3:5", "-o", "a", "--quiet").code == 0
+    rows = trundle("evaluate", "show", "a", "--json").json
+    assert sorted((row["world"], row["seed"]) for row in rows) == [("room", 3), ("room", 4), ("tight", 3), ("tight", 4)]
+
+
 def test_a_suite_is_run_shown_reported_and_compared(trundle, suite, tmp_path):
     assert trundle("evaluate", suite, "-o", "a", "--quiet").code == 0
     assert trundle("evaluate", suite, "-o", "b", "--planners", "astar", "--quiet").code == 0

@@ -227,6 +227,25 @@ def test_an_agent_that_raises(drive, where, at):
     check_ended(found, "agent", "Agent")
 
 
+class Unready(Agent):
+    """Cannot be made."""
+
+    def __init__(self):
+        raise Boom("no idea")
+
+
+class Lost(Localizer):
+    """Cannot be made."""
+
+    def __init__(self):
+        raise Boom("no idea")
+
+
+def test_an_agent_and_a_localizer_whose_classes_raise_as_they_are_made(drive):
+    check_ended(drive(Unready), "agent", "Unready")
+    check_ended(drive(localizer=Lost), "localizer", "Lost")
+
+
 @pytest.mark.parametrize(("where", "at"), [("reset", 1), ("update", 1), ("update", 20)])
 def test_a_localizer_that_raises(drive, where, at):
     check_ended(drive(localizer=Localizer(where, at)), "localizer", "Localizer")

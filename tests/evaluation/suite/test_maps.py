@@ -1,7 +1,7 @@
 import pytest
 
 from trundle.errors import InputError
-from trundle.evaluation.suite.maps import maps_suite
+from trundle.evaluation import Suite, evaluate, maps_suite
 
 
 @pytest.fixture
@@ -32,3 +32,9 @@ def test_what_is_no_folder_of_maps_is_refused(tmp_path, monkeypatch, given, said
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match=said):
         maps_suite(given)
+
+
+@pytest.mark.parametrize("take", [Suite.load, evaluate])
+def test_without_a_folder_it_says_how_to_give_one(take):
+    with pytest.raises(InputError, match=r"maps_suite\(\['FOLDER'\]\), or trundle evaluate maps FOLDER"):
+        take("maps")

@@ -11,9 +11,10 @@ from trundle.cli.evaluate.execution import INTERRUPTED, carry_out
 from trundle.cli.shared import nav2, options, sources
 from trundle.cli.shared.given import check_given
 from trundle.errors import InputError, UnknownNameError
-from trundle.evaluation import Suite, suite_names
-from trundle.evaluation.suite.maps import MAPS, maps_suite
+from trundle.evaluation import Suite, maps_suite, suite_names
+from trundle.evaluation.suite import MAPS
 from trundle.files.kinds import MAP, SUITE, WORLD, find_kind
+from trundle.files.yaml_config import Config
 from trundle.worlds import world_names
 
 app = App(
@@ -145,7 +146,19 @@ def _make_suite(given: tuple[str, ...], changes: dict[str, Any]) -> Suite:
     if len(given) > 1:
         raise InputError(f"give one suite alone, or maps and worlds; got {' '.join(given)}")
     base = Suite.load(suites[0])
+    if "missions" in changes:
+        changes["worlds"] = [
+            {**_fields(world), "missions": {**_fields(world.missions), **changes["missions"]}}
+            if world.missions is not None
+            else world
+            for world in base.worlds
+        ]
     for part in ("missions", "limits"):
         if part in changes:
-            changes[part] = {**getattr(base, part).model_dump(exclude_unset=True), **changes[part]}
-    return Suite.make(**{**{name: getattr(base, name) for name in base.model_fields_set}, **changes})
+            changes[part] = {**_fields(getattr(base, part)), **changes[part]}
+    return Suite.make(**{**_fields(base), **changes})
+
+
+def _fields(model: Config) -> dict[str, Any]:
+    """The fields that were given."""
+    return {name: getattr(model, name) for name in model.model_fields_set}

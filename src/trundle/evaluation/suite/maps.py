@@ -8,11 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from trundle.errors import InputError
-from trundle.evaluation.suite.suite import Suite
+from trundle.evaluation.suite.suite import MAPS, Suite
 from trundle.files.kinds import MAP, find_kind
-
-MAPS = "maps"
-"""Its name."""
 
 SEEDS = "0:20"
 _BOXES = (5, 30)

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import yaml
 
-from trundle.errors import UnknownNameError
+from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite.check import check_suite
 from trundle.evaluation.suite.expand import Expansion
 from trundle.evaluation.suite.fields import SuiteFields
@@ -24,6 +24,9 @@ from trundle.files.writing import path_beside, write_text
 from trundle.files.yaml_config import build, load_config
 from trundle.robots import is_robot_file
 from trundle.values import as_path
+
+MAPS = "maps"
+"""The suite of all ROS maps of a folder; see `maps_suite`."""
 
 _SUFFIXES = (".yaml", ".yml")
 _PLUGINS = ("planners", "controllers", "smoothers", "agents")
@@ -62,11 +65,17 @@ class Suite(SuiteFields):
         Relative paths in a file are relative to its folder.
 
         Raises:
-            InputError: If it cannot be used; every mistake is listed as file:line:column.
+            InputError: If it cannot be used; every mistake is listed as file:line:column. `maps` needs a folder: see
+                `maps_suite`.
             UnknownNameError: If there is neither such a file nor such a suite.
         """
         text = as_path(path, "a suite's file")
         file = Path(text)
+        if text == MAPS:
+            raise InputError(
+                "the suite maps drives in the ROS maps of a folder: trundle.evaluation.maps_suite(['FOLDER']), or "
+                "trundle evaluate maps FOLDER"
+            )
         if text in suite_names():
             file = shipped_folder() / f"{text}.yaml"
         elif file.suffix.lower() not in _SUFFIXES and not exists(file):
