@@ -83,3 +83,32 @@ def test_ctrl_c_ends_what_runs_on_the_cluster(
         assert ray.available_resources().get("CPU") == 1.0
     finally:
         ray.shutdown()
+
+
+def test_a_time_budget_ends_an_evaluation_on_a_cluster_with_its_rows(
+    single: Any, room: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_small_shards(monkeypatch)
+    suite = make_suite(room, tmp_path, 4000)
+    run_suite(suite, tmp_path / "out", ray=single.address, workers=1, time_budget_s=15.0)
+    evaluation = Evaluation(tmp_path / "out")
+    assert 0 < len(evaluation) < len(suite)
+    assert evaluation.summary()["stopped"]["reason"] == "by its time budget"
+
+
+def test_a_group_whose_planner_only_raises_is_stopped_on_a_cluster(
+    single: Any, room: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_small_shards(monkeypatch)
+    planner = tmp_path / "broken.py"
+    planner.write_text("def plan(costmap, start, goal):\n    raise ZeroDivisionError('always')\n")
+    room.save(tmp_path / "room.yaml")
+    suite = Suite.make(
+        worlds=[str(tmp_path / "room.yaml")], planners=["auto", f"{planner}:plan"], backends="kinematic", seeds=200
+    )
+    run_suite(suite, tmp_path / "out", ray=single.address, workers=1)
+    rows = [(row.planner, row.outcome) for row in Evaluation(tmp_path / "out").rows()]
+    assert rows.count(("auto", "arrived")) == 200
+    broken = [outcome for name, outcome in rows if name != "auto"]
+    assert set(broken) == {"error"}
+    assert 10 <= len(broken) < 200

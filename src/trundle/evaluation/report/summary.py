@@ -80,7 +80,8 @@ def describe_missing(done: int, total: int, stopped: Mapping[str, Any] | None) -
             f"{done:,} of {total:,} episodes: the other {missing:,} were left out, as the first ten with their "
             "planner, controller, backend and settings all ended in an error."
         )
-    text = f"Stopped {stopped['reason']} after {done:,} of {total:,} episodes: {missing:,} {'is' if missing == 1 else 'are'} missing."
+    lacks = f"{missing:,} {'is' if missing == 1 else 'are'} missing"
+    text = f"Stopped {stopped['reason']} after {done:,} of {total:,} episodes: {lacks}."
     begun = stopped["in_flight"]
     if begun:
         text += (
