@@ -8,6 +8,7 @@
 # make fuzz   random examples for every property test and every kernel, FUZZ_SECONDS each (10, about twelve minutes in all)
 # make docs   build the site of guides and API reference into site/; BUILDER=zensical builds it with MkDocs' successor
 # make web    build the page's script and style from web/ into src/trundle/page/assets, which is committed; needs Node
+# make size   print how many files, lines and functions there are, and what one step of a run goes through
 # make build  rebuild the C++ kernels (an editable install does not do so on import)
 PYTHON ?= python3
 FUZZ_SECONDS ?= 10
@@ -38,7 +39,7 @@ HANGS := --timeout 600
 KERNELS := $(wildcard src/trundle/_core/*.cpp src/trundle/_core/*/*.cpp)
 SOURCES := $(KERNELS) $(wildcard src/trundle/_core/*/*.hpp) CMakeLists.txt
 
-.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env fuzz check docs web build setup dev clean
+.PHONY: demo quick test test-wheels test-ray test-ros2 ros2-env fuzz check size docs web build setup dev clean
 
 demo: setup
 	$(BIN)/trundle demo
@@ -75,6 +76,9 @@ check: dev
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 	$(BIN)/lint-imports
+
+size: dev
+	@$(BIN)/python scripts/size.py
 
 setup: $(VENV)/.trundle
 dev: $(VENV)/.trundle-dev
