@@ -49,6 +49,15 @@ def test_two_numbers_are_a_goal_with_any_yaw_and_three_or_a_pose_one_with_its_ow
 
 
 @pytest.mark.parametrize("goal", [Goal(1.0, 2.0), Goal(1.0, 2.0, 0.5)])
+def test_code_for_a_pose_can_read_a_goal(goal):
+    pose = goal.pose
+    assert (goal.x, goal.y, goal.yaw) == goal.as_tuple() == pose.as_tuple()
+    assert goal.distance_to(Pose2D(4.0, 6.0)) == Pose2D(4.0, 6.0).distance_to(goal) == pytest.approx(5.0)
+    there = Pose2D(3.0, 1.0, 0.3)
+    assert there.inverse() @ goal == there.inverse() @ pose
+
+
+@pytest.mark.parametrize("goal", [Goal(1.0, 2.0), Goal(1.0, 2.0, 0.5)])
 def test_a_goal_survives_pickle_and_copy(goal):
     for again in (pickle.loads(pickle.dumps(goal)), copy.copy(goal), copy.deepcopy(goal)):
         assert (type(again), again, again.yaw_free) == (Goal, goal, goal.yaw_free)

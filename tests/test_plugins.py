@@ -1,5 +1,6 @@
 """Planners, controllers, agents and localizers of a user: given in every way and place, and wrong in every way."""
 
+import functools
 import json
 import math
 from pathlib import Path as FilePath
@@ -456,7 +457,7 @@ def test_points_become_a_path_that_turns_in_place_at_its_corners_and_ends():
     up = math.pi / 2
     expected = [(2, 2, 0), (2, 2, up), (2, 3, up), (2, 3, 0), (5, 3, 0), (5, 3, 0.5)]
     assert path.poses == pytest.approx(np.array(expected, dtype=float))
-    free = planner.plan(None, START, GOAL, goal_yaw_free=True)
+    free = planner.plan(None, START, (GOAL.x, GOAL.y))
     assert free.poses == pytest.approx(np.array(expected[:-1], dtype=float))
 
 
@@ -472,12 +473,12 @@ def test_a_single_point_is_a_path():
 def test_a_function_takes_the_keywords_of_a_call_that_it_names():
     given = {}
 
-    def mine(costmap, start, goal, *, goal_yaw_free, deadline_s=None):
-        given.update(goal_yaw_free=goal_yaw_free, deadline_s=deadline_s)
+    def mine(costmap, start, goal, *, cancel, deadline_s=None):
+        given.update(cancel=cancel, deadline_s=deadline_s)
         return [start.as_tuple(), goal.as_tuple()]
 
-    make("planner", mine).plan(None, START, GOAL, goal_yaw_free=True, deadline_s=3.0)
-    assert given == {"goal_yaw_free": True, "deadline_s": 3.0}
+    make("planner", mine).plan(None, START, GOAL, deadline_s=3.0)
+    assert given == {"cancel": None, "deadline_s": 3.0}
 
 
 def test_a_wrapped_controller_keeps_what_else_it_has():
@@ -551,3 +552,69 @@ def test_a_choice_with_options_makes_a_class():
 def test_a_scenario_says_that_a_number_is_no_plugin():
     with pytest.raises(ScenarioError, match="controller"):
         fast_scenario("controller", 3)
+
+
+# Planners of earlier versions -----------------------------------------------------------------------------------------
+
+
+class Older:
+    def plan(self, costmap, start, goal, *, goal_yaw_free=False, deadline_s=None, cancel=None):
+        return [start.as_tuple(), goal.as_tuple()]
+
+
+class OlderByPlace:
+    def plan(self, costmap, start, goal, goal_yaw_free):
+        return [start.as_tuple(), goal.as_tuple()]
+
+
+class Decorated:
+    @functools.wraps(Older.plan)
+    def plan(self, *arguments, **keywords):
+        return Older.plan(self, *arguments, **keywords)
+
+
+def older(costmap, start, goal, *, goal_yaw_free=False):
+    return [start.as_tuple(), goal.as_tuple()]
+
+
+def older_by_place(costmap, start, goal, goal_yaw_free):
+    return [start.as_tuple(), goal.as_tuple()]
+
+
+FORMER = r"test_plugins\.py:\d+\) takes 'goal_yaw_free'.*plan\(costmap, start, goal, \*, deadline_s=None, cancel=None\)"
+
+
+@pytest.mark.parametrize(
+    "planner",
+    [
+        Older,
+        Older(),
+        lambda: Older(),
+        OlderByPlace,
+        Decorated,
+        older,
+        older_by_place,
+        f"{__name__}:Older",
+        f"{__file__}:older",
+    ],
+)
+def test_a_planner_that_takes_the_former_keyword_is_refused_with_the_new_signature(planner):
+    with pytest.raises(InputError, match=FORMER):
+        create_planner(planner)
+    with pytest.raises(InputError, match=FORMER):
+        Navigator(None, "jackal", planner=planner)
+    with pytest.raises(ConformanceError, match=FORMER):
+        check_planner(planner)
+
+
+def test_a_planner_that_hands_on_whatever_it_gets_is_not_taken_for_an_older_one():
+    def mine(costmap, start, goal, **keywords):
+        return create_planner("least_cost").plan(costmap, start, goal, **keywords)
+
+    check_planner(mine)
+
+
+def test_an_evaluation_refuses_an_older_planner_before_it_begins(tmp_path):
+    with pytest.raises(InputError, match=FORMER):
+        trundle.evaluate({"worlds": "warehouse", "planners": Older, "seeds": 1}, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -78,7 +78,7 @@ def has_path(scenario: Scenario) -> bool:
     start = setting.start
     try:
         for goal in setting.goals:
-            create_planner("least_cost").plan(costmap, start, goal.pose, goal_yaw_free=goal.yaw_free)
+            create_planner("least_cost").plan(costmap, start, goal)
             start = goal.pose
     except PlanningError:
         return False

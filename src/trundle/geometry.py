@@ -104,7 +104,7 @@ class Pose2D:
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return array @ np.array([[cos, sin], [-sin, cos]]) + (self.x, self.y)
 
-    def distance_to(self, other: Pose2D) -> float:
+    def distance_to(self, other: Pose2D | Goal) -> float:
         """Distance [m] between the two positions."""
         return math.hypot(other.x - self.x, other.y - self.y)
 
@@ -113,7 +113,8 @@ class Goal(tuple[float, ...]):
     """A goal for the robot: x, y [m] and a yaw [rad] in the map frame, or any yaw.
 
     A goal is a tuple, equal to the one that users write and records hold: (x, y, yaw), or (x, y) for any yaw.
-    `Goal(x, y)` and `Goal(x, y, None)` accept any yaw.
+    `Goal(x, y)` and `Goal(x, y, None)` accept any yaw. Code that is written for a pose can read a goal as well, by `x`,
+    `y`, `yaw`, `as_tuple()` and `distance_to`; for everything else there is `pose`.
 
     Raises:
         InputError: If a number is NaN or infinite.
@@ -157,6 +158,11 @@ class Goal(tuple[float, ...]):
         return self[1]
 
     @property
+    def yaw(self) -> float:
+        """[rad]; 0 where any is accepted."""
+        return 0.0 if self.yaw_free else self[2]
+
+    @property
     def yaw_free(self) -> bool:
         """Whether any yaw is accepted."""
         return len(self) == 2
@@ -165,6 +171,14 @@ class Goal(tuple[float, ...]):
     def pose(self) -> Pose2D:
         """The goal as a pose; its yaw is 0 where any is accepted."""
         return Pose2D(*self)
+
+    def as_tuple(self) -> tuple[float, float, float]:
+        """Return (x, y, yaw), as of a pose; the goal itself is the tuple (x, y) where any yaw is accepted."""
+        return (self.x, self.y, self.yaw)
+
+    def distance_to(self, other: Pose2D | Goal) -> float:
+        """Distance [m] between the two positions."""
+        return math.hypot(other.x - self.x, other.y - self.y)
 
     def __getnewargs__(self) -> tuple[float, ...]:  # type: ignore[override]
         return tuple(self)

@@ -12,7 +12,7 @@ import re
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Generic, Self, SupportsIndex, TypeVar, cast
@@ -64,6 +64,7 @@ class Contract:
         attributes: The attributes that an object needs besides.
         function: The arguments by position of a plain function; empty where a function cannot do the work.
         keywords: More keywords of a call, which a plain function may take.
+        former: Keywords that a call had in earlier versions, each with what to write instead.
         files: Whether `"file.py:name"` is a name: not for kinds that others name, in a file or over the network.
     """
 
@@ -71,6 +72,7 @@ class Contract:
     attributes: tuple[str, ...] = ()
     function: tuple[str, ...] = ()
     keywords: tuple[str, ...] = ()
+    former: Mapping[str, str] = field(default_factory=dict[str, str])
     files: bool = True
 
     def lacks(self, found: object) -> list[str]:
@@ -193,8 +195,8 @@ class Registry(Generic[_Made]):
 
         Raises:
             UnknownNameError: If there is no such name.
-            InputError: If it cannot be imported or is nothing of this kind, a parameter is not filled, or there is no
-                such option; the message names it.
+            InputError: If it cannot be imported or is nothing of this kind, a parameter is not filled, there is no such
+                option, or it takes a keyword of earlier versions; the message names it.
         """
         if not isinstance(given, str):
             return self._resolve(f"{self.kind} {_title(given)}", given, offered, options)
@@ -216,7 +218,7 @@ class Registry(Generic[_Made]):
                     f"{label} is an object already, and takes no option {next(iter(options))!r}: give its class or its "
                     "name with options"
                 )
-            return cast("_Made", found)
+            return self._accept(label, found)
         if not callable(found):
             raise self._refuse(label, found)
         if self._does_the_work(found, {**offered, **options}):
@@ -226,6 +228,8 @@ class Registry(Generic[_Made]):
     def _accept(self, label: str, made: object) -> _Made | PluginFunction:
         """Take what a class or a function has made."""
         if not isinstance(made, type) and not self._contract.lacks(made):
+            for name in self._contract.methods:
+                self._check_keywords(label, getattr(made, name))
             return cast("_Made", made)
         if callable(made) and self._does_the_work(made, {}):
             return self._bind(label, made, {}, {})
@@ -244,12 +248,22 @@ class Registry(Generic[_Made]):
             f"such objects{call}"
         )
 
+    def _check_keywords(self, label: str, function: Callable[..., object]) -> None:
+        """Refuse a function, or a method, that takes a keyword of earlier versions."""
+        former = self._contract.former
+        for one in (_parameters(function) or []) if former else []:
+            if one.name in former:
+                raise InputError(
+                    f"{label}{_place_of(function)} takes {one.name!r}, which it does not get any more: "
+                    f"{former[one.name]}"
+                )
+
     def _does_the_work(self, function: Callable[..., object], known: Iterable[str]) -> bool:
         """Whether a function takes the arguments of this kind by position, and is not one that makes an object.
 
         `known` are the names of what else it may need.
         """
-        count, known = len(self._contract.function), {*known, *self._contract.keywords}
+        count, known = len(self._contract.function), {*known, *self._contract.keywords, *self._contract.former}
         parameters = _parameters(function)
         if not count or parameters is None:
             return False
@@ -264,6 +278,7 @@ class Registry(Generic[_Made]):
         self, label: str, function: Callable[..., Any], offered: Mapping[str, object], options: Mapping[str, Any]
     ) -> PluginFunction:
         """A function with the keywords that it gets in every call."""
+        self._check_keywords(label, function)
         parameters = _parameters(function) or []
         places = _by_position(parameters)[: len(self._contract.function)]
         rest = [one for one in parameters if one not in places]

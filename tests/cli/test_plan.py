@@ -242,6 +242,14 @@ def test_all_planners_are_compared_on_one_query(trundle: Trundle, room_map: Path
     assert [line.split()[0] for line in table.splitlines()[1:-1]] == sorted(planner_names())
 
 
+def test_a_comparison_leaves_the_yaw_open_of_a_goal_without_one(trundle: Trundle, room_map: Path) -> None:
+    turning = []
+    for goal in ("5,2", "5,2,0"):
+        done = trundle("plan", room_map, "--start", "0,0,0", "--goal", goal, "--compare", "--json")
+        turning.append({row["planner"]: row["turning_rad"] for row in done.json["planners"]}["least_cost"])
+    assert turning[0] < turning[1] - 0.1
+
+
 def test_a_comparison_without_any_path_says_why_and_leaves_no_picture(trundle: Trundle, tmp_path: Path) -> None:
     room(door_m=0.0).save(tmp_path / "halves.yaml")
     options = ["--start", "0,0,0", "--goal", "5,2,1.57", "--compare", "-o", tmp_path / "all.png"]

@@ -13,7 +13,7 @@ from support.swept import swept_area_blocked
 from trundle._core import flood_poses
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import Cancellation
@@ -105,13 +105,13 @@ def one_round(generator: random.Random) -> int:
         if planner is None:
             continue
         try:
-            path = planner.plan(costmap, start, goal, goal_yaw_free=free, cancel=cancel)
+            path = planner.plan(costmap, start, Goal(goal.x, goal.y) if free else goal, cancel=cancel)
         except PlanningError:
             continue
         check(costmap, planner, path)
         if generator.random() < 0.05:
             first, last = (End(pose, cell_at(costmap, pose.x, pose.y)) for pose in (path.start, path.goal))
-            query = Query(costmap, first, last, first, last, goal_yaw_free=False)
+            query = Query(costmap, first, last, first, last, yaw_free=False)
             assert find_enclosure(query, Patience(None, None, "none")) is None
         found += 1
     if generator.random() < 0.1:

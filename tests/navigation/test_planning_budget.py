@@ -27,11 +27,11 @@ class Planner:
         self.starts, self.found = [], []
         self.inner = LeastCostPlanner()
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False, deadline_s=None, cancel=None):
+    def plan(self, costmap, start, goal, *, deadline_s=None, cancel=None):
         self.starts.append(start)
         if self.counts and cancel is not None:
             cancel.count(self.first if len(self.starts) == 1 else self.expansions)
-        return self.inner.plan(costmap, start, goal, goal_yaw_free=goal_yaw_free)
+        return self.inner.plan(costmap, start, goal)
 
 
 def drive(navigator, world, *, seconds=120.0):

@@ -50,14 +50,14 @@ class Planner:
         self.clock, self.seconds, self.inner = clock, list(seconds), LeastCostPlanner()
         self.deadlines = []
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False, deadline_s=None, cancel=None):
+    def plan(self, costmap, start, goal, *, deadline_s=None, cancel=None):
         self.deadlines.append(deadline_s)
         takes = self.seconds.pop(0) if self.seconds else 0.0
         if deadline_s is not None and takes > deadline_s:
             self.clock.now += deadline_s
             raise PlanningStoppedError("no path found yet when the deadline passed", status="timeout")
         self.clock.now += takes
-        return self.inner.plan(costmap, start, goal, goal_yaw_free=goal_yaw_free)
+        return self.inner.plan(costmap, start, goal)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 
 from trundle.costmap import INSCRIBED, LETHAL, Costmap
 from trundle.errors import BlockedPoseError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import create_planner
 from trundle.planning.queries.blocked_end import MOST_POSES, REACH_CELLS, find_nearest
@@ -61,7 +61,7 @@ def test_a_start_where_no_yaw_fits_is_explained_without_a_look_at_the_whole_map(
     start, goal = Pose2D(100.0, 100.0, 0.7), Pose2D(3.0, 3.0)
     message = r"with this yaw it fits nowhere within .* m of there"
     with little_memory(), pytest.raises(BlockedPoseError, match=message) as raised:
-        create_planner(name).plan(too_narrow, start, goal, goal_yaw_free=free_yaw)
+        create_planner(name).plan(too_narrow, start, Goal(goal.x, goal.y, None if free_yaw else goal.yaw))
     assert raised.value.nearest_free_m is None
     assert 1000 < sum(counted) <= MOST_POSES + 1000
 

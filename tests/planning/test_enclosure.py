@@ -115,7 +115,7 @@ def test_floods_stop_when_they_are_cancelled_or_late():
     cancel = Cancellation()
     cancel.cancel()
     first, last = (End(pose, cell_at(chamber(0.6), pose.x, pose.y)) for pose in (OUTSIDE, INSIDE))
-    query = Query(chamber(0.6), first, last, first, last, goal_yaw_free=False)
+    query = Query(chamber(0.6), first, last, first, last, yaw_free=False)
     for patience, status in ((Patience(None, cancel, "none"), "cancelled"), (Patience(1e-9, None, "none"), "timeout")):
         with pytest.raises(PlanningStoppedError) as caught:
             find_enclosure(query, patience)

@@ -16,7 +16,7 @@ from trundle.errors import (
     PlanningStoppedError,
     UnknownNameError,
 )
-from trundle.geometry import Pose2D, pad_outline
+from trundle.geometry import Goal, Pose2D, pad_outline
 from trundle.maps.grid import OccupancyGrid
 from trundle.planning import Planner, create_planner, planner_names
 from trundle.planning.grid_planners.astar import AStarPlanner
@@ -337,9 +337,9 @@ def test_a_robot_that_cannot_turn_drives_on_to_where_it_can():
 
 def test_a_free_goal_yaw_is_the_yaw_of_arrival():
     costmap = costmap_of(room(8, 8))
-    path = LeastCostPlanner().plan(costmap, Pose2D(2, 2, 0.0), Pose2D(5, 5, -2.0), goal_yaw_free=True)
+    path = LeastCostPlanner().plan(costmap, Pose2D(2, 2, 0.0), Goal(5, 5))
     assert path.goal.yaw == pytest.approx(math.pi / 4)
-    still = LeastCostPlanner().plan(costmap, Pose2D(2, 2, 0.7), Pose2D(2, 2, -2.0), goal_yaw_free=True)
+    still = LeastCostPlanner().plan(costmap, Pose2D(2, 2, 0.7), Goal(2, 2))
     assert still.poses.tolist() == [[2, 2, 0.7], [2, 2, 0.7]]
 
 

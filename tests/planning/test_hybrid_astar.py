@@ -14,7 +14,7 @@ from trundle.errors import (
     NoPathError,
     PlanningStoppedError,
 )
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import Planner, create_planner
 from trundle.planning.hybrid_astar import HybridAStarPlanner
@@ -237,7 +237,7 @@ def test_with_a_free_yaw_it_ends_as_it_arrives():
     costmap = costmap_of(WALLS)
     start, goal = Pose2D(2, 1.5, 1.0), Pose2D(8.5, 4.5)
     for options in KINDS:
-        path = HybridAStarPlanner(**options).plan(costmap, start, goal, goal_yaw_free=True)
+        path = HybridAStarPlanner(**options).plan(costmap, start, Goal(goal.x, goal.y))
         assert path.length <= HybridAStarPlanner(**options).plan(costmap, start, goal).length + 1.0
         radius = options.get("minimum_turning_radius", 0.4)
         assert_drivable(costmap, path, start, path.goal, radius=radius, in_place=options.get("in_place", False))

@@ -6,7 +6,7 @@ import pytest
 from support.swept import costmap_of, room, swept_area_blocked
 from trundle import _core
 from trundle.errors import NoPathError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.planning.hybrid_astar import HybridAStarPlanner
 
 LARGE = (16, 12)
@@ -42,7 +42,7 @@ def test_a_goal_in_a_chamber_with_too_narrow_a_door_is_named_early(kind):
 
 def test_so_is_one_where_any_yaw_would_do():
     with pytest.raises(NoPathError, match="nowhere but close by"):
-        HybridAStarPlanner(max_expansions=FEW).plan(niche(0.4), Pose2D(2, 2), Pose2D(10.2, 6.0), goal_yaw_free=True)
+        HybridAStarPlanner(max_expansions=FEW).plan(niche(0.4), Pose2D(2, 2), Goal(10.2, 6.0))
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=str)

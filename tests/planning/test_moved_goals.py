@@ -8,7 +8,7 @@ import pytest
 from support.swept import CARTER, swept_area_blocked
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningStoppedError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.planning import create_planner, planner_names
 
@@ -38,7 +38,7 @@ def assert_arrives(path, costmap, goal, tolerance):
 def test_a_goal_in_a_wall_is_moved_to_the_side_that_can_be_reached(name, yaw):
     costmap, goal = hall(wall=True), Pose2D(6.0, 4.04, yaw or 0.0)
     planner = create_planner(name, goal_tolerance=1.0)
-    assert_arrives(planner.plan(costmap, START, goal, goal_yaw_free=yaw is None), costmap, goal, 1.0)
+    assert_arrives(planner.plan(costmap, START, Goal(goal.x, goal.y, yaw)), costmap, goal, 1.0)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -62,7 +62,7 @@ def test_a_goal_that_cannot_be_turned_into_is_moved_to_where_there_is_room(name)
 @pytest.mark.parametrize("name", NAMES)
 def test_with_a_free_yaw_a_goal_is_moved_to_where_the_footprint_fits(name):
     costmap, goal = hall(), Pose2D(11.97, 4.0)
-    path = create_planner(name, goal_tolerance=0.9).plan(costmap, START, goal, goal_yaw_free=True)
+    path = create_planner(name, goal_tolerance=0.9).plan(costmap, START, Goal(goal.x, goal.y))
     assert_arrives(path, costmap, goal, 0.9)
 
 

@@ -20,7 +20,7 @@ from trundle.robots import Robot
 
 CARTER = Robot.load("nova_carter")
 START, GOAL = Pose2D(2.0, 2.0), Pose2D(4.0, 2.0)
-EVERY = {"goal_yaw_free": True, "deadline_s": 5.0, "cancel": Cancellation()}
+EVERY = {"deadline_s": 5.0, "cancel": Cancellation()}
 
 
 def room():
@@ -40,11 +40,11 @@ class Plain:
         return straight(start, goal)
 
 
-class FreeYaw:
+class Hurried:
     """With one of the keywords, given by place or by name."""
 
-    def plan(self, costmap, start, goal, goal_yaw_free=False):
-        self.given = {"goal_yaw_free": goal_yaw_free}
+    def plan(self, costmap, start, goal, deadline_s=None):
+        self.given = {"deadline_s": deadline_s}
         return straight(start, goal)
 
 
@@ -95,7 +95,7 @@ def test_a_planner_derived_from_ours_is_never_copied_without_what_it_keeps():
 
 
 @pytest.mark.parametrize(
-    ("make", "handed_on"), [(Plain, ()), (FreeYaw, ("goal_yaw_free",)), (Stoppable, ("deadline_s", "cancel"))]
+    ("make", "handed_on"), [(Plain, ()), (Hurried, ("deadline_s",)), (Stoppable, ("deadline_s", "cancel"))]
 )
 def test_an_older_planner_is_handed_the_keywords_that_it_takes(make, handed_on):
     older = make()
@@ -112,9 +112,8 @@ def test_a_wrapper_with_kwargs_is_handed_all_of_them():
     navigator = Navigator(room(), CARTER, planner=wrapper)
     navigator.set_goal(4.0, 3.5)
     path = navigator.plan((2.0, 2.0, 0.0))
-    assert wrapper.given["goal_yaw_free"] is True
     assert wrapper.given["deadline_s"] == 2.0
-    # It ends as it arrives: without the keyword it would have turned to a yaw of 0.
+    # It ends as it arrives: with a yaw it would have turned to it.
     assert path.goal.yaw == pytest.approx(np.arctan2(1.5, 2.0))
 
 
@@ -127,7 +126,7 @@ def test_a_wrapper_made_by_a_decorator_shows_what_it_wraps():
     assert create_planner(Decorated()).plan(costmap(), START, GOAL, **EVERY).goal == GOAL
 
 
-@pytest.mark.parametrize("older", [Plain(), FreeYaw(), Stoppable()])
+@pytest.mark.parametrize("older", [Plain(), Hurried(), Stoppable()])
 def test_an_older_planner_plans_for_a_navigator_and_for_many(older):
     navigator = Navigator(room(), CARTER, planner=older)
     navigator.set_goal(4.0, 2.0)

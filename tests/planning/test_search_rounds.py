@@ -25,7 +25,7 @@ PATH = Path([(0, 0, 0), (1, 0, 0)], cost=1.0, planner="hybrid_astar")
 def make_query(*blocks):
     costmap = costmap_of(room(10, 10, *blocks))
     start, goal = (End(pose, costmap.world_to_cell(pose.x, pose.y)) for pose in (Pose2D(2, 5), Pose2D(8, 5)))
-    return Query(costmap, start, goal, start, goal, goal_yaw_free=False)
+    return Query(costmap, start, goal, start, goal, yaw_free=False)
 
 
 class Search:

@@ -17,7 +17,7 @@ class MyPlanner:
     def __init__(self, robot: Robot, margin: float = 0.1) -> None:
         self.margin = margin
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> npt.NDArray[np.float64]:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Goal) -> npt.NDArray[np.float64]:
         return np.zeros((2, 2))
 
 

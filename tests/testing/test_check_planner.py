@@ -5,7 +5,7 @@ import pytest
 
 from trundle.costmap import Costmap
 from trundle.errors import NoPathError, PlanningStoppedError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.path import Path
 from trundle.planning import create_planner
 from trundle.planning.grid_planners.least_cost import LeastCostPlanner
@@ -21,7 +21,7 @@ def test_our_planners_conform(name):
 class StraightPlanner:
     """Drives straight on whatever stands there."""
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Goal) -> Path:
         return Path(np.array([start.as_tuple(), goal.as_tuple()]))
 
 
@@ -70,16 +70,24 @@ class WritingPlanner(LeastCostPlanner):
 class UnstoppablePlanner(LeastCostPlanner):
     """Does not look whether it is cancelled."""
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False, deadline_s=None, cancel=None):
-        return super().plan(costmap, start, goal, goal_yaw_free=goal_yaw_free, deadline_s=deadline_s)
+    def plan(self, costmap, start, goal, *, deadline_s=None, cancel=None):
+        return super().plan(costmap, start, goal, deadline_s=deadline_s)
 
 
 class StrayingPlanner(LeastCostPlanner):
     """Where the yaw is free, the place is as well."""
 
-    def plan(self, costmap, start, goal, *, goal_yaw_free=False, **keywords):
-        place = start if goal_yaw_free else goal
-        return super().plan(costmap, start, place, goal_yaw_free=goal_yaw_free, **keywords)
+    def plan(self, costmap, start, goal, **keywords):
+        return super().plan(costmap, start, start if goal.yaw_free else goal, **keywords)
+
+
+class YawOnlyPlanner(LeastCostPlanner):
+    """Plans only to goals with a yaw."""
+
+    def plan(self, costmap, start, goal, **keywords):
+        if goal.yaw_free:
+            raise NoPathError("a goal needs a yaw")
+        return super().plan(costmap, start, goal, **keywords)
 
 
 class HastyPlanner(LeastCostPlanner):
@@ -109,6 +117,7 @@ class WrongStatusPlanner(LeastCostPlanner):
         (WritingPlanner, "must not change the costmap"),
         (UnstoppablePlanner, "already cancelled query must raise"),
         (StrayingPlanner, "it must end at"),
+        (YawOnlyPlanner, r"no path from .* to Goal\(x=8.0, y=1.0\)"),
         (HastyPlanner, "a deadline that is far off changes the path"),
         (WrongStatusPlanner, "status 'cancelled'"),
     ],

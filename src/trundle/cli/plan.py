@@ -14,7 +14,7 @@ from trundle.errors import BlockedPoseError, InputError, OutputError, OutsideMap
 from trundle.files.kinds import MAP, ROBOT
 
 if TYPE_CHECKING:
-    from trundle.geometry import Pose2D
+    from trundle.geometry import Goal, Pose2D
     from trundle.navigation import Navigator
     from trundle.path import Path
     from trundle.planning.comparison import PlannerRow
@@ -131,7 +131,7 @@ def plan(
         first = Pose2D.of(base.start)
     begin, end = sources.pick_ends(navigator.costmap, first, last, seed=seed)
     if compare:
-        return _compare(navigator, begin, Pose2D.of(end), target, json=json, facts=told.facts) or code
+        return _compare(navigator, begin, end, target, json=json, facts=told.facts) or code
     navigator.set_goal(end)
     try:
         path = navigator.plan(begin)
@@ -213,7 +213,7 @@ def _moved(path: Path) -> dict[str, str]:
 def _compare(
     navigator: Navigator,
     begin: Pose2D,
-    end: Pose2D,
+    end: Goal,
     target: FilePath | None,
     *,
     json: bool,

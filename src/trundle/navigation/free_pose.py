@@ -42,7 +42,7 @@ def nearest_free_pose(costmap: Costmap, pose: Pose2D, within_m: float, *, any_ya
 
 def free_ends(
     costmap: Costmap, static: Costmap | None, start: Pose2D, goal: Goal, tolerance_m: float
-) -> tuple[Pose2D, Pose2D]:
+) -> tuple[Pose2D, Goal]:
     """Where to plan from and to: beside the robot and the goal, where what was sensed is too close to them.
 
     Args:
@@ -58,7 +58,7 @@ def free_ends(
     if costmap.footprint_collides(start.as_tuple())[0]:
         start = nearest_free_pose(costmap, start, _START_OFF_M) or start
     if not _is_occupied(costmap, goal) or (static is not None and _is_occupied(static, goal)):
-        return start, goal.pose
+        return start, goal
     found = nearest_free_pose(costmap, goal.pose, max(0.0, tolerance_m - _STOPS_WITHIN_M), any_yaw=goal.yaw_free)
     if found is None:
         raise BlockedPoseError(
@@ -66,7 +66,7 @@ def free_ends(
             f"robot does not fit anywhere within the tolerance of {tolerance_m:g} m; clear it, or choose another goal",
             pose=goal.pose.as_tuple(),
         )
-    return start, found
+    return start, Goal(found.x, found.y, None if goal.yaw_free else found.yaw)
 
 
 def _is_occupied(costmap: Costmap, goal: Goal) -> bool:

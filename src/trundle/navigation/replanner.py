@@ -190,19 +190,17 @@ class Replanner:
     def _plan_leg(
         self, costmap: Costmap, start: Pose2D, goal: Goal, planner: Planner, deadline_s: float | None
     ) -> Path:
-        drive, target, pose = self._drive, goal, goal.pose
+        drive, target = self._drive, goal
         if self._sensed.is_active:
-            target = goal_in_window(costmap, start, goal) if self._sensed.may_contain(goal.pose) else goal
+            aim = goal_in_window(costmap, start, goal) if self._sensed.may_contain(goal.pose) else goal
             is_stop = goal is drive.ahead[-1]
             tolerance = drive.goal_checker.xy_tolerance if is_stop else drive.settings.through_tolerance
-            start, pose = free_ends(costmap, self._sensed.static, start, target, tolerance)
-            self._ends_short = target is not goal
+            start, target = free_ends(costmap, self._sensed.static, start, aim, tolerance)
+            self._ends_short = aim is not goal
         count = Cancellation()
         path: Path | None = None
         try:
-            made = planner.plan(
-                costmap, start, pose, goal_yaw_free=target.yaw_free, deadline_s=deadline_s, cancel=count
-            )
+            made = planner.plan(costmap, start, target, deadline_s=deadline_s, cancel=count)
             path = check_result(made, Path, planner, "plan")
             return path
         finally:

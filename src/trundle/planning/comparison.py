@@ -10,7 +10,7 @@ from typing import TypedDict
 
 from trundle.costmap import Costmap
 from trundle.errors import PlanningError
-from trundle.geometry import Pose2D, wrap_angle
+from trundle.geometry import Goal, Pose2D, wrap_angle
 from trundle.path import Path
 from trundle.planning.planner import Planner, create_planner
 from trundle.planning.smoother import Smoother
@@ -48,7 +48,7 @@ class PlannerComparison:
 
 
 def compare_planners(
-    names: Iterable[str], costmap: Costmap, start: Pose2D, goal: Pose2D, *, smoother: Smoother | None = None
+    names: Iterable[str], costmap: Costmap, start: Pose2D, goal: Goal, *, smoother: Smoother | None = None
 ) -> PlannerComparison:
     """Plan one query by several planners, each made with its default options.
 
@@ -73,7 +73,7 @@ def compare_planners(
 
 
 def _measure(
-    name: str, planner: Planner, smoother: Smoother | None, costmap: Costmap, start: Pose2D, goal: Pose2D
+    name: str, planner: Planner, smoother: Smoother | None, costmap: Costmap, start: Pose2D, goal: Goal
 ) -> tuple[PlannerRow, Path | PlanningError]:
     """Plan several times: the first makes what a planner keeps of a map, and the median of the others counts."""
     row = PlannerRow(planner=name, length_m=None, turning_rad=None, clearance_m=None, planning_ms=0.0, message="")

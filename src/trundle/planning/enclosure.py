@@ -74,9 +74,9 @@ def find_enclosure(query: Query, patience: Patience, most: int = max(_MOST_BOXES
     for boxes, few in zip(_sizes(query.costmap), _MOST_BOXES, strict=False):
         limit = min(few, most)
         step = 2.0 * math.pi / boxes.headings
-        if _is_closed_off(query.costmap, boxes, goal.pose, query.goal_yaw_free, start.pose, False, limit, patience):
+        if _is_closed_off(query.costmap, boxes, goal.pose, query.yaw_free, start.pose, False, limit, patience):
             return Enclosure(goal, False, boxes.cell_m, step)
-        if _is_closed_off(query.costmap, boxes, start.pose, False, goal.pose, query.goal_yaw_free, limit, patience):
+        if _is_closed_off(query.costmap, boxes, start.pose, False, goal.pose, query.yaw_free, limit, patience):
             return Enclosure(start, True, boxes.cell_m, step)
     return None
 

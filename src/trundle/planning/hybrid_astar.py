@@ -191,7 +191,7 @@ class HybridAStarPlanner(PosePlanner):
         x, y = (goal.x, goal.y) if cell == (row, col) else costmap.cell_to_world(*cell)
         place = End(Pose2D(float(x), float(y)), cell)
         if start.pose.distance_to(goal) > place.pose.distance_to(goal):
-            path = self._find(Query(costmap, start, place, start, place, goal_yaw_free=True), patience).path
+            path = self._find(Query(costmap, start, place, start, place, yaw_free=True), patience).path
             if path is not None:
                 return replace(path, status="partial", remaining_m=path.goal.distance_to(goal))
         here = np.array([start.pose.as_tuple()])
@@ -240,7 +240,7 @@ class HybridAStarPlanner(PosePlanner):
             checked.outline,
             on_grid(costmap, query.start.pose),
             on_grid(costmap, query.goal.pose),
-            query.goal_yaw_free,
+            query.yaw_free,
             checked.step_m,
             self._spacing(padding),
             settings.max_expansions if most is None else most,
@@ -289,7 +289,7 @@ class HybridAStarPlanner(PosePlanner):
         padding = float(self.settings.padding)
         if padding == 0.0:
             return 0.0
-        ends = [query.start.pose] if query.goal_yaw_free else [query.start.pose, query.goal.pose]
+        ends = [query.start.pose] if query.yaw_free else [query.start.pose, query.goal.pose]
         room = query.costmap.clearance([end.as_tuple() for end in ends], cap=2.0 * padding).min()
         return min(padding, PADDING_SHARE * float(room))
 
@@ -348,5 +348,5 @@ def _in_map(query: Query, poses: FloatArray, *, ends_at_goal: bool) -> FloatArra
     if not ends_at_goal:
         return out
     goal = query.goal.pose
-    out[-1] = (goal.x, goal.y, out[-1, 2] if query.goal_yaw_free else goal.yaw)
+    out[-1] = (goal.x, goal.y, out[-1, 2] if query.yaw_free else goal.yaw)
     return out

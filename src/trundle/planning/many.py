@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
 from trundle.planning.grid.cells import check_threads
@@ -36,7 +36,7 @@ def plan_many(
         planner: A planner, a name, a class or a function; see `PlannerLike`.
         costmap: What to stay clear of.
         starts: Poses, (x, y) or (x, y, yaw) [m, m, rad], map frame.
-        goals: As many.
+        goals: As many; (x, y) is a goal with any yaw.
         threads: How many to use; none means TRUNDLE_THREADS, or as many as there are processors, up to 8.
         deadline_s: Give up after this time for all [s].
         cancel: Give up once this is cancelled.
@@ -53,7 +53,7 @@ def plan_many(
     first, last = _as_list(starts, "starts"), _as_list(goals, "goals")
     if len(first) != len(last):
         raise InputError(f"there are {len(first)} starts and {len(last)} goals; each query needs both")
-    queries: list[tuple[Pose2D, Pose2D]] = []
+    queries: list[tuple[Pose2D, Goal]] = []
     for index, (start, goal) in enumerate(zip(first, last, strict=True)):
         try:
             queries.append(check_question(costmap, start, goal))
@@ -62,7 +62,7 @@ def plan_many(
     count = check_threads(threads)
     patience = Patience(deadline_s, cancel, f"not all of {len(queries)} paths were planned")
 
-    def plan(query: tuple[Pose2D, Pose2D]) -> Path | PlanningError:
+    def plan(query: tuple[Pose2D, Goal]) -> Path | PlanningError:
         try:
             patience.check()
             return chosen.plan(costmap, *query, deadline_s=patience.seconds, cancel=cancel)

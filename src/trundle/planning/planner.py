@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from trundle.costmap import Costmap
 from trundle.files.choice import Choice, split_choice
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps import OccupancyGrid
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation
@@ -34,7 +34,15 @@ PLANNERS: Registry[Planner] = Registry(
         "jps_plus": "was removed; use astar with method='jps'",
         "theta_star": "was removed; use any_angle, whose paths are shorter and found faster",
     },
-    contract=Contract({"plan": "costmap, start, goal"}, function=("costmap", "start", "goal"), keywords=KEYWORDS),
+    contract=Contract(
+        {"plan": "costmap, start, goal"},
+        function=("costmap", "start", "goal"),
+        keywords=KEYWORDS,
+        former={
+            "goal_yaw_free": "its goal is a trundle.geometry.Goal now, and goal.yaw_free says whether any yaw will do; "
+            "write plan(costmap, start, goal, *, deadline_s=None, cancel=None)"
+        },
+    ),
 )
 
 
@@ -43,26 +51,26 @@ class Planner(Protocol):
     """Finds a path. It keeps no state that changes a result: the same query gives the same path.
 
     A planner of another package whose `plan` takes fewer of the keywords, or returns poses or points, works as well:
-    see `PlannerLike`.
+    see `PlannerLike`. It gets a `Goal`, which it can read like a pose: `goal.x`, `goal.y`, `goal.yaw` (0 where any will
+    do), `goal.as_tuple()` and `goal.distance_to`; `goal.pose` is a `Pose2D`.
     """
 
     def plan(
         self,
         costmap: Costmap,
         start: Pose2D,
-        goal: Pose2D,
+        goal: Goal,
         *,
-        goal_yaw_free: bool = False,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> Path:
-        """Plan from `start` to `goal`, poses in the map frame.
+        """Plan from `start` to `goal`, in the map frame.
 
         Args:
             costmap: What to stay clear of.
             start: Where the robot stands.
-            goal: Where it is to stand.
-            goal_yaw_free: Any yaw will do at the goal.
+            goal: Where it is to stand, with a yaw or with any (`Goal.yaw_free`). Planners of `create_planner` also take
+                (x, y) for any yaw, (x, y, yaw) or a pose, whose yaw is wanted then.
             deadline_s: Give up after this time [s]; none means as long as it takes. A search bounded by other means,
                 such as its expansions, gives the same path whatever the machine is doing; this one is a safety net.
             cancel: Give up once this is cancelled. A planner that counts the nodes that it expands says how many to
@@ -79,7 +87,7 @@ class Planner(Protocol):
 class SomePlanner(Protocol):
     """The least that an object needs to be used as a planner; `create_planner` makes a `Planner` of it."""
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, /) -> Path | npt.ArrayLike:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Goal, /) -> Path | npt.ArrayLike:
         """Return a path, or poses (x, y, yaw) of shape (N, 3), or points (x, y) of shape (N, 2)."""
         ...
 
@@ -111,7 +119,8 @@ def create_planner(
 
     Raises:
         UnknownNameError: If there is no planner of that name.
-        InputError: If it does not take these options, needs an argument that nothing gives, or is no planner.
+        InputError: If it does not take these options, needs an argument that nothing gives, takes a keyword of earlier
+            versions, or is no planner.
     """
     _, given, chosen = split_choice(planner)
     made = PLANNERS.resolve(given, offered_arguments(robot, grid), {**chosen, **options})

@@ -9,12 +9,13 @@ import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.fault import wrong_result
-from trundle.geometry import Pose2D, wrap_angle
+from trundle.geometry import Goal, Pose2D, wrap_angle
 from trundle.path import Path
 from trundle.planning.cancellation import Cancellation, Patience
+from trundle.planning.queries.question import read_ends
 from trundle.registry import PluginFunction, keywords_taken, name_of
 
-KEYWORDS = ("goal_yaw_free", "deadline_s", "cancel")
+KEYWORDS = ("deadline_s", "cancel")
 _SAME_PLACE_M = 1e-3
 _SAME_YAW_RAD = 1e-9
 
@@ -22,9 +23,9 @@ _SAME_YAW_RAD = 1e-9
 class PlannerAdapter:
     """Hands a planner the keywords that its `plan` takes, and makes a `Path` of what it returns.
 
-    Without `goal_yaw_free` its paths end with the goal's own yaw. Without `deadline_s` or `cancel` it cannot be stopped
-    once it has begun. Poses (N, 3) or points (N, 2) that it returns become a path that also turns in place at the start
-    and at the goal, where they lie there.
+    The planner gets a `Pose2D` and a `Goal`, in whatever form they are given. Without `deadline_s` or `cancel` it
+    cannot be stopped once it has begun. Poses (N, 3) or points (N, 2) that it returns become a path that also turns in
+    place at the start and at the goal, where they lie there; at a goal with any yaw it does not turn.
 
     Args:
         planner: What plans: an object with `plan`, or a function.
@@ -42,27 +43,27 @@ class PlannerAdapter:
         self,
         costmap: Costmap,
         start: Pose2D,
-        goal: Pose2D,
+        goal: Goal,
         *,
-        goal_yaw_free: bool = False,
         deadline_s: float | None = None,
         cancel: Cancellation | None = None,
     ) -> Path:
         """Plan from `start` to `goal`; see `Planner`.
 
         Raises:
-            InputError: If the planner returns neither a path nor poses nor points.
+            InputError: If the start or the goal is none, or the planner returns neither a path nor poses nor points.
         """
+        start, goal = read_ends(start, goal)
         may_take_s = None if "deadline_s" in self._taken else deadline_s
         Patience(may_take_s, None if "cancel" in self._taken else cancel, "no path found yet").check()
-        given: dict[str, Any] = {"goal_yaw_free": goal_yaw_free, "deadline_s": deadline_s, "cancel": cancel}
+        given: dict[str, Any] = {"deadline_s": deadline_s, "cancel": cancel}
         answer = self._plan(costmap, start, goal, **{name: given[name] for name in KEYWORDS if name in self._taken})
         if isinstance(answer, Path):
             return answer
-        return _path_of(answer, self.planner, start, goal, goal_yaw_free=goal_yaw_free)
+        return _path_of(answer, self.planner, start, goal)
 
 
-def _path_of(answer: object, planner: object, start: Pose2D, goal: Pose2D, *, goal_yaw_free: bool) -> Path:
+def _path_of(answer: object, planner: object, start: Pose2D, goal: Goal) -> Path:
     """Make a path of poses or points.
 
     Raises:
@@ -87,7 +88,7 @@ def _path_of(answer: object, planner: object, start: Pose2D, goal: Pose2D, *, go
     if columns == 2:
         poses = _with_yaws(poses, start.yaw)
     ends = [start.as_tuple()] if _turns(poses[0], start) else []
-    after = [goal.as_tuple()] if not goal_yaw_free and _turns(poses[-1], goal) else []
+    after = [goal.as_tuple()] if not goal.yaw_free and _turns(poses[-1], goal.pose) else []
     return Path(np.array([*ends, *poses.tolist(), *after]), planner=name)
 
 

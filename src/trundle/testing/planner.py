@@ -16,7 +16,7 @@ from trundle.errors import (
     PlanningError,
     PlanningStoppedError,
 )
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.maps.grid import OccupancyGrid
 from trundle.path import Path
 from trundle.planning import Cancellation, Planner, create_planner
@@ -33,12 +33,12 @@ _LONG_S, _SHORT_S = 3600.0, 1e-9
 def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
     """Check that a planner meets the contract of `Planner`.
 
-    On a small map of two rooms and a closed chamber: a path starts at the start and ends at the goal, is finite and
-    never goes through occupied or unknown cells; the same query gives the same path, repeated and in a second
-    planner; the costmap is not modified; a goal outside the map, in an obstacle, in unknown space or unreachable
-    raises a typed error and never returns an empty path. Those keywords of the interface that `plan` takes do what they
-    say: with `goal_yaw_free` a path still ends at the goal; a deadline that is not reached changes nothing, and one
-    that has passed gives a `PlanningStoppedError` or the same path; a query that is cancelled already raises it.
+    On a small map of two rooms and a closed chamber, with goals with a yaw and with any: a path starts at the start and
+    ends at the goal, is finite and never goes through occupied or unknown cells; the same query gives the same path,
+    repeated and in a second planner; the costmap is not modified; a goal outside the map, in an obstacle, in unknown
+    space or unreachable raises a typed error and never returns an empty path. Those keywords of the interface that
+    `plan` takes do what they say: a deadline that is not reached changes nothing, and one that has passed gives a
+    `PlanningStoppedError` or the same path; a query that is cancelled already raises it.
 
     Args:
         planner: A planner in any of the ways of `PlannerLike`, or a function that makes one.
@@ -55,7 +55,7 @@ def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
         return accept(lambda given: create_planner(cast("PlannerLike", given), driven, grid), planner)
 
     instance = make()
-    for start, goal in _QUESTIONS:
+    for start, goal in (*_QUESTIONS, *((start, Goal(goal.x, goal.y)) for start, goal in _QUESTIONS)):
         path = _plan(instance, costmap, start, goal)
         _check_path(path, costmap, start, goal)
         _check_same(path, _plan(instance, costmap, start, goal), "the same query twice gives two different paths")
@@ -73,20 +73,20 @@ def check_planner(planner: PlannerLike, *, robot: Robot | None = None) -> None:
 
 
 _QUESTIONS = (
-    (Pose2D(1.0, 1.0, 0.0), Pose2D(8.0, 1.0, math.pi / 2)),
-    (Pose2D(1.0, 1.0, 1.0), Pose2D(2.0, 4.5, -3.0)),
-    (Pose2D(8.53, 4.47, 3.0), Pose2D(1.01, 1.52, 0.3)),
-    (Pose2D(2.0, 2.0, 0.0), Pose2D(2.0, 2.0, 2.0)),
-    (Pose2D(2.0, 2.0, 0.5), Pose2D(2.0, 2.0, 0.5)),
+    (Pose2D(1.0, 1.0, 0.0), Goal(8.0, 1.0, math.pi / 2)),
+    (Pose2D(1.0, 1.0, 1.0), Goal(2.0, 4.5, -3.0)),
+    (Pose2D(8.53, 4.47, 3.0), Goal(1.01, 1.52, 0.3)),
+    (Pose2D(2.0, 2.0, 0.0), Goal(2.0, 2.0, 2.0)),
+    (Pose2D(2.0, 2.0, 0.5), Goal(2.0, 2.0, 0.5)),
 )
 _START = Pose2D(1.0, 1.0, 0.0)
-_REFUSALS: tuple[tuple[Pose2D, Pose2D, tuple[type[PlanningError], ...], str], ...] = (
-    (_START, Pose2D(50.0, 1.0), (OutsideMapError,), "a goal outside the map"),
-    (Pose2D(1.0, -3.0), _START, (OutsideMapError,), "a start outside the map"),
-    (_START, Pose2D(6.0, 4.0), (BlockedPoseError,), "a goal deep in an obstacle"),
-    (Pose2D(6.0, 4.0), _START, (BlockedPoseError,), "a start deep in an obstacle"),
-    (_START, Pose2D(11.0, 3.0), (BlockedPoseError,), "a goal deep in unknown space"),
-    (_START, Pose2D(13.5, 3.0), (NoPathError, BlockedPoseError), "a goal in a closed chamber"),
+_REFUSALS: tuple[tuple[Pose2D, Goal, tuple[type[PlanningError], ...], str], ...] = (
+    (_START, Goal(50.0, 1.0, 0.0), (OutsideMapError,), "a goal outside the map"),
+    (Pose2D(1.0, -3.0), Goal.of(_START), (OutsideMapError,), "a start outside the map"),
+    (_START, Goal(6.0, 4.0, 0.0), (BlockedPoseError,), "a goal deep in an obstacle"),
+    (Pose2D(6.0, 4.0), Goal.of(_START), (BlockedPoseError,), "a start deep in an obstacle"),
+    (_START, Goal(11.0, 3.0), (BlockedPoseError,), "a goal deep in unknown space"),
+    (_START, Goal(13.5, 3.0), (NoPathError, BlockedPoseError), "a goal in a closed chamber"),
 )
 
 
@@ -102,7 +102,7 @@ def _two_rooms() -> OccupancyGrid:
     return OccupancyGrid(data, _RESOLUTION)
 
 
-def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **keywords: Any) -> Path:
+def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Goal, **keywords: Any) -> Path:
     try:
         return planner.plan(costmap, start, goal, **keywords)
     except PlanningError as error:
@@ -111,10 +111,8 @@ def _plan(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, **key
         raise ConformanceError(str(error)) from error
 
 
-def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pose2D, path: Path) -> None:
-    """Check `goal_yaw_free`, `deadline_s` and `cancel` with a query whose `path` is known."""
-    free = _plan(planner, costmap, start, goal, goal_yaw_free=True)
-    _check_path(free, costmap, start, Pose2D(goal.x, goal.y, free.goal.yaw))
+def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Goal, path: Path) -> None:
+    """Check `deadline_s` and `cancel` with a query whose `path` is known."""
     patient = _plan(planner, costmap, start, goal, deadline_s=_LONG_S, cancel=Cancellation())
     _check_same(path, patient, "a deadline that is far off changes the path")
     try:
@@ -136,14 +134,15 @@ def _check_keywords(planner: Planner, costmap: Costmap, start: Pose2D, goal: Pos
         raise ConformanceError("an already cancelled query must raise PlanningStoppedError, but it returned a path")
 
 
-def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
+def _check_path(path: Path, costmap: Costmap, start: Pose2D, goal: Goal) -> None:
     where = f"path from {start} to {goal}"
     expect(len(path) >= 1, f"{where}: it is empty")
     expect(bool(np.isfinite(path.poses).all()), f"{where}: its poses are not finite")
     for what, pose, wanted in (("start", path.start, start), ("end", path.goal, goal)):
         expect(pose.distance_to(wanted) <= _NEAR, f"{where}: it must {what} at {wanted}, not at {pose}")
         turn = abs(math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi))
-        expect(turn <= _NEAR, f"{where}: it must {what} with a yaw of {wanted.yaw:.4f}, not {pose.yaw:.4f}")
+        is_turned = turn <= _NEAR or (wanted is goal and goal.yaw_free)
+        expect(is_turned, f"{where}: it must {what} with a yaw of {wanted.yaw:.4f}, not {pose.yaw:.4f}")
     expect(path.length >= start.distance_to(goal) - _NEAR, f"{where}: it is shorter than the straight line")
     costs = costmap.cost_at(*_densified(path))
     expect(bool((costs < LETHAL).all()), f"{where}: it goes through occupied or unknown cells")
@@ -167,7 +166,7 @@ def _check_refusal(
     planner: Planner,
     costmap: Costmap,
     start: Pose2D,
-    goal: Pose2D,
+    goal: Goal,
     kinds: tuple[type[PlanningError], ...],
     what: str,
 ) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
-from trundle.geometry import Pose2D
+from trundle.geometry import Goal, Pose2D
 from trundle.path import Path
 
 Cell = tuple[int, int]
@@ -19,7 +19,7 @@ Cell = tuple[int, int]
 class GridWalkPlanner:
     """The path with the fewest steps between the four neighbours of a cell."""
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> Path:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Goal) -> Path:
         # The cost at the circumscribed radius: below it, the footprint is clear at every yaw.
         margin = costmap.circumscribed_radius + costmap.resolution - costmap.inscribed_radius
         free = costmap.data < 252.0 * math.exp(-costmap.cost_scaling_factor * margin)

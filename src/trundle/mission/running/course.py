@@ -365,7 +365,7 @@ class Course:
         if not isinstance(agent, Navigator):
             return None
         try:
-            path = agent.planner.plan(agent.costmap, here, goal.pose, goal_yaw_free=goal.yaw_free)
+            path = agent.planner.plan(agent.costmap, here, goal)
             return check_result(path, Path, agent.planner, "plan")
         except PlanningStoppedError:
             return None

@@ -275,7 +275,7 @@ class FootprintPlanner(PosePlanner):
                 return best
             found = self._find_counted(costmap, detours.costs, leave, target, patience)
             vertices = np.array([[leave.pose.x, leave.pose.y]]) if found is None else found[0]
-            query = Query(costmap, start, target, leave, target, goal_yaw_free=True)
+            query = Query(costmap, start, target, leave, target, yaw_free=True)
             motions, hits, owners = fit_motions(costmap, query.motions(vertices))
             path = self._partial_path(query, motions_before(costmap, motions), goal, replans)
             if best is None or path.remaining_m < best.remaining_m:
@@ -320,7 +320,7 @@ class FootprintPlanner(PosePlanner):
     def _path(self, query: Query, motions: list[Motion], cost: float, replans: int) -> Path:
         first = np.array(query.start.pose.as_tuple())
         last = np.array(query.goal.pose.as_tuple())
-        if query.goal_yaw_free:
+        if query.yaw_free:
             last[2] = motions[-1].yaw + motions[-1].turn if motions else query.start.pose.yaw
         leads = query.start.pose.distance_to(query.leave.pose) + query.enter.pose.distance_to(query.goal.pose)
         return Path(

@@ -9,21 +9,21 @@ import numpy as np
 from trundle import _core
 from trundle.costmap import LETHAL, NO_INFORMATION, Costmap
 from trundle.errors import BlockedPoseError, NoPathError, OutsideMapError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.path import Path
-from trundle.planning.cancellation import Cancellation, check_limits
+from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import motions_along, poses_of
 from trundle.planning.queries.blocked_end import REACH_CELLS
-from trundle.planning.queries.ends import begin_plan
 from trundle.planning.queries.places import cells_near
+from trundle.planning.queries.query_planner import QueryPlanner
 from trundle.values import check_flag
 
 _WEIGHTS = np.ones(256, dtype=np.uint16)
 _WEIGHTS[LETHAL:] = 0
 
 
-class ManhattanAstarPlanner:
+class ManhattanAstarPlanner(QueryPlanner):
     """4-connected A* with the Manhattan heuristic and unit cost, as many tutorials have it, for comparison.
 
     Only occupied and unknown cells block: inflation and footprint are ignored, so its paths touch walls.
@@ -37,32 +37,15 @@ class ManhattanAstarPlanner:
     """
 
     def __init__(self, *, allow_partial: bool = False, deadline_s: float | None = None) -> None:
+        super().__init__(deadline_s)
         self._allow_partial = check_flag("allow_partial", allow_partial)
-        check_limits(deadline_s, None)
-        self._deadline_s = deadline_s
 
-    def plan(
-        self,
-        costmap: Costmap,
-        start: Pose2D,
-        goal: Pose2D,
-        *,
-        goal_yaw_free: bool = False,
-        deadline_s: float | None = None,
-        cancel: Cancellation | None = None,
-    ) -> Path:
-        """Plan from `start` to `goal`, poses in the map frame.
-
-        The path ends with the goal's yaw, even with `goal_yaw_free`. For the arguments and errors see
-        `PosePlanner.plan`; only a start or goal in an occupied or unknown cell is a `BlockedPoseError`.
-        """
-        start, goal, patience = begin_plan(
-            costmap, start, goal, deadline_s, cancel, planner_deadline_s=self._deadline_s
-        )
-        first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, goal, "goal")
+    def _plan(self, costmap: Costmap, start: Pose2D, goal: Goal, patience: Patience) -> Path:
+        end = goal.pose
+        first, last = _cell_at(costmap, start, "start"), _cell_at(costmap, end, "goal")
         _check_free(costmap, start, first, "start")
         if not self._allow_partial:
-            _check_free(costmap, goal, last, "goal")
+            _check_free(costmap, end, last, "goal")
         target = GridSearch(costmap.data >= LETHAL, 4).nearest_reachable(first, last) if self._allow_partial else last
         cells, cost = _core.grid_search(costmap.data, _WEIGHTS, first, target, 4, patience.seconds, patience.flag)
         if len(cells) == 0:
@@ -74,10 +57,9 @@ class ManhattanAstarPlanner:
                 pose=goal.as_tuple(),
                 cell=last,
             )
-        end = goal
         if target != last:
             x, y = costmap.cell_to_world(*target)
-            end = start if target == first else Pose2D(float(x), float(y), goal.yaw)
+            end = start if target == first else Pose2D(float(x), float(y), end.yaw)
         centres = np.column_stack(costmap.cell_to_world(cells[:, 0], cells[:, 1]))
         vertices: FloatArray = np.concatenate([[[start.x, start.y]], centres[1:-1], [[end.x, end.y]]])
         motions = motions_along(vertices, start.yaw, end.yaw)

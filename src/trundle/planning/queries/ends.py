@@ -9,12 +9,11 @@ import numpy as np
 from trundle.costmap import INSCRIBED, Costmap
 from trundle.errors import BlockedPoseError, OutsideMapError
 from trundle.geometry import FloatArray, Pose2D
-from trundle.planning.cancellation import Cancellation, Patience, check_limits, sooner
+from trundle.planning.cancellation import Patience
 from trundle.planning.grid.grid_search import GridSearch
 from trundle.planning.motions import CHECK_STEP_RAD
 from trundle.planning.queries.blocked_end import blocked_end
 from trundle.planning.queries.places import cells_near, footprint_fits
-from trundle.planning.queries.question import check_question
 
 _STRAIGHT_REACH_M = 3.0
 _STRAIGHT_STEP_M = 0.1
@@ -34,32 +33,6 @@ class End:
     pose: Pose2D
     cell: tuple[int, int]
     snapped_m: float = 0.0
-
-
-def begin_plan(
-    costmap: Costmap,
-    start: Pose2D,
-    goal: Pose2D,
-    deadline_s: float | None,
-    cancel: Cancellation | None,
-    *,
-    planner_deadline_s: float | None,
-) -> tuple[Pose2D, Pose2D, Patience]:
-    """The start, the goal and the patience of one plan: the sooner deadline of its caller's and the planner's holds.
-
-    Raises:
-        InputError: If that is no costmap, pose, positive number of seconds or `Cancellation`.
-        PlanningStoppedError: If it is cancelled already.
-    """
-    check_limits(deadline_s, cancel)
-    start, goal = check_question(costmap, start, goal)
-    row, col = costmap.world_to_cell(goal.x, goal.y)
-    what = f"no path from ({start.x:.2f}, {start.y:.2f}) to ({goal.x:.2f}, {goal.y:.2f}) found yet"
-    patience = Patience(
-        sooner(deadline_s, planner_deadline_s), cancel, what, pose=goal.as_tuple(), cell=(int(row), int(col))
-    )
-    patience.check()
-    return start, goal, patience
 
 
 def find_end(

@@ -26,7 +26,7 @@ class Query:
         goal: Where it is to stand.
         leave: Where the search begins: the start, or a place straight ahead of it.
         enter: Where the search ends: the goal, or a place straight behind it.
-        goal_yaw_free: Whether it may end with any yaw.
+        yaw_free: Whether it may end with any yaw.
     """
 
     costmap: Costmap
@@ -34,13 +34,13 @@ class Query:
     goal: End
     leave: End
     enter: End
-    goal_yaw_free: bool
+    yaw_free: bool
 
     def motions(self, vertices: FloatArray) -> list[Motion]:
         """Motions from the start along the vertices from `leave` to `enter`, and on to the goal."""
         start, goal = self.start.pose, self.goal.pose
         corners = np.concatenate([[[start.x, start.y]], vertices, [[goal.x, goal.y]]])
-        return motions_along(corners, start.yaw, None if self.goal_yaw_free else goal.yaw)
+        return motions_along(corners, start.yaw, None if self.yaw_free else goal.yaw)
 
     @property
     def ends(self) -> str:
@@ -51,7 +51,7 @@ class Query:
     def with_straight_ends(self) -> Query | None:
         """The same, straight out of a start and into a goal where the robot cannot turn; none where it can."""
         leave = place_to_turn(self.costmap, self.start, 1.0)
-        enter = self.goal if self.goal_yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
+        enter = self.goal if self.yaw_free else place_to_turn(self.costmap, self.goal, -1.0)
         straight = replace(self, leave=leave, enter=enter)
         return None if straight == self else straight
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from trundle.costmap import Costmap
 from trundle.errors import InputError, PlanningError, TrundleError, UnknownNameError
-from trundle.geometry import FloatArray, Pose2D
+from trundle.geometry import FloatArray, Goal, Pose2D
 from trundle.navigation.joined_path import join_legs
 from trundle.path import Path
 from trundle.planning import Planner, create_planner, planner_names
@@ -154,7 +154,7 @@ class PlanServer:
         legs, here = list[Path](), query.start
         for number, end in enumerate(query.ends, 1):
             try:
-                legs.append(query.planner.plan(query.costmap, here, end, cancel=query.cancel))
+                legs.append(query.planner.plan(query.costmap, here, Goal.of(end), cancel=query.cancel))
             except PlanningError as error:
                 if len(query.ends) > 1:
                     error.args = (f"goal {number}: {error}",)
