@@ -51,8 +51,8 @@ def test_every_mistake_is_reported_with_its_place(tmp_path, text, message):
         read(tmp_path, text)
 
 
-def test_all_mistakes_are_reported_at_once(tmp_path):
-    with pytest.raises(InputError, match=r"radius(.|\n)*colour"):
+def test_all_mistakes_are_reported_at_once_and_unknown_keys_first(tmp_path):
+    with pytest.raises(InputError, match=r"colour: unknown key(.|\n)*radius: -1"):
         read(tmp_path, "radius: -1\ncolour: red")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import typing
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +11,8 @@ from typing import Any, cast
 import yaml
 from docstring_parser import parse_from_object
 from pydantic import BaseModel
+
+from trundle.files.yaml_problems import field_names
 
 _WIDTH = 96
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
@@ -25,8 +26,7 @@ def describe_fields(model: type[BaseModel]) -> dict[str, str]:
             for entry in parse_from_object(kind).params:
                 for name in entry.arg_name.split(", "):
                     found[name] = " ".join((entry.description or "").split())
-    names = [name for kind in model.__mro__ for name in inspect.get_annotations(kind)]
-    return {name: found.get(name, "") for name in dict.fromkeys(names) if name in model.model_fields}
+    return {name: found.get(name, "") for name in field_names(model)}
 
 
 def json_schema(model: type[BaseModel], title: str) -> dict[str, Any]:

@@ -42,7 +42,8 @@ _FILES = {"episode.json": RUN, "drive.csv": DRIVE, "evaluation.json": EVALUATION
 _ROBOT_KEYS = frozenset({"drive", "limits", "footprint", "body", "casters", "lidars", "model", "base"})
 _SCENARIO_KEYS = frozenset({"world", "map", "start", "goal", "goals", "robot", "planner", "controller", "backend"})
 _SUITE_KEYS = frozenset(
-    {"worlds", "robots", "planners", "controllers", "smoothers", "backends", "missions", "vary", "require"}
+    {"worlds", "maps", "robots", "planners", "controllers", "smoothers", "backends", "missions", "seeds", "vary"}
+    | {"require"}
 )
 
 

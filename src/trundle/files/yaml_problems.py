@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import types
 import typing
 from collections.abc import Mapping, Sequence
@@ -74,7 +75,8 @@ def describe_problems(
         nearest = _nearest(str(location[-1]), _keys(model, location[:-1], in_file))
         found.pop((*location[:-1], nearest or ""), None)
     lines: list[str] = []
-    for location, text in found.items():
+    for location in [*unknown, *(one for one in found if one not in unknown)]:  # the rest may follow from a misspelling
+        text = found[location]
         where = name if node is None else _place(location, node, name, of_key=location in unknown)
         lines.append(": ".join(part for part in (where, ".".join(map(str, location)), text) if part))
     return lines
@@ -178,7 +180,13 @@ def _keys(model: type[BaseModel], location: Location, in_file: bool) -> list[str
     owner = _item(_descend(model, location)[0])
     if not _is_model(owner):
         return []
-    return [*owner.model_fields, *(getattr(owner, "file_keys", ()) if in_file else ())]
+    return [*field_names(owner), *(getattr(owner, "file_keys", ()) if in_file else ())]
+
+
+def field_names(model: type[BaseModel]) -> list[str]:
+    """Names of a model's fields: its own first, then those inherited from its bases."""
+    names = [name for kind in model.__mro__ for name in inspect.get_annotations(kind)]
+    return [name for name in dict.fromkeys(names) if name in model.model_fields]
 
 
 def _field(model: type[BaseModel], location: Location) -> FieldInfo | None:

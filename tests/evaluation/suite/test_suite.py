@@ -6,6 +6,7 @@ import pytest
 from trundle.errors import InputError, UnknownNameError
 from trundle.evaluation.suite import Suite, suite_names
 from trundle.files.choice import Choice
+from trundle.files.kinds import SUITE, find_kind
 from trundle.planning import create_planner
 
 
@@ -102,11 +103,11 @@ require: success>=0.99
         ("worlds: warehouse\nrequire: [sucess>=0.9]\n", ":2:11: require.0: unknown figure in a requirement 'sucess'"),
         (
             "worlds: warehouse\nplanners: {name: auto, lable: x}\n",
-            ":2:24: planners.lable: unknown key. Did you mean 'label'? There are: name, options, label",
+            ":2:24: planners.lable: unknown key. Did you mean 'label'? There are: label, name, options",
         ),
         (
             "worlds: warehouse\nplanners: [auto, {name: astar, lable: x}]\n",
-            ":2:32: planners.1.lable: unknown key. Did you mean 'label'? There are: name, options, label",
+            ":2:32: planners.1.lable: unknown key. Did you mean 'label'? There are: label, name, options",
         ),
         (
             "worlds: {name: warehouse, options: {aisle_width: {unifrm: [1, 2]}}}\n",
@@ -234,3 +235,55 @@ def test_a_class_is_named_by_module_and_class():
     suite = Suite.make(worlds="warehouse", planners=f"{type(made).__module__}:{type(made).__name__}", seeds=1)
     suite.check()
     assert suite.spec(0).planner == "AStarPlanner"
+
+
+# Made in Python -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", [Suite, Suite.make])
+def test_seeds_and_maps_are_fields_of_a_suite_however_it_is_made(make, map_yaml):
+    suite = make(maps=map_yaml, worlds="warehouse", seeds="0:500", missions={"ends": "tight"}, lidar=[True, False])
+    assert [world.name for world in suite.worlds] == ["warehouse", str(map_yaml)]
+    assert (suite.missions.seeds, suite.missions.ends) == ("0:500", "tight")
+    assert len(suite) == 2 * 500 * 2
+    assert suite == make(
+        worlds=["warehouse", str(map_yaml)], missions={"ends": "tight", "seeds": "0:500"}, lidar=[True, False]
+    )
+    assert len(make(maps=[map_yaml, "warehouse"], seeds=[3, 5])) == 4
+    assert make(worlds="warehouse", seeds=3).spec(0).id == make(worlds="warehouse", missions=3).spec(0).id
+
+
+def test_a_file_may_have_seeds_and_maps_too_and_keeps_its_places(map_yaml, tmp_path):
+    file = write(tmp_path, "maps: maps/room.yaml\nseeds: '0:7'\n")
+    assert find_kind(file) == SUITE
+    suite = Suite.load(file)
+    assert len(suite) == 7
+    assert suite.worlds[0].name == str(map_yaml)
+    suite.save(tmp_path / "again.yaml")
+    assert Suite.load(tmp_path / "again.yaml") == suite
+
+
+@pytest.mark.parametrize("make", [Suite, Suite.make])
+@pytest.mark.parametrize(
+    ("given", "first"),
+    [
+        ({"worlds": "warehouse", "planer": "auto"}, "planer: unknown key. Did you mean 'planners'? There are: name, w"),
+        ({"worlds": "warehouse", "seed": 3}, "seed: unknown key. Did you mean 'seeds'? There are: name, worlds, maps"),
+        ({"world": "warehouse", "seeds": 3}, "world: unknown key. Did you mean 'worlds'?"),
+        ({"map": "room.yaml"}, "map: unknown key. Did you mean 'maps'?"),
+        ({"worlds": "nowhere", "goal_tolerance": -1, "seed": 3}, "seed: unknown key. Did you mean 'seeds'?"),
+        ({"seeds": 3}, "worlds: is missing"),
+        ({"worlds": "warehouse", "seeds": "a:b"}, "seeds: must be a number of seeds"),
+        ({"maps": ["room.yaml", 3]}, "maps.1: must be a mapping, got 3"),
+        ({"worlds": "warehouse", "missions": 5, "seeds": 3}, "seeds: missions has seeds, too; leave one of them out"),
+    ],
+)
+def test_the_likely_mistake_is_named_first(make, given, first):
+    with pytest.raises(InputError) as refused:
+        make(**given)
+    assert str(refused.value).startswith(first)
+
+
+def test_a_mistake_in_a_files_seeds_has_its_place(tmp_path):
+    with pytest.raises(InputError, match=r"suite\.yaml:2:8: seeds: must be a number of seeds"):
+        Suite.load(write(tmp_path, "worlds: warehouse\nseeds: a:b\n"))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from trundle.errors import InputError
 from trundle.evaluation.statistics import Gate
 from trundle.evaluation.suite.parts import Limits, Missions, MissionsField, SuiteWorldField, as_items, read_items
 from trundle.evaluation.suite.plugin import Agent, Backend, Controller, Planner, PluginChoice, Smoother
+from trundle.evaluation.suite.seeds import Seeds
 from trundle.evaluation.suite.settings import CROSSED, CrossedSettings
 from trundle.evaluation.suite.vary import Vary
 
@@ -46,7 +47,8 @@ class SuiteFields(CrossedSettings):
 
     Attributes:
         name: Name of the suite.
-        worlds: Where the robots drive: generated worlds, maps and worlds' files.
+        worlds: Where the robots drive: generated worlds, maps and worlds' files. Either these or `maps` are needed.
+        maps: More worlds, by the paths of their maps. A suite that was made has them in `worlds`.
         robots: Catalogue names or paths of robots' YAML; a path in a file is relative to that file.
         planners: Planners by name, `module:name`, or `{name: …, options: {…}}`. In Python also classes, functions
             (costmap, start, goal) and objects.
@@ -56,14 +58,18 @@ class SuiteFields(CrossedSettings):
             controllers where these are given too.
         backends: Simulators by name.
         missions: Where the robots are to go.
+        seeds: Seeds of the missions. A suite that was made has them in `missions`.
         vary: What differs between what the robot was designed for and what it drives with.
         limits: What an episode may take.
         require: What must hold of the results: "success>=0.99".
         planning_deadline_s: Must be left out: planning has no deadline on the clock inside an evaluation.
     """
 
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": ["worlds"]}, {"required": ["maps"]}]})
+
     name: str | None = None
-    worlds: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)]
+    worlds: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)] = ()
+    maps: Annotated[tuple[SuiteWorldField, ...], _some(SuiteWorldField)] = Field(default=(), exclude=True)
     robots: Annotated[tuple[str, ...], _some(str)] = ("nova_carter",)
     planners: Annotated[tuple[Planner, ...], _some(Planner)] = (PluginChoice(name="auto"),)
     controllers: Annotated[tuple[Controller, ...], _some(Controller)] = (PluginChoice(name="regulated_pure_pursuit"),)
@@ -71,6 +77,7 @@ class SuiteFields(CrossedSettings):
     agents: Annotated[tuple[Agent, ...], _some(Agent)] = ()
     backends: Annotated[tuple[Backend, ...], _some(Backend)] = (PluginChoice(name="mujoco"),)
     missions: MissionsField = Missions(seeds=20)
+    seeds: Seeds | None = Field(default=None, exclude=True)
     vary: Vary = Vary()
     limits: Limits = Limits()
     require: Annotated[
@@ -78,6 +85,25 @@ class SuiteFields(CrossedSettings):
         BeforeValidator(as_items, json_schema_input_type=str | list[str]),
     ] = ()
     planning_deadline_s: Annotated[None, BeforeValidator(_refuse_deadline)] = Field(default=None, exclude=True)
+
+    @model_validator(mode="after")
+    def _move_maps_and_seeds(self) -> Self:
+        """Put `maps` into `worlds`, and `seeds` into `missions`: the rest of the code knows these alone."""
+        changes: dict[str, Any] = {}
+        if self.maps:
+            changes["worlds"] = (*self.worlds, *self.maps)
+        elif not self.worlds:
+            raise PydanticCustomError("no_worlds", "worlds: is missing", {})
+        if self.seeds is not None:
+            given = {name: getattr(self.missions, name) for name in self.missions.model_fields_set}
+            if "missions" in self.model_fields_set and "seeds" in given:
+                raise PydanticCustomError("seeds_twice", "seeds: missions has seeds, too; leave one of them out", {})
+            changes["missions"] = Missions(**{**given, "seeds": self.seeds})
+        if changes:
+            for name, value in {**changes, "maps": (), "seeds": None}.items():
+                object.__setattr__(self, name, value)
+            self.__pydantic_fields_set__ = (self.model_fields_set | changes.keys()) - {"maps", "seeds"}
+        return self
 
     def crossed(self) -> dict[str, tuple[Any, ...]]:
         """Settings of the scenario that it gives, each with its values."""

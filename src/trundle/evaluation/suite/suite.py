@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar
 
 import yaml
 
@@ -25,6 +25,22 @@ from trundle.files.yaml_config import build, load_config
 from trundle.robots import is_robot_file
 from trundle.values import as_path
 
+if TYPE_CHECKING:
+    from trundle.control.controller import ControllerLike
+    from trundle.evaluation.suite.parts import Limits, ListedMission, Missions, SuiteWorld
+    from trundle.evaluation.suite.vary import Vary
+    from trundle.files.choice import Choice
+    from trundle.mission.choices import WorldChoice
+    from trundle.navigation.agent import AgentLike
+    from trundle.planning.planner import PlannerLike
+    from trundle.planning.smoother import SmootherLike
+
+    T = TypeVar("T")
+    _Some: TypeAlias = T | Sequence[T]
+    _Fields: TypeAlias = Mapping[str, Any]
+    _World: TypeAlias = str | os.PathLike[str] | WorldChoice | SuiteWorld | _Fields
+    _Seeds: TypeAlias = int | str | range | Sequence[int]
+
 MAPS = "maps"
 """The suite of all ROS maps of a folder; see `maps_suite`."""
 
@@ -36,26 +52,48 @@ class Suite(SuiteFields):
     """Which episodes an evaluation runs: every world with its missions, crossed with robots, planners and settings.
 
     Its fields are those of `SuiteFields`, and settings of a scenario; one that is given as a list is crossed. Every
-    field that takes a list takes a single value as well.
+    field that takes a list takes a single value as well: `Suite(worlds="warehouse", planners=["auto", plan],
+    seeds="0:500")`.
+
+    Raises:
+        InputError: If a field cannot be used; one line for each.
     """
+
+    if TYPE_CHECKING:
+        # What the fields' validators take; pydantic shows type checkers what the fields hold.
+        def __init__(
+            self,
+            *,
+            name: str | None = None,
+            worlds: _Some[_World] = (),
+            maps: _Some[str | os.PathLike[str]] = (),
+            robots: _Some[str] = "nova_carter",
+            planners: _Some[PlannerLike | _Fields] = "auto",
+            controllers: _Some[ControllerLike | _Fields] = "regulated_pure_pursuit",
+            smoothers: _Some[SmootherLike | _Fields | None] = None,
+            agents: _Some[AgentLike | _Fields] = (),
+            backends: _Some[str | Choice | _Fields] = "mujoco",
+            missions: _Seeds | Missions | _Fields | Sequence[ListedMission | _Fields] = 20,
+            seeds: _Seeds | None = None,
+            vary: Vary | _Fields = ...,
+            limits: Limits | _Fields = ...,
+            require: _Some[str] = (),
+            **settings: Any,
+        ) -> None: ...
 
     @classmethod
     def make(cls, **settings: Any) -> Self:
-        """Make a suite from keywords: `Suite.make(worlds="warehouse", planners=["auto", plan], seeds="0:500")`.
+        """Make a suite from its fields, as `Suite(…)` does.
 
         Args:
-            **settings: Its fields; also `maps` for `worlds`, and `seeds` for `missions`.
+            **settings: Its fields.
 
         Raises:
             InputError: If a setting cannot be used; one line for each.
+
+        Warns:
+            AngleWarning: For an angle larger than a full turn, which is probably in degrees; with the field's name.
         """
-        if "maps" in settings:
-            worlds = [*_several(settings.pop("worlds", ())), *_several(settings.pop("maps"))]
-            settings["worlds"] = worlds
-        if "seeds" in settings:
-            missions = settings.get("missions", {})
-            rest = missions if isinstance(missions, dict) else {"listed": missions}
-            settings["missions"] = {**rest, "seeds": settings.pop("seeds")}
         return build(settings, cls)
 
     @classmethod
@@ -166,7 +204,3 @@ def suite_names() -> list[str]:
 def shipped_folder() -> Path:
     """Where the suites are that trundle ships."""
     return Path(str(resources.files("trundle.evaluation.suite") / "shipped"))
-
-
-def _several(given: Any) -> Any:
-    return given if isinstance(given, list | tuple) else (given,)
