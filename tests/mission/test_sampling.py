@@ -42,6 +42,11 @@ def test_both_ends_have_room_to_turn_and_are_apart(costmap, seed):
 def test_a_seed_gives_one_mission_and_another_seed_another(costmap):
     assert sample_mission(costmap, 3) == sample_mission(costmap, 3)
     assert sample_mission(costmap, 3) != sample_mission(costmap, 4)
+    assert sample_mission(costmap, seed=3) == sample_mission(costmap, 3)
+
+
+def test_without_a_seed_it_is_0_as_elsewhere(costmap):
+    assert sample_mission(costmap) == sample_mission(costmap, seed=0)
 
 
 def test_ends_lie_in_one_area(carter):

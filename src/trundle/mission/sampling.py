@@ -41,7 +41,7 @@ class _Place:
 
 def sample_mission(
     costmap: Costmap,
-    seed: int,
+    seed: int = 0,
     *,
     min_distance: float = MIN_DISTANCE,
     start: Pose2D | Sequence[float] | None = None,
@@ -82,7 +82,7 @@ def sample_mission(
     return (fixed, picked) if start is not None else (picked, fixed)
 
 
-def sample_tight_ends(costmap: Costmap, seed: int) -> tuple[Pose2D, Pose2D]:
+def sample_tight_ends(costmap: Costmap, seed: int = 0) -> tuple[Pose2D, Pose2D]:
     """Pick a start and a goal without room for a turn on the spot.
 
     Both are random poses whose footprint is free by 0.03 to 0.25 m, at least 0.5 m apart, in one area where the
