@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from trundle.errors import InputError, TrundleError
 from trundle.evaluation.engine import OnProgress, run_suite
@@ -77,13 +77,18 @@ def evaluate(
         time_budget_s=time_budget_s,
         on_progress=on_progress,
     )
-    evaluation = Evaluation(folder, suite=suite)
-    evaluation.write_report()
+    with ExitStack() as opened:
+        evaluation = opened.enter_context(Evaluation(folder, suite=suite))
+        evaluation.write_report()
+        opened.pop_all()
     return evaluation
 
 
 class Evaluation:
     """The episodes in the folder of an evaluation: those that it held when this was made.
+
+    It holds files open until it is closed: `with trundle.evaluate(suite) as evaluation:` closes it at the end. What was
+    read of it before, as `success`, stays; its rows do not.
 
     Args:
         folder: The folder that `trundle evaluate` wrote, also one in an object store, of which a copy is read; its
@@ -100,15 +105,24 @@ class Evaluation:
 
     def __init__(self, folder: str | os.PathLike[str], *, suite: Suite | None = None) -> None:
         self.folder = os.fspath(folder)
-        self._opened = ExitStack()
-        self._copy = self._opened.enter_context(staged(self.folder))
-        self.results = Results.open(self._copy.folder)
+        with ExitStack() as opened:
+            self._copy = opened.enter_context(staged(self.folder))
+            self.results = opened.enter_context(Results.open(self._copy.folder))
+            self._opened = opened.pop_all()
         self._suite = suite
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def __len__(self) -> int:
         return len(self.results)
 
     def __repr__(self) -> str:
+        if self.results.is_closed:
+            return f"Evaluation({self.folder!r}, closed)"
         arrived = int(self.table.arrived.sum())
         return f"Evaluation({self.folder!r}, {len(self)} of {self.results.total} episodes, {arrived} arrived)"
 
@@ -125,7 +139,8 @@ class Evaluation:
     @property
     def success(self) -> Interval:
         """Wilson's 95 % interval of the share of episodes that arrived."""
-        return wilson(int(self.table.arrived.sum()), len(self))
+        arrived = self.table.arrived
+        return wilson(int(arrived.sum()), len(arrived))
 
     @property
     def outcomes(self) -> dict[str, int]:
@@ -172,8 +187,10 @@ class Evaluation:
         Raises:
             InputError: If they have no mission in common.
         """
-        after = other if isinstance(other, Evaluation) else Evaluation(other)
-        return compare(self.table, after.table, names=(self.folder, after.folder))
+        if not isinstance(other, Evaluation):
+            with Evaluation(other) as opened:
+                return self.compare(opened)
+        return compare(self.table, other.table, names=(self.folder, other.folder))
 
     def scenario_of(self, prefix: str, *, map: str | os.PathLike[str] | None = None) -> Scenario:
         """The exact scenario of the episode whose id starts so; running it repeats the episode.
@@ -208,8 +225,7 @@ class Evaluation:
             return None
 
     def close(self) -> None:
-        """Free what it holds: the copy of a folder in an object store."""
-        self.results.close()
+        """Free what it holds: open files, and the copy of a folder in an object store."""
         self._opened.close()
 
     def write_report(self, require: Sequence[str] | None = None, *, apart: bool | None = None) -> str:

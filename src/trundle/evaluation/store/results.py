@@ -38,7 +38,7 @@ class Results:
         self.folder = folder
         self.damage = tuple(damage)
         self._manifest = manifest
-        self._table = table
+        self._opened: Table | None = table
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str]) -> Self:
@@ -100,6 +100,19 @@ class Results:
             return (self.folder / SUITE).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot read {self.folder / SUITE}: {error}") from error
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it was closed: then its rows cannot be read."""
+        return self._opened is None
+
+    @property
+    def _table(self) -> Table:
+        if self._opened is None:
+            raise InputError(
+                f"the evaluation in {self.folder} is closed: read its rows inside the with block, or before close()"
+            )
+        return self._opened
 
     def __len__(self) -> int:
         return len(self._table)
@@ -165,8 +178,10 @@ class Results:
         return self.query('SELECT * FROM episodes ORDER BY "index"')
 
     def close(self) -> None:
-        """Free what it holds."""
-        self._table.close()
+        """Free what it holds; its rows cannot be read afterwards."""
+        if self._opened is not None:
+            self._opened.close()
+        self._opened = None
 
     def __enter__(self) -> Self:
         return self
