@@ -4,7 +4,7 @@ import pytest
 from trundle.errors import InputError
 from trundle.geometry import Pose2D, Twist2D
 from trundle.maps import OccupancyGrid
-from trundle.navigation import Agent, CommandScript, Latency, NavigationStatus, Navigator
+from trundle.navigation import Agent, CommandScript, Latency, NavigationStatus, Navigator, create_agent
 from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 
@@ -68,13 +68,52 @@ def test_a_navigator_takes_observations_as_it_takes_poses():
     assert pose.distance_to(Pose2D(*START)) > 0.2
 
 
-def test_an_observation_needs_an_estimate():
+def test_an_update_is_called_by_the_names_of_what_it_takes():
     navigator = Navigator(GRID, CARTER)
-    observation, estimate = look()
-    with pytest.raises(InputError, match=r"update\(observation, estimate\)"):
-        navigator.update(observation)
-    with pytest.raises(InputError, match=r"update\(observation, estimate\)"):
-        navigator.update(Pose2D(0.0, 0.0), estimate)
+    observation, estimate = look(0.5)
+    for given in [
+        {"observation": observation, "estimate": estimate},
+        {"pose": estimate.pose, "twist": observation.twist, "time": 0.5, "scans": ()},
+    ]:
+        assert navigator.update(**given) == Twist2D()
+    assert navigator.update(observation, estimate=estimate) == Twist2D()
+    assert CommandScript([(0.4, 0.0, 1.0)]).update(observation=observation, estimate=estimate) == Twist2D(0.4, 0.0)
+    agent = create_agent(lambda observation, estimate: Twist2D(0.1), CARTER)
+    assert agent.update(observation=observation, estimate=estimate) == Twist2D(0.1)
+    command = navigator.assist_teleop(command=Twist2D(), observation=observation, estimate=estimate)
+    assert command.command == Twist2D()
+
+
+OBSERVATION, ESTIMATE = look()
+BOTH_WAYS = "update takes (pose, twist, time=…, scans=…) or (observation, estimate)"
+
+
+@pytest.mark.parametrize(
+    ("positional", "named", "found"),
+    [
+        ((), {}, "there is neither a pose nor an observation"),
+        ((None,), {}, "there is neither a pose nor an observation"),
+        ((ESTIMATE, OBSERVATION), {}, "an update's observation must be of type Observation, got Estimate"),
+        ((Pose2D(0.0, 0.0), OBSERVATION), {}, "an update's observation must be of type Observation, got Pose2D"),
+        ((OBSERVATION, Pose2D(0.0, 0.0)), {}, "an update's estimate must be of type Estimate, got Pose2D"),
+        ((OBSERVATION,), {}, "an update's estimate must be of type Estimate, got NoneType"),
+        ((), {"observation": OBSERVATION}, "an update's estimate must be of type Estimate, got NoneType"),
+        ((), {"estimate": ESTIMATE}, "an update's observation must be of type Observation, got NoneType"),
+        (
+            (Pose2D(0.0, 0.0),),
+            {"observation": OBSERVATION, "estimate": ESTIMATE},
+            "there are both a pose and an observation",
+        ),
+        ((OBSERVATION, Twist2D()), {"estimate": ESTIMATE}, "there are both a twist and an estimate"),
+        ((OBSERVATION, ESTIMATE), {"time": 1.0}, "an observation has its own time and scans"),
+        ((OBSERVATION, ESTIMATE), {"scans": [1]}, "an observation has its own time and scans"),
+    ],
+)
+def test_an_update_says_what_it_takes(positional, named, found):
+    with pytest.raises(InputError) as refused:
+        Navigator(GRID, CARTER).update(*positional, **named)
+    assert str(refused.value).startswith(found)
+    assert str(refused.value).endswith(f"; {BOTH_WAYS}")
 
 
 def test_latencies_are_short_times():

@@ -6,7 +6,7 @@ import numpy.typing as npt
 import trundle
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D, Twist2D
-from trundle.navigation import NavigationStatus
+from trundle.navigation import Agent, NavigationStatus
 from trundle.observation import Estimate, Observation
 from trundle.path import Path
 from trundle.robots import Robot
@@ -60,3 +60,10 @@ check_localizer(MyLocalizer)
 check_localizer(MyLocalizer())
 trundle.Suite(worlds="warehouse", seeds="0:10", planners=["auto", MyPlanner], lidar=[True, False])
 trundle.Suite(maps=["hall.yaml"], controllers=MyController, agents=[drive, {"name": "mine", "label": "ours"}])
+observation, estimate = Observation(0.0, Twist2D(), Pose2D(0.0, 0.0)), Estimate(0.0, Pose2D(0.0, 0.0))
+mine.update(observation, estimate)
+mine.update(observation=observation, estimate=estimate)
+mine.update(Pose2D(0.0, 0.0), Twist2D(), time=0.0, scans=())
+mine.update(pose=(0.0, 0.0, 0.0))
+agent: Agent = mine
+agent.update(observation, estimate)

@@ -157,7 +157,7 @@ class FunctionAgent:
         self._goal = Goal.of(goal)
         self.status = NavigationStatus.DRIVING
 
-    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """Ask the function for the command for the next control period.
 
         Raises:
@@ -217,7 +217,7 @@ class CommandScript:
     def set_goal(self, goal: Goal | Pose2D | Sequence[float], /) -> None:
         """Do nothing: the commands say where to drive."""
 
-    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """Return the command for the next control period, whose length is `dt` from now on."""
         while self._left_s <= 1e-9:
             if self._index + 1 == len(self._commands):

@@ -13,9 +13,11 @@ from trundle.errors import InputError, RobotWarning
 from trundle.geometry import Goal, Pose2D, Twist2D, wrap_angle
 from trundle.maps import OccupancyGrid
 from trundle.maps.masks import KeepoutMask
+from trundle.observation import Estimate, Observation
 from trundle.robots import Robot
 from trundle.values import as_sequence, check_kind, is_finite_number
 
+UPDATE_TAKES = "update takes (pose, twist, time=…, scans=…) or (observation, estimate)"
 _CREDIBLE = 4.0  # times its limits: so fast may a robot be that is pushed, or runs down a ramp
 
 
@@ -65,6 +67,33 @@ def read_pose(pose: Pose2D | Sequence[float]) -> Pose2D:
     if len(numbers) == 3 and is_finite_number(numbers[2]):
         numbers = (numbers[0], numbers[1], wrap_angle(numbers[2]))
     return Pose2D.of(numbers)
+
+
+def read_observed(
+    pose: object, twist: object, observation: object, estimate: object
+) -> tuple[Observation, Estimate] | None:
+    """The observation and the estimate of an update, given by name, or by position as `pose` and `twist`.
+
+    None means that the update is by a pose.
+
+    Raises:
+        InputError: If one of them is missing, is of another kind, or is given beside a pose or a twist.
+    """
+    kinds = (Observation, Estimate)
+    if observation is None and estimate is None and not isinstance(pose, kinds) and not isinstance(twist, kinds):
+        if pose is None:
+            raise InputError(f"there is neither a pose nor an observation; {UPDATE_TAKES}")
+        return None
+    if observation is None:
+        observation, pose = pose, None
+    if estimate is None:
+        estimate, twist = twist, None
+    if pose is not None or twist is not None:
+        both = "a twist and an estimate" if pose is None else "a pose and an observation"
+        raise InputError(f"there are both {both}; {UPDATE_TAKES}")
+    check_kind(observation, Observation, "an update's observation", UPDATE_TAKES)
+    check_kind(estimate, Estimate, "an update's estimate", UPDATE_TAKES)
+    return cast("Observation", observation), cast("Estimate", estimate)
 
 
 def read_goal(goal: Pose2D | Sequence[float] | float, y: float | None = None, yaw: float | None = None) -> Goal:

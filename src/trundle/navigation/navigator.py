@@ -29,7 +29,14 @@ from trundle.navigation.behaviors.behavior import check_behavior_kind
 from trundle.navigation.command_check import CommandCheck
 from trundle.navigation.drive import Drive, Now
 from trundle.navigation.followed_path import FollowedPath
-from trundle.navigation.inputs import credible_twist, load_costmap, read_goal, read_pose
+from trundle.navigation.inputs import (
+    UPDATE_TAKES,
+    credible_twist,
+    load_costmap,
+    read_goal,
+    read_observed,
+    read_pose,
+)
 from trundle.navigation.path_driver import PathDriver
 from trundle.navigation.path_progress import PathProgress
 from trundle.navigation.recovery import Recovery
@@ -428,7 +435,10 @@ class Navigator(Drive):
         self._check.set_path(followed)
 
     @overload
-    def update(self, pose: Observation, twist: Estimate, /) -> Twist2D: ...
+    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D: ...
+
+    @overload
+    def update(self, *, observation: Observation, estimate: Estimate) -> Twist2D: ...
 
     @overload
     def update(
@@ -442,13 +452,18 @@ class Navigator(Drive):
 
     def update(
         self,
-        pose: Pose2D | Sequence[float] | Observation,
+        pose: Pose2D | Sequence[float] | Observation | None = None,
         twist: Twist2D | Estimate | None = None,
         *,
         time: float | None = None,
         scans: Sequence[Scan] = (),
+        observation: Observation | None = None,
+        estimate: Estimate | None = None,
     ) -> Twist2D:
-        """Return the command for the next control period: `update(pose, twist)`, or `update(observation, estimate)`.
+        """Return the command for the next control period.
+
+        It takes where the robot is, `update(pose, twist, time=…, scans=…)`, or what a session and a localizer give,
+        `update(observation, estimate)`, by position or by name.
 
         Args:
             pose: Where the robot is now, map frame: a pose or (x, y, yaw).
@@ -457,25 +472,26 @@ class Navigator(Drive):
             time: Now [s], any origin; none means one control period after the last call. With scans, it is on their
                 clock.
             scans: Scans of the robot's lidars that arrived since the last call, oldest first.
+            observation: What the robot knows of its surroundings and its motion: it has twist, time and scans.
+            estimate: Where a localizer believes the robot to be.
 
         Returns:
             The twist to send. It is (0, 0) when there is nothing to do; `status` says why.
 
         Raises:
             InputError: If the pose, the twist or the time is none, or not finite, the scans are none, or an observation
-                comes without an estimate.
+                comes without an estimate, or with what it has itself.
 
         Warns:
             SensorWarning: If scans are left out, what was sensed is forgotten since the pose or the time jumped.
         """
-        if isinstance(pose, Observation) or isinstance(twist, Estimate):
-            check_kind(pose, Observation, "an update's observation", "give update(observation, estimate)")
-            check_kind(twist, Estimate, "an update's estimate", "give update(observation, estimate)")
-            observation, estimate = cast("Observation", pose), cast("Estimate", twist)
+        observed = read_observed(pose, twist, observation, estimate)
+        if observed is not None:
+            if time is not None or scans:
+                raise InputError(f"an observation has its own time and scans: leave these out; {UPDATE_TAKES}")
+            observation, estimate = observed
             pose, twist, time, scans = estimate.pose, observation.twist, observation.time, observation.scans
-        else:
-            estimate = None
-        here = read_pose(pose)
+        here = read_pose(cast("Pose2D | Sequence[float]", pose))
         now = self._clock + self.dt if time is None else as_number(time, "time")
         if not math.isfinite(now):
             raise InputError(f"time must be a finite number of seconds, got {time!r}")
@@ -486,7 +502,7 @@ class Navigator(Drive):
         self._delayed.send(self._command, now)
         return self._command
 
-    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate, /) -> AssistedCommand:
+    def assist_teleop(self, command: Twist2D, observation: Observation, estimate: Estimate) -> AssistedCommand:
         """Check a command by hand, instead of `update`: what of it may be sent in the next control period.
 
         It takes in what was observed, and slows the command down or stops it as it does with its own: before what is

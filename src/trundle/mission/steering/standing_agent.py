@@ -48,7 +48,7 @@ class StandingAgent:
     def set_goal(self, goal: Goal, /) -> None:
         """Do nothing: it drives nowhere."""
 
-    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """Return the command to stand."""
         return Twist2D()
 

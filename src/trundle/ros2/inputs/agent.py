@@ -83,7 +83,7 @@ class RosAgent:
         """
         raise InputError("other programs drive this robot (--role simulator): give the goal to them")
 
-    def update(self, observation: Observation, estimate: Estimate, /) -> Twist2D:
+    def update(self, observation: Observation, estimate: Estimate) -> Twist2D:
         """Return the command that holds now."""
         return self._arbiter.command(self._clock.offset + observation.time)
 
