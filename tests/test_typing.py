@@ -31,11 +31,12 @@ def test_the_readmes_python_and_plugins_are_typed_and_wrong_types_are_found(tmp_
     start = first.index("\n", first.index("import trundle")) + 1
     snippet = "\n".join([first[:start] + "\n\n" + YOUR_ROBOT + first[start:], *others, PLUGINS])
     (tmp_path / "right.py").write_text(snippet)
+    (tmp_path / "strict.py").write_text("# pyright: strict\n" + PLUGINS)
     wrong = snippet + "\nlength: str = episode.metrics.distance_m\n"
     wrong += 'trundle.Navigator(None, "jackal", planner=MyController())\n'
     (tmp_path / "wrong.py").write_text(wrong)
     done = subprocess.run(
-        [sys.executable, "-m", *CHECKERS[checker], "right.py", "wrong.py"],
+        [sys.executable, "-m", *CHECKERS[checker], "right.py", "strict.py", "wrong.py"],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 import trundle
+from trundle.control import Controller, create_controller
 from trundle.costmap import Costmap
 from trundle.geometry import Goal, Pose2D, Twist2D
 from trundle.navigation import Agent, NavigationStatus
@@ -52,8 +53,10 @@ def drive(observation: Observation, estimate: Estimate, goal: Goal) -> Twist2D |
 
 mine = trundle.Navigator(None, "jackal", planner=MyPlanner, controller=MyController())
 mine = trundle.Navigator(None, "jackal", planner=MyPlanner(mine.robot), controller=MyController)
+made: Controller = create_controller(MyController(), mine.robot)
 check_planner(MyPlanner)
 check_controller(MyController)
+check_controller(MyController())
 check_agent(MyAgent)
 check_agent(drive)
 check_localizer(MyLocalizer)

@@ -30,9 +30,9 @@ def check_controller(controller: ControllerLike, *, robot: Robot | None = None) 
 
     Without a path it commands zero, after a reset too. It follows a straight and a bent path to their ends in an open
     room. In front of a wall it commands zero or raises `NoValidControlError`, and no other error. It returns finite
-    twists within the robot's speed limits, does not modify its arguments, is
-    deterministic, and shares no state with other controllers. It accepts a speed limit, which it obeys or leaves to the
-    navigator, and drops the limit when that is removed.
+    twists within the robot's speed limits, does not modify its arguments, is deterministic, and shares no state with
+    other controllers. It accepts a speed limit, which it obeys or leaves to the navigator, and drops the limit when
+    that is removed. Without `reset` or `set_speed_limit` it has the defaults of `Controller`.
 
     Args:
         controller: A controller in any of the ways of `ControllerLike`, or a function that makes one for a robot.
