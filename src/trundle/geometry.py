@@ -178,7 +178,7 @@ class Goal(tuple[float, ...]):
 
     def distance_to(self, other: Pose2D | Goal) -> float:
         """Distance [m] between the two positions."""
-        return math.hypot(other.x - self.x, other.y - self.y)
+        return self.pose.distance_to(other)
 
     def __getnewargs__(self) -> tuple[float, ...]:  # type: ignore[override]
         return tuple(self)
